@@ -1,0 +1,1 @@
+"""A UR arm with a Robotiq gripper in simulation, driven by real controllers."""

@@ -1,0 +1,1 @@
+"""The semantics of ros_control; knows no engine and no ROS."""

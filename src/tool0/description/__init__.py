@@ -1,0 +1,1 @@
+"""The robot as data: xacro, URDF, and the model they give."""

@@ -1,0 +1,339 @@
+"""The robot as frozen values: what a strict reading of a URDF gives.
+
+Lengths are [m], angles [rad], masses [kg], inertias [kg·m²], efforts [N·m] for a
+revolute joint and [N] for a prismatic one.  Frames are those of URDF and REP-103.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import final
+
+from tool0.errors import LimitsError, ModelError, SourceLocation, nearest_name
+
+Vector3 = tuple[float, float, float]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pose:
+    """A frame in its parent, as URDF's ``<origin>`` writes it."""
+
+    xyz: Vector3 = (0.0, 0.0, 0.0)
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+    """Fixed-axis roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inertial:
+    """Mass and inertia of a link."""
+
+    mass: float
+    origin: Pose = field(default_factory=Pose)
+    """The centre of mass and the axes of the inertia, in the link."""
+    ixx: float
+    ixy: float = 0.0
+    ixz: float = 0.0
+    iyy: float
+    iyz: float = 0.0
+    izz: float
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Box:
+    size: Vector3
+    """Full edge lengths."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cylinder:
+    """A cylinder about z, centred at its origin."""
+
+    radius: float
+    length: float
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sphere:
+    radius: float
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mesh:
+    uri: str
+    """As written: ``package://…``, ``file://…`` or a path."""
+    path: Path
+    """The file it resolves to; it exists."""
+    scale: Vector3 = (1.0, 1.0, 1.0)
+
+
+Geometry = Box | Cylinder | Sphere | Mesh
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Visual:
+    geometry: Geometry
+    origin: Pose = field(default_factory=Pose)
+    rgba: tuple[float, float, float, float] | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Collision:
+    geometry: Geometry
+    origin: Pose = field(default_factory=Pose)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surface:
+    """Contact of a link made for gripping, from ``<gazebo reference=…>``."""
+
+    mu1: float | None = None
+    mu2: float | None = None
+    kp: float | None = None
+    """Contact stiffness [N/m]."""
+    kd: float | None = None
+    """Contact damping [N·s/m]."""
+    min_depth: float | None = None
+    max_vel: float | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Link:
+    name: str
+    inertial: Inertial | None = None
+    visuals: tuple[Visual, ...] = ()
+    collisions: tuple[Collision, ...] = ()
+    surface: Surface | None = None
+    self_collide: bool | None = None
+    """``<gazebo reference><selfCollide>``; None if it says nothing."""
+
+
+class JointType(enum.Enum):
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    FIXED = "fixed"
+    FLOATING = "floating"
+    PLANAR = "planar"
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointLimits:
+    """What one joint may do.  Infinity means unlimited; NaN is rejected.
+
+    Units are [rad] and [N·m] for a revolute joint, [m] and [N] for a prismatic one.
+    """
+
+    lower: float = -math.inf
+    upper: float = math.inf
+    velocity: float = math.inf
+    """Largest speed in either direction, per second."""
+    effort: float = math.inf
+    """Largest effort in either direction."""
+
+    def __post_init__(self) -> None:
+        if not self.lower <= self.upper:
+            raise LimitsError(
+                f"lower limit {self.lower} is above upper limit {self.upper}"
+            )
+        if not (self.velocity > 0 and self.effort >= 0):
+            raise LimitsError(
+                f"need velocity > 0 and effort >= 0, "
+                f"got velocity {self.velocity}, effort {self.effort}"
+            )
+
+    def clamp(self, position: float) -> float:
+        """Return the allowed position nearest to ``position``."""
+        return min(max(position, self.lower), self.upper)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SafetyController:
+    """Soft limits, as URDF's ``<safety_controller>`` writes them."""
+
+    soft_lower_limit: float = -math.inf
+    soft_upper_limit: float = math.inf
+    k_position: float = 0.0
+    k_velocity: float = 0.0
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mimic:
+    """position = multiplier · position of ``joint`` + offset."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Joint:
+    name: str
+    type: JointType
+    parent: str
+    child: str
+    origin: Pose = field(default_factory=Pose)
+    axis: Vector3 = (1.0, 0.0, 0.0)
+    """Unit vector in the joint's frame."""
+    limits: JointLimits = field(default_factory=JointLimits)
+    damping: float = 0.0
+    friction: float = 0.0
+    mimic: Mimic | None = None
+    safety: SafetyController | None = None
+
+    @property
+    def is_movable(self) -> bool:
+        return self.type is not JointType.FIXED
+
+
+class Interface(enum.Enum):
+    """The command interface of a joint, named as in ros_control."""
+
+    EFFORT = "hardware_interface/EffortJointInterface"
+    POSITION = "hardware_interface/PositionJointInterface"
+    VELOCITY = "hardware_interface/VelocityJointInterface"
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Transmission:
+    """A motor that drives a joint: what makes the joint controllable."""
+
+    name: str
+    joint: str
+    interface: Interface
+    mechanical_reduction: float = 1.0
+    rotor_inertia: float = 0.0
+    """Inertia of the motor's rotor, at the motor [kg·m²]."""
+
+    @property
+    def armature(self) -> float:
+        """Rotor inertia as the joint feels it [kg·m²]."""
+        return self.rotor_inertia * self.mechanical_reduction**2
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParallelGripper:
+    """How a parallel gripper's opening follows from its driven joint.
+
+    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``: the pads ride
+    on parallelogram linkages, so that each moves on a circle.
+    """
+
+    name: str
+    joint: str
+    pad_offset: float
+    pad_cos: float
+    pad_sin: float
+    max_opening: float
+    speed: tuple[float, float]
+    """Slowest and fastest closing speed, between the pads [m/s]."""
+    force: tuple[float, float]
+    """Weakest and strongest grip, at each pad [N]."""
+
+    def opening(self, position: float) -> float:
+        """Return the distance between the pads [m] at joint ``position`` [rad]."""
+        return 2.0 * (
+            self.pad_offset
+            + self.pad_cos * math.cos(position)
+            + self.pad_sin * math.sin(position)
+        )
+
+    def position(self, opening: float) -> float:
+        """Return the joint position [rad] for ``opening`` [m], or raise ModelError."""
+        if not 0.0 <= opening <= self.max_opening:
+            raise ModelError(
+                f"opening {opening} m of gripper '{self.name}' is outside "
+                f"[0, {self.max_opening}] m"
+            )
+        radius = math.hypot(self.pad_cos, self.pad_sin)
+        phase = math.atan2(self.pad_sin, self.pad_cos)
+        return phase + math.acos((opening / 2.0 - self.pad_offset) / radius)
+
+    def lever(self, position: float) -> float:
+        """Return |d opening / d position| [m/rad]; torque = grip force · lever."""
+        return 2.0 * abs(
+            self.pad_sin * math.cos(position) - self.pad_cos * math.sin(position)
+        )
+
+
+@final
+@dataclass(frozen=True)
+class RobotModel:
+    """A tree of links and joints that was checked: it exists, so it is sound."""
+
+    name: str
+    root: str
+    links: tuple[Link, ...]
+    """In the order of the URDF."""
+    joints: tuple[Joint, ...]
+    """Depth first from the root, children in the order of the URDF."""
+    transmissions: tuple[Transmission, ...] = ()
+    grippers: tuple[ParallelGripper, ...] = ()
+    locations: dict[str, SourceLocation] = field(
+        default_factory=dict, compare=False, repr=False
+    )
+    """Where ``link:NAME`` and ``joint:NAME`` are written, for messages."""
+
+    @cached_property
+    def link_by_name(self) -> dict[str, Link]:
+        return {link.name: link for link in self.links}
+
+    @cached_property
+    def joint_by_name(self) -> dict[str, Joint]:
+        return {joint.name: joint for joint in self.joints}
+
+    @cached_property
+    def parent_joint(self) -> dict[str, Joint]:
+        """The joint above each link but the root."""
+        return {joint.child: joint for joint in self.joints}
+
+    @cached_property
+    def child_joints(self) -> dict[str, tuple[Joint, ...]]:
+        """The joints below each link."""
+        below: dict[str, list[Joint]] = {link.name: [] for link in self.links}
+        for joint in self.joints:
+            below[joint.parent].append(joint)
+        return {name: tuple(joints) for name, joints in below.items()}
+
+    @cached_property
+    def movable_joints(self) -> tuple[Joint, ...]:
+        return tuple(joint for joint in self.joints if joint.is_movable)
+
+    @cached_property
+    def transmission_by_joint(self) -> dict[str, Transmission]:
+        return {item.joint: item for item in self.transmissions}
+
+    def joint(self, name: str) -> Joint:
+        """Return the joint called ``name``, or raise ModelError."""
+        try:
+            return self.joint_by_name[name]
+        except KeyError:
+            hint = nearest_name(name, list(self.joint_by_name))
+            raise ModelError(f"unknown joint '{name}'{hint}") from None
+
+    def link(self, name: str) -> Link:
+        """Return the link called ``name``, or raise ModelError."""
+        try:
+            return self.link_by_name[name]
+        except KeyError:
+            hint = nearest_name(name, list(self.link_by_name))
+            raise ModelError(f"unknown link '{name}'{hint}") from None

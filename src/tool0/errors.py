@@ -1,0 +1,124 @@
+"""The whole error tree: everything that tool0 raises on purpose is a ``Tool0Error``.
+
+Tool0Error
+├── ModelError                  parameters no robot could have
+│   └── LimitsError
+├── DescriptionError            XML, YAML parameters or meshes unreadable
+├── ConfigError                 key unknown, missing or out of range
+├── EngineError
+│   ├── EngineUnavailableError  simulator not installed, or not answering
+│   └── DivergenceError         the physics state is not finite
+├── ControlError
+│   ├── ClaimError              two controllers want one joint
+│   └── GoalRejectedError       carries a reason; edges map it to ROS codes
+└── TransportError              a peer misbehaved, or an address is taken
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SourceLocation:
+    """Where in a person's file something stands."""
+
+    file: Path | None
+    """The file; None for text that did not come from a file."""
+    line: int | None = None
+    """Line number, counted from 1; None when it is not known."""
+
+    def __str__(self) -> str:
+        """Return ``file:line``, as compilers print it."""
+        name = "<string>" if self.file is None else str(self.file)
+        return name if self.line is None else f"{name}:{self.line}"
+
+
+class Tool0Error(Exception):
+    """Base of every error that tool0 raises on purpose."""
+
+
+class _LocatedError(Tool0Error):
+    """An error about something written in a file."""
+
+    def __init__(self, message: str, location: SourceLocation | None = None) -> None:
+        super().__init__(message if location is None else f"{location}: {message}")
+        self.message = message
+        self.location = location
+
+
+class ModelError(_LocatedError):
+    """Parameters that no robot could have."""
+
+
+class LimitsError(ModelError):
+    """Joint limits that contradict each other."""
+
+
+class DescriptionError(_LocatedError):
+    """XML, parameters or a mesh that cannot be read."""
+
+
+class ConfigError(_LocatedError):
+    """A setting that is unknown, missing or out of range."""
+
+
+class EngineError(Tool0Error):
+    """The physics engine failed."""
+
+
+class EngineUnavailableError(EngineError):
+    """The physics engine is not installed, or does not answer."""
+
+
+class DivergenceError(EngineError):
+    """The physics state is no longer finite."""
+
+    def __init__(self, joint: str, time: float) -> None:
+        super().__init__(
+            f"the state of joint '{joint}' is not finite at t = {time:.3f} s; "
+            "reset the simulation, and look for efforts or contacts without bound"
+        )
+        self.joint = joint
+        self.time = time
+
+
+class ControlError(Tool0Error):
+    """A request that the controller manager or a controller refuses."""
+
+
+class ClaimError(ControlError):
+    """Two controllers want one joint."""
+
+
+class GoalRejectedError(ControlError):
+    """A goal that a controller refuses; what ran before is untouched.
+
+    ``code`` is the one of control_msgs/FollowJointTrajectoryResult:
+    -1 INVALID_GOAL, -2 INVALID_JOINTS, -3 OLD_HEADER_TIMESTAMP.
+    """
+
+    INVALID_GOAL = -1
+    INVALID_JOINTS = -2
+    OLD_HEADER_TIMESTAMP = -3
+
+    def __init__(self, message: str, code: int = INVALID_GOAL) -> None:
+        super().__init__(message)
+        self.code = code
+
+
+class TransportError(Tool0Error):
+    """A peer misbehaved, is not there, or an address is taken."""
+
+
+def nearest_name(name: str, valid: tuple[str, ...] | list[str] | set[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` or a list of the valid names."""
+    import difflib
+
+    close = difflib.get_close_matches(name, sorted(valid), n=1, cutoff=0.6)
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    return f"; valid: {', '.join(sorted(valid)) or '(none)'}"

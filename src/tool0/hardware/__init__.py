@@ -1,0 +1,1 @@
+"""The narrow waist: joint state in, joint effort out, once per step."""
