@@ -1,0 +1,86 @@
+"""MuJoCo behind the Engine port."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import final
+
+import mujoco
+import numpy as np
+
+from tool0.description.model import RobotModel
+from tool0.engines.mujoco.model import build_spec
+from tool0.errors import DivergenceError, ModelError
+from tool0.hardware.joint_state import JointState
+
+
+@final
+class MujocoEngine:
+    """One robot in MuJoCo, on the ground, with explicit Euler steps."""
+
+    name = "mujoco"
+
+    def __init__(self, model: RobotModel, dt: float = 0.001) -> None:
+        spec = build_spec(model, dt=dt)
+        try:
+            self.model = spec.compile()
+        except ValueError as error:
+            raise ModelError(f"MuJoCo refuses the robot: {error}") from error
+        self.data = mujoco.MjData(self.model)
+        self._joint_names = tuple(joint.name for joint in model.movable_joints)
+        self._dt = dt
+        self._steps = 0
+        n = len(self._joint_names)
+        compiled = tuple(self.model.joint(i).name for i in range(self.model.njnt))
+        if compiled[:n] != self._joint_names:
+            raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")
+        # Views: the arrays of MjData never move.
+        self._position = self.data.qpos[:n]
+        self._velocity = self.data.qvel[:n]
+        self._effort = [0.0] * n
+        self._ctrl = self.data.ctrl
+        self._motors = [
+            self._joint_names.index(self.model.actuator(i).name)
+            for i in range(self.model.nu)
+        ]
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        return self._joint_names
+
+    @property
+    def dt(self) -> float:
+        return self._dt
+
+    def reset(self, position: Sequence[float]) -> None:
+        """Put the joints at ``position`` [rad | m], at rest, at time zero."""
+        mujoco.mj_resetData(self.model, self.data)
+        self._position[:] = position
+        self._effort = [0.0] * len(self._joint_names)
+        self._steps = 0
+
+    def read(self) -> JointState:
+        """Return the measured state, or raise DivergenceError."""
+        position, velocity = self._position.tolist(), self._velocity.tolist()
+        time = self._steps * self._dt
+        if not math.isfinite(sum(position) + sum(velocity)):
+            raise DivergenceError(self._first_not_finite(), time)
+        return JointState(time, position, velocity, self._effort)
+
+    def write(self, effort: Sequence[float]) -> None:
+        """Hold ``effort`` [N·m | N] until the next call."""
+        self._effort = list(effort)
+        self._ctrl[:] = [effort[i] for i in self._motors]
+
+    def step(self) -> None:
+        """Advance simulated time by ``dt``."""
+        mujoco.mj_step(self.model, self.data)
+        self._steps += 1
+
+    def close(self) -> None:
+        """Nothing to end: MuJoCo lives inside the process."""
+
+    def _first_not_finite(self) -> str:
+        finite = np.isfinite(self._position) & np.isfinite(self._velocity)
+        return self._joint_names[int(np.argmin(finite))]

@@ -1,0 +1,273 @@
+"""From the robot model to MuJoCo, through ``MjSpec``.
+
+Fixed links are merged into the body they ride on; link names live on as geom and site
+names.  ``<mimic>`` becomes a joint equality, ``<transmission>`` a motor, and a link
+with a declared ``<gazebo>`` surface gets the contact that grips.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from tool0.description.model import (
+    Box,
+    Collision,
+    Cylinder,
+    Geometry,
+    Joint,
+    JointType,
+    Link,
+    Mesh,
+    RobotModel,
+    Sphere,
+    Surface,
+    Visual,
+)
+from tool0.errors import ModelError
+from tool0.hardware.bodies import (
+    Matrix,
+    MovingBody,
+    fixed_to_world,
+    moving_bodies,
+    transform,
+)
+
+GRIP_SOLREF = (0.002, 1.0)
+"""Time constant [s] and damping ratio of pad contact: critically damped, two steps."""
+GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
+"""Impedance of pad contact.  With an elliptic cone and impratio 100 these hold a
+45 mm, 0.1 kg cube under shaking that MuJoCo's defaults drop (docs/architecture.md)."""
+IMPRATIO = 100.0
+MIMIC_SOLREF = (0.002, 1.0)
+"""As stiff as a step of 1 ms allows: mimic joints follow within the step."""
+MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
+
+_GRIP_CONDIM = 4  # sliding and spinning friction: a pad is a patch, not a point
+_VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
+
+
+def build_spec(
+    model: RobotModel, *, dt: float, visuals: bool = False, ground: bool = True
+) -> Any:  # MjSpec carries no types
+    """Return a ``mujoco.MjSpec`` of the robot.
+
+    Args:
+        model: The robot.
+        dt: Length of a step [s].
+        visuals: Whether to add the visual meshes, which physics does not need.
+        ground: Whether to lay a plane at z = 0.
+
+    Raises:
+        ModelError: If MuJoCo cannot have such a robot.
+    """
+    spec = mujoco.MjSpec()
+    spec.modelname = model.name
+    spec.compiler.degree = False
+    spec.compiler.autolimits = True
+    spec.option.timestep = dt
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = IMPRATIO
+    # A diverged state must be reported, not silently reset.
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    if ground:
+        spec.worldbody.add_geom(
+            name="ground",
+            type=mujoco.mjtGeom.mjGEOM_PLANE,
+            size=[0.0, 0.0, 0.05],
+            rgba=[0.85, 0.86, 0.88, 1.0],
+        )
+    for name, frame in fixed_to_world(model):
+        _add_shapes(spec, spec.worldbody, model.link(name), frame, visuals)
+    bodies = moving_bodies(model)
+    handles: list[Any] = []
+    for body in bodies:
+        parent = spec.worldbody if body.parent < 0 else handles[body.parent]
+        handles.append(_add_body(spec, parent, model, body, visuals))
+    for joint in model.movable_joints:
+        _add_coupling(spec, model, joint)
+    for first, second in _pairs_that_never_touch(model, bodies):
+        spec.add_exclude(bodyname1=first, bodyname2=second)
+    return spec
+
+
+def to_mjcf(model: RobotModel, *, dt: float = 0.001) -> str:
+    """Return the robot as MJCF, with its visual meshes by absolute path."""
+    spec = build_spec(model, dt=dt, visuals=True)
+    spec.compile()
+    return str(spec.to_xml())
+
+
+def _add_body(
+    spec: Any, parent: Any, model: RobotModel, body: MovingBody, visuals: bool
+) -> Any:
+    joint, inertia = body.joint, body.inertia
+    if not inertia.mass > 0.0:
+        raise ModelError(
+            f"link '{joint.child}' moves with joint '{joint.name}' but has no mass; "
+            "give it an <inertial>",
+            model.locations.get(f"link:{joint.child}"),
+        )
+    tensor = inertia.tensor
+    handle = parent.add_body(
+        name=joint.child,
+        pos=body.placement[:3, 3],
+        quat=_quat_wxyz(body.placement),
+        mass=inertia.mass,
+        ipos=inertia.center,
+        fullinertia=[
+            *np.diag(tensor),
+            tensor[0, 1],
+            tensor[0, 2],
+            tensor[1, 2],
+        ],
+        explicitinertial=True,
+    )
+    transmission = model.transmission_by_joint.get(joint.name)
+    limits = joint.limits
+    bounded = np.isfinite([limits.lower, limits.upper]).all()
+    hinge = handle.add_joint(
+        name=joint.name,
+        type=mujoco.mjtJoint.mjJNT_SLIDE
+        if joint.type is JointType.PRISMATIC
+        else mujoco.mjtJoint.mjJNT_HINGE,
+        axis=joint.axis,
+        range=[limits.lower, limits.upper] if bounded else [0.0, 0.0],
+        limited=bool(bounded),
+        frictionloss=joint.friction,
+        armature=transmission.armature if transmission else 0.0,
+    )
+    # One coefficient until mujoco 3.4; a polynomial in the speed since then.
+    linear = np.ndim(hinge.damping) == 0
+    hinge.damping = joint.damping if linear else [joint.damping, 0.0, 0.0]
+    if transmission is not None:
+        force = limits.effort
+        spec.add_actuator(
+            name=joint.name,
+            target=joint.name,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            ctrllimited=bool(np.isfinite(force)),
+            ctrlrange=[-force, force] if np.isfinite(force) else [0.0, 0.0],
+        )
+    for name, frame in body.links:
+        _add_shapes(spec, handle, model.link(name), frame, visuals)
+    return handle
+
+
+def _add_coupling(spec: Any, model: RobotModel, joint: Joint) -> None:
+    if joint.mimic is None:
+        return
+    mimic = joint.mimic
+    equality = spec.add_equality(
+        name=joint.name,
+        type=mujoco.mjtEq.mjEQ_JOINT,
+        objtype=mujoco.mjtObj.mjOBJ_JOINT,
+        name1=joint.name,
+        name2=mimic.joint,
+        solref=MIMIC_SOLREF,
+        solimp=MIMIC_SOLIMP,
+    )
+    polynomial = np.zeros_like(equality.data)
+    polynomial[:2] = mimic.offset, mimic.multiplier
+    equality.data = polynomial
+
+
+def _add_shapes(
+    spec: Any, handle: Any, link: Link, frame: Matrix, visuals: bool
+) -> None:
+    handle.add_site(name=link.name, pos=frame[:3, 3], quat=_quat_wxyz(frame), group=4)
+    for number, collision in enumerate(link.collisions):
+        geom = _add_geom(spec, handle, collision, frame)
+        geom.name = f"{link.name}/collision{number}"
+        geom.group = _COLLISION_GROUP
+        geom.mass = 0.0
+        if link.surface is not None:
+            _make_grip(geom, link.surface)
+    for number, visual in enumerate(link.visuals if visuals else ()):
+        geom = _add_geom(spec, handle, visual, frame)
+        geom.name = f"{link.name}/visual{number}"
+        geom.group = _VISUAL_GROUP
+        geom.mass = 0.0
+        geom.contype = geom.conaffinity = 0
+        if visual.rgba is not None:
+            geom.rgba = visual.rgba
+
+
+def _make_grip(geom: Any, surface: Surface) -> None:
+    geom.condim = _GRIP_CONDIM
+    geom.priority = 1
+    geom.solref = GRIP_SOLREF
+    geom.solimp = GRIP_SOLIMP
+    if surface.mu1 is not None:
+        geom.friction = [surface.mu1, 0.005, 0.0001]
+
+
+def _add_geom(spec: Any, handle: Any, shape: Collision | Visual, frame: Matrix) -> Any:
+    placed = frame @ transform(shape.origin)
+    geom = handle.add_geom(pos=placed[:3, 3], quat=_quat_wxyz(placed))
+    geometry: Geometry = shape.geometry
+    match geometry:
+        case Box():
+            geom.type = mujoco.mjtGeom.mjGEOM_BOX
+            geom.size = [edge / 2.0 for edge in geometry.size]
+        case Cylinder():
+            geom.type = mujoco.mjtGeom.mjGEOM_CYLINDER
+            geom.size = [geometry.radius, geometry.length / 2.0, 0.0]
+        case Sphere():
+            geom.type = mujoco.mjtGeom.mjGEOM_SPHERE
+            geom.size = [geometry.radius, 0.0, 0.0]
+        case Mesh():
+            geom.type = mujoco.mjtGeom.mjGEOM_MESH
+            geom.meshname = _add_mesh(spec, geometry)
+    return geom
+
+
+def _add_mesh(spec: Any, mesh: Mesh) -> str:
+    if mesh.path.suffix.lower() not in (".stl", ".obj", ".msh"):
+        raise ModelError(
+            f"MuJoCo cannot read the mesh {mesh.path}; convert it to STL or OBJ"
+        )
+    name = f"{mesh.path}:{mesh.scale}"
+    if spec.mesh(name) is None:
+        spec.add_mesh(name=name, file=str(mesh.path), scale=mesh.scale)
+    return name
+
+
+def _pairs_that_never_touch(
+    model: RobotModel, bodies: tuple[MovingBody, ...]
+) -> Iterator[tuple[str, str]]:
+    """Yield pairs of one mechanism's bodies whose shapes may overlap.
+
+    The links of a linkage share pivots, which a URDF tree cannot say.  Only links
+    made for gripping meet each other.
+    """
+
+    def mechanism(joint: Joint) -> str | None:
+        while joint.mimic is not None:
+            joint = model.joint_by_name[joint.mimic.joint]
+        return joint.name
+
+    masters = {j.mimic.joint for j in model.movable_joints if j.mimic is not None}
+    members = [
+        (body, mechanism(body.joint))
+        for body in bodies
+        if body.joint.mimic is not None or body.joint.name in masters
+    ]
+    for (first, one), (second, two) in itertools.combinations(members, 2):
+        if one == two and not (_grips(model, first) and _grips(model, second)):
+            yield first.joint.child, second.joint.child
+
+
+def _grips(model: RobotModel, body: MovingBody) -> bool:
+    return any(model.link(name).surface is not None for name, _ in body.links)
+
+
+def _quat_wxyz(frame: Matrix) -> Any:
+    quat = np.empty(4)
+    mujoco.mju_mat2Quat(quat, np.ascontiguousarray(frame[:3, :3]).ravel())
+    return quat

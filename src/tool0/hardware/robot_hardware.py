@@ -1,0 +1,178 @@
+"""Joint commands in, joint efforts out: interfaces, servos, limits and brakes.
+
+A joint is in one of three hands: its controller's, by effort; its controller's, by
+position or velocity through a servo; or the brake's, when nobody claims it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import final
+
+from tool0.description.model import Interface, JointLimits, RobotModel
+from tool0.errors import ModelError, nearest_name
+from tool0.hardware.joint_dynamics import JointDynamics
+from tool0.hardware.joint_state import JointState
+from tool0.hardware.limits import DriveLimits, EffortLimiter
+from tool0.hardware.servo import Brake, PositionServo, Servo, VelocityServo
+
+INERTIA_PERIOD = 64
+"""Steps after which the servos' gains follow the arm's pose: within 64 ms the fastest
+joint of an arm turns 0.2 rad."""
+
+
+@final
+class RobotHardware:
+    """The drives of the robot, as controllers see them.
+
+    Every sequence has shape (n_joints,), ordered as ``joint_names``.
+    """
+
+    def __init__(
+        self,
+        model: RobotModel,
+        joint_names: Sequence[str],
+        dt: float,
+        limits: Mapping[str, JointLimits] | None = None,
+    ) -> None:
+        """Build the drives.
+
+        Args:
+            model: The robot.
+            joint_names: The engine's joints, in its order.
+            dt: The engine's step [s].
+            limits: Limits that replace those of the URDF, by joint.
+        """
+        overrides = dict(limits or {})
+        for name in overrides:
+            if name not in model.transmission_by_joint:
+                hint = nearest_name(name, list(model.transmission_by_joint))
+                raise ModelError(f"limits given for undriven joint '{name}'{hint}")
+        self.joint_names = tuple(joint_names)
+        self.index = {name: i for i, name in enumerate(self.joint_names)}
+        self.interfaces = {
+            name: model.transmission_by_joint[name].interface
+            for name in self.joint_names
+            if name in model.transmission_by_joint
+        }
+        self.limits = {
+            name: overrides.get(name, model.joint_by_name[name].limits)
+            for name in self.interfaces
+        }
+        self.command = [0.0] * len(self.joint_names)
+        """What the claiming controllers want, in the unit of their interface."""
+        self._dt = dt
+        self._dynamics = JointDynamics(model)
+        movable = [self.index[joint.name] for joint in model.movable_joints]
+        self._to_model = movable
+        """Engine index of each of the model's movable joints."""
+        self._soft = {n: model.joint_by_name[n].safety for n in self.interfaces}
+        self._limiter = EffortLimiter(
+            [self.index[name] for name in self.interfaces],
+            [
+                DriveLimits(
+                    hard=self.limits[name],
+                    soft=self._soft[name],
+                    armature=model.transmission_by_joint[name].armature,
+                )
+                for name in self.interfaces
+            ],
+            dt,
+        )
+        self._is_stopped = False
+        self._steps = 0
+        self._inertia: list[float] = []
+        self._servos: dict[int, Servo] = {}
+        self._direct: list[int] = []
+        self._claimed: set[str] = set()
+        self.brake_all()
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the emergency stop is engaged."""
+        return self._is_stopped
+
+    def brake_all(self) -> None:
+        """Drop every servo's memory and hold every unclaimed joint from now on."""
+        for name in self.interfaces:
+            if name not in self._claimed:
+                self._servos[self.index[name]] = Brake()
+        self._inertia = []
+
+    def claim(self, joints: Sequence[str], state: JointState) -> None:
+        """Hand ``joints`` to a controller, holding still until its first command."""
+        for name in joints:
+            i, interface = self.index[name], self.interfaces[name]
+            self._claimed.add(name)
+            self.command[i] = (
+                state.position[i] if interface is Interface.POSITION else 0.0
+            )
+            self._engage(name, state.position[i])
+        self._inertia = []
+
+    def release(self, joints: Sequence[str], state: JointState) -> None:
+        """Take ``joints`` back: the brakes hold them."""
+        for name in joints:
+            self._claimed.discard(name)
+            self._engage(name, state.position[self.index[name]])
+        self._inertia = []
+
+    def emergency_stop(self, engaged: bool, state: JointState) -> None:
+        """Brake every joint whoever claims it, or give the joints back."""
+        self._is_stopped = engaged
+        for name in self.interfaces:
+            i = self.index[name]
+            if name in self._claimed and self.interfaces[name] is Interface.POSITION:
+                self.command[i] = state.position[i]
+            self._engage(name, state.position[i])
+        self._inertia = []
+
+    def cap_effort(self, joint: str, effort: float | None) -> None:
+        """Bound the effort of ``joint`` below its limit; None lifts the bound."""
+        self._limiter.cap(self.index[joint], effort)
+
+    def efforts(self, state: JointState) -> list[float]:
+        """Return what the drives apply during the next step [N·m | N]."""
+        effort = [0.0] * len(self.joint_names)
+        command = self.command
+        for i in self._direct:
+            effort[i] = command[i]
+        if self._servos:
+            self._serve(effort, state)
+        self._limiter.saturate(effort, state.position, state.velocity)
+        return effort
+
+    def _engage(self, name: str, position: float) -> None:
+        """Put the joint into the hands that its claim and its interface call for."""
+        i, interface = self.index[name], self.interfaces[name]
+        self._servos.pop(i, None)
+        if name not in self._claimed or self._is_stopped:
+            self._servos[i] = Brake()
+        elif interface is Interface.POSITION:
+            self._servos[i] = PositionServo(
+                position, self.limits[name], self._soft[name]
+            )
+        elif interface is Interface.VELOCITY:
+            self._servos[i] = VelocityServo(self.limits[name], self._soft[name])
+        self._direct = [
+            self.index[joint]
+            for joint in self.interfaces
+            if self.index[joint] not in self._servos
+        ]
+
+    def _serve(self, effort: list[float], state: JointState) -> None:
+        position = [state.position[i] for i in self._to_model]
+        if not self._inertia or self._steps % INERTIA_PERIOD == 0:
+            inertia = self._dynamics.inertia(position)
+            self._inertia = [0.0] * len(effort)
+            for i, value in zip(self._to_model, inertia, strict=True):
+                self._inertia[i] = value
+        self._steps += 1
+        gravity = self._dynamics.gravity_effort(position)
+        for i, load in zip(self._to_model, gravity, strict=True):
+            servo = self._servos.get(i)
+            if servo is not None:
+                wanted = servo.acceleration(
+                    self.command[i], state.position[i], state.velocity[i], self._dt
+                )
+                effort[i] = load + self._inertia[i] * wanted

@@ -1,0 +1,98 @@
+"""Position and velocity interfaces, and the brake: servos on top of effort.
+
+Gazebo's position interface teleports the joint unless gains are given; ours never
+does.  Effort is gravity's load plus a PD law on the joint's own inertia, so that every
+joint answers alike whatever hangs on it, plus a slow integral against payloads.
+"""
+
+from __future__ import annotations
+
+from typing import final
+
+from tool0.description.model import JointLimits, SafetyController
+from tool0.hardware.limits import velocity_window
+
+BANDWIDTH = 80.0
+"""Natural frequency of a servo [rad/s]: 1 kHz steps are 12 times shorter."""
+DAMPING_RATIO = 1.0
+INTEGRAL_RATE = 4.0
+"""How fast a constant disturbance is taken over by the integral [1/s]."""
+STANDSTILL = 0.02
+"""Slowest motion that a brake does not call rest [rad/s | m/s]."""
+
+
+@final
+class PositionServo:
+    """Drives one joint to a position, no faster than its limits allow."""
+
+    def __init__(
+        self,
+        position: float,
+        limits: JointLimits,
+        soft: SafetyController | None = None,
+    ) -> None:
+        self._limits = limits
+        self._soft = soft
+        self._target = limits.clamp(position)
+        self._integral = 0.0  # [1/s²], an acceleration
+
+    def acceleration(
+        self, command: float, position: float, velocity: float, dt: float
+    ) -> float:
+        """Return what to ask of the joint [rad/s² | m/s²] for ``command``."""
+        previous = self._target
+        slowest, fastest = velocity_window(previous, self._limits, self._soft)
+        step = min(max(command - previous, slowest * dt), fastest * dt)
+        self._target = target = self._limits.clamp(previous + step)
+        error = target - position
+        self._integral += BANDWIDTH**2 * INTEGRAL_RATE * error * dt
+        speed_error = (target - previous) / dt - velocity
+        return (
+            BANDWIDTH**2 * error
+            + 2.0 * DAMPING_RATIO * BANDWIDTH * speed_error
+            + self._integral
+        )
+
+
+@final
+class VelocityServo:
+    """Drives one joint at a velocity."""
+
+    def __init__(
+        self, limits: JointLimits, soft: SafetyController | None = None
+    ) -> None:
+        self._limits = limits
+        self._soft = soft
+        self._integral = 0.0  # [rad/s² | m/s²]
+
+    def acceleration(
+        self, command: float, position: float, velocity: float, dt: float
+    ) -> float:
+        """Return what to ask of the joint [rad/s² | m/s²] for ``command``."""
+        slowest, fastest = velocity_window(position, self._limits, self._soft)
+        error = min(max(command, slowest), fastest) - velocity
+        gain = 2.0 * DAMPING_RATIO * BANDWIDTH
+        self._integral += gain * INTEGRAL_RATE * error * dt
+        return gain * error + self._integral
+
+
+@final
+class Brake:
+    """Slows one joint to rest and then keeps it where it came to rest."""
+
+    def __init__(self) -> None:
+        self._hold: tuple[PositionServo, float] | None = None
+
+    def acceleration(
+        self, command: float, position: float, velocity: float, dt: float
+    ) -> float:
+        """Return what stops the joint [rad/s² | m/s²]; ``command`` is not read."""
+        if self._hold is None:
+            if abs(velocity) > STANDSTILL:
+                return -2.0 * DAMPING_RATIO * BANDWIDTH * velocity
+            self._hold = PositionServo(position, JointLimits()), position
+        servo, held_at = self._hold
+        return servo.acceleration(held_at, position, velocity, dt)
+
+
+Servo = PositionServo | VelocityServo | Brake
