@@ -1,0 +1,1 @@
+"""Low-poly meshes and collision primitives, drawn from a few parameters."""

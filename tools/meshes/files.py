@@ -1,0 +1,92 @@
+"""Shapes on disk: binary STL files, and the YAML that the xacro files read."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .model import Cylinder, LinkShape, ModelShape, Primitive
+from .solid import Solid
+
+HEADER = b"tool0 mesh, metres, in the link's frame".ljust(80)
+PACKAGE = "package://tool0_description"
+_TRIANGLE = np.dtype(
+    [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
+)
+
+
+def write_model(model: ModelShape, package: Path) -> list[Path]:
+    """Write a model's meshes and parameters below ``package``; return the files."""
+    folder = package / "meshes" / model.name / "visual"
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for link, shape in model.links.items():
+        for material, solids in shape.visual.items():
+            file = folder / mesh_name(link, material)
+            file.write_bytes(stl(solids))
+            written.append(file)
+    parameters = package / "config" / model.name / "visual_parameters.yaml"
+    parameters.parent.mkdir(parents=True, exist_ok=True)
+    parameters.write_text(visual_parameters(model), encoding="utf-8")
+    return [*written, parameters]
+
+
+def mesh_name(link: str, material: str) -> str:
+    """Return the name of the file that holds one material of one link."""
+    return f"{link}_{material}.stl"
+
+
+def stl(solids: Iterable[Solid]) -> bytes:
+    """Return solids as one binary STL file."""
+    corners = np.concatenate([solid.corners for solid in solids])
+    a, b, c = corners.transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    triangles = np.zeros(len(corners), dtype=_TRIANGLE)
+    triangles["normal"] = np.round(normals, 4) + 0.0  # no last-bit noise, no -0.0
+    triangles["corners"] = corners
+    return HEADER + struct.pack("<I", len(corners)) + triangles.tobytes()
+
+
+def visual_parameters(model: ModelShape) -> str:
+    """Return the text of a model's ``visual_parameters.yaml``."""
+    lines = [
+        "# What the links look like and where they can be touched, in the links' own",
+        "# frames [m, rad]. Written by tools/make_meshes.py: change the shapes there.",
+        "materials:  # red, green, blue, alpha",
+    ]
+    lines += [f"  {name}: {_list(rgba)}" for name, rgba in model.materials.items()]
+    lines.append("links:")
+    for link, shape in model.links.items():
+        lines += [f"  {link}:", *_link(model.name, link, shape)]
+    return "\n".join(lines) + "\n"
+
+
+def _link(model: str, link: str, shape: LinkShape) -> Iterable[str]:
+    yield "    visual:"
+    for material in shape.visual:
+        mesh = f"{PACKAGE}/meshes/{model}/visual/{mesh_name(link, material)}"
+        yield f'      - {{mesh: "{mesh}", material: {material}}}'
+    yield "    collision:"
+    for primitive in shape.collision:
+        pose = f"xyz: {_list(primitive.xyz)}, rpy: {_list(primitive.rpy)}"
+        yield f"      - {{{_geometry(primitive)}, {pose}}}"
+
+
+def _geometry(primitive: Primitive) -> str:
+    if isinstance(primitive, Cylinder):
+        radius, length = _number(primitive.radius), _number(primitive.length)
+        return f"cylinder: {{radius: {radius}, length: {length}}}"
+    return f"box: {{size: {_list(primitive.size)}}}"
+
+
+def _list(values: Sequence[float]) -> str:
+    return f"[{', '.join(_number(value) for value in values)}]"
+
+
+def _number(value: float) -> str:
+    """Return a length to the micrometre, an angle to the microradian, as YAML."""
+    return str(round(value, 6) + 0.0)
