@@ -1,0 +1,137 @@
+"""Where a running bringup is reached: one socket file per name."""
+
+from __future__ import annotations
+
+import os
+import re
+import socket
+import stat
+import tempfile
+from pathlib import Path
+from typing import IO, final
+
+from tool0.errors import TransportError
+
+DEFAULT_NAME = "tool0"
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+_MAX_PATH = 103
+"""Bytes that fit sockaddr_un on Linux (107) and on macOS (103), unix(7)."""
+
+
+def check_supported() -> None:
+    """Raise TransportError where the platform has no Unix sockets."""
+    if not hasattr(socket, "AF_UNIX"):
+        raise TransportError(
+            "remote access needs Unix sockets, which Python lacks on this platform; "
+            "run `tool0 bringup --no-remote`, or use the Python API in one process"
+        )
+
+
+def folders() -> tuple[Path, ...]:
+    """Return the folders where sockets may be, the preferred one first.
+
+    ``XDG_RUNTIME_DIR`` is private to the person and emptied at logout; where it is
+    missing (a container, cron, su) a folder of mode 0700 stands in.
+    """
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    fallback = Path(tempfile.gettempdir()) / f"tool0-{os.getuid()}"
+    if runtime and Path(runtime).is_absolute():
+        return (Path(runtime) / "tool0", fallback)
+    return (fallback,)
+
+
+def socket_path(folder: Path, name: str) -> Path:
+    """Return the socket file of ``name``, or raise TransportError for a bad name."""
+    if not _NAME.fullmatch(name):
+        raise TransportError(
+            f"a bringup cannot be named '{name}': use up to 64 letters, digits, "
+            "'_', '-' and '.', a letter or digit first"
+        )
+    path = folder / f"{name}.sock"
+    if len(os.fsencode(path)) > _MAX_PATH:
+        raise TransportError(
+            f"the socket path {path} is longer than {_MAX_PATH} bytes; "
+            "use a shorter --name, or set XDG_RUNTIME_DIR to a shorter folder"
+        )
+    return path
+
+
+def running_names() -> tuple[str, ...]:
+    """Return the names whose socket file exists; one may be of a dead process."""
+    found = {path.stem for folder in folders() for path in folder.glob("*.sock")}
+    return tuple(sorted(found))
+
+
+@final
+class Claim:
+    """A name that this process holds alone, until it closes or dies.
+
+    The kernel drops the lock with the process, however it ends: what a dead process
+    left behind is never in the way, and a live one is never pushed aside.
+    """
+
+    def __init__(self, name: str) -> None:
+        check_supported()
+        self.name = name
+        self.path = socket_path(_usable_folder(), name)
+        self._lock_path = self.path.with_suffix(".lock")
+        self._lock = _locked_file(self._lock_path, name)
+        self.path.unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """Remove the files and let the name go; closing twice is allowed."""
+        if not self._lock.closed:
+            self.path.unlink(missing_ok=True)
+            self._lock_path.unlink(missing_ok=True)
+            self._lock.close()
+
+
+def _usable_folder() -> Path:
+    """Return the first folder that is ours alone, making it if need be."""
+    problem = ""
+    for folder in folders():
+        try:
+            folder.mkdir(mode=0o700, exist_ok=True)
+            status = folder.lstat()
+        except OSError as error:
+            problem = f"{folder}: {error.strerror}"
+            continue
+        if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid():
+            problem = f"{folder} is not a folder of this user"
+        elif status.st_mode & 0o077:
+            problem = f"{folder} is open to other users; run: chmod 700 {folder}"
+        elif not os.access(folder, os.W_OK | os.X_OK):
+            problem = f"{folder} cannot be written"
+        else:
+            return folder
+    raise TransportError(f"no private folder for the socket: {problem}")
+
+
+def _locked_file(path: Path, name: str) -> IO[str]:
+    """Return the lock file, locked and holding our process id."""
+    import fcntl  # not on Windows, where check_supported has spoken before
+
+    while True:
+        file = path.open("a+", encoding="ascii")
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.seek(0)
+            pid = file.read().strip() or "unknown"
+            file.close()
+            raise TransportError(
+                f"another bringup named '{name}' is running (pid {pid}); "
+                "stop it or use --name"
+            ) from None
+        # Its last owner may have unlinked the file between our open and our lock.
+        try:
+            is_current = path.stat().st_ino == os.fstat(file.fileno()).st_ino
+        except FileNotFoundError:
+            is_current = False
+        if is_current:
+            break
+        file.close()
+    file.truncate(0)
+    file.write(f"{os.getpid()}\n")
+    file.flush()
+    return file
