@@ -8,7 +8,6 @@ The numbers below are proportions, so that any arm of the family can be drawn.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
 from .arm_parameters import ArmParameters
 from .model import Cylinder, LinkShape, ModelShape, Primitive, Vector
@@ -16,7 +15,7 @@ from .solid import Solid, rounded, turned
 
 MATERIALS = {
     "grey": (0.78, 0.79, 0.80, 1.0),
-    "blue": (0.43, 0.62, 0.76, 1.0),
+    "blue": (0.45, 0.62, 0.74, 1.0),
     "black": (0.12, 0.12, 0.13, 1.0),
 }
 GAP = 0.004
@@ -79,7 +78,7 @@ def _base(arm: ArmParameters) -> LinkShape:
 def _shoulder(arm: ArmParameters) -> LinkShape:
     """An upright housing with its lid on top, and a neck towards the upper arm."""
     radius, drop = arm.shoulder_radius, _shoulder_drop(arm)
-    neck, reach = 0.94 * radius, arm.shoulder_offset / 2 - GAP
+    neck, reach = 0.97 * radius, arm.shoulder_offset / 2 - GAP
     housing, lid, shadow = _housing(radius, -drop, 0.86 * radius, "+z")
     return LinkShape(
         visual={
@@ -120,7 +119,6 @@ def _upper_arm(arm: ArmParameters) -> LinkShape:
                 near_shadow,
                 far_shadow,
                 _ring(r_elbow, -elbow_face - GAP, "-z", at=elbow),
-                *_clamps(arm.a2, (tube, tube), (r_shoulder, r_elbow), z),
             ),
         },
         collision=(
@@ -151,7 +149,6 @@ def _forearm(arm: ArmParameters) -> LinkShape:
             "black": (
                 shadow,
                 _ring(wrist, wrist_face - GAP, "+z", at=end),
-                *_clamps(arm.a3, radii, (bend, wrist), z),
             ),
         },
         collision=(
@@ -195,13 +192,13 @@ def _wrist(neck: float, face: float, radius: float, axis: str) -> LinkShape:
 def _wrist_3(arm: ArmParameters) -> LinkShape:
     """The tool flange and its socket; the mounting face is the plane z = 0."""
     low, radius = _flange_face(arm) - arm.d6, arm.flange_radius
-    step, bolt = 0.25 * low, 0.84 * radius
+    step, boss = 0.15 * low, 0.84 * radius
     body = rounded(radius, low, step, above=0.06 * radius)
     plug = 0.16 * radius
     bolts = tuple(
         turned(
             rounded(0.09 * radius, low / 2, -0.0002),
-            at=(0.63 * radius * sx, 0.63 * radius * sy, 0.0),
+            at=(0.47 * radius * sx, 0.47 * radius * sy, 0.0),
             segments=8,
         )
         for sx in (-1, 1)
@@ -209,7 +206,7 @@ def _wrist_3(arm: ArmParameters) -> LinkShape:
     )
     return LinkShape(
         visual={
-            "grey": (turned([*body, (bolt, step), *rounded(bolt, step, -0.0005)]),),
+            "grey": (turned([*body, (boss, step), (boss, -0.0005)]),),
             "black": (
                 turned(
                     rounded(plug, 0.0, radius + plug, above=0.3 * plug),
@@ -250,13 +247,13 @@ def _housing(
             axis=axis,
             at=at,
         ),
-        turned(rounded(0.95 * radius, high, high + seam), axis=axis, at=at),
+        turned(rounded(0.97 * radius, high, high + seam), axis=axis, at=at),
     )
 
 
 def _ring(radius: float, low: float, axis: str, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
     """Return the dark ring that fills a joint's gap."""
-    return turned(rounded(0.95 * radius, low, low + GAP), axis=axis, at=at)
+    return turned(rounded(0.98 * radius, low, low + GAP), axis=axis, at=at)
 
 
 def _flared(radius: float, low: float, high: float) -> list[tuple[float, float]]:
@@ -279,24 +276,12 @@ def _tube(
     profile = [
         (1.12 * r0, 0.0),
         (1.12 * r0, 1.15 * h0),
-        (1.06 * r0, 1.3 * h0),
-        (r0, 1.3 * h0 + GAP),
-        (r1, length - 1.3 * h1 - GAP),
-        (1.06 * r1, length - 1.3 * h1),
+        (r0, 1.3 * h0),
+        (r1, length - 1.3 * h1),
         (1.12 * r1, length - 1.15 * h1),
         (1.12 * r1, length),
     ]
     return turned(profile, axis="-x", at=(0.0, 0.0, z))
-
-
-def _clamps(
-    length: float, radii: tuple[float, float], housings: tuple[float, float], z: float
-) -> Iterable[Solid]:
-    """Return the dark seams between a tube and its collars."""
-    (r0, r1), (h0, h1) = radii, housings
-    for radius, at in ((r0, 1.3 * h0), (r1, length - 1.3 * h1 - GAP / 2)):
-        seam = rounded(1.03 * radius, at, at + GAP / 2)
-        yield turned(seam, axis="-x", at=(0.0, 0.0, z))
 
 
 def _cylinder(

@@ -13,7 +13,7 @@ from .model import Box, Cylinder, LinkShape, ModelShape, Vector
 from .solid import Circle, Solid, block, plate, rounded, turned
 
 MATERIALS = {
-    "black": (0.13, 0.13, 0.14, 1.0),
+    "black": (0.16, 0.16, 0.17, 1.0),
     "grey": (0.42, 0.43, 0.45, 1.0),
     "metal": (0.70, 0.71, 0.72, 1.0),
     "rubber": (0.24, 0.24, 0.25, 1.0),
@@ -39,7 +39,9 @@ TONGUE = 0.0062
 """Half the thickness of a bar held in a fork [m]."""
 FORK = (0.0066, 0.0110)
 """Inner and outer face of a fork's prong, from the plane of symmetry [m]."""
-CHEEK = (0.0118, 0.0185)
+PRONG = (0.0072, 0.0118)
+"""The same for the outer finger, which is the widest part of a finger [m]."""
+CHEEK = (0.0122, 0.0185)
 """Inner and outer face of the body's cheeks [m]."""
 
 
@@ -119,19 +121,19 @@ def _outer_knuckle() -> LinkShape:
 def _outer_finger() -> LinkShape:
     """The coupler: it is fixed to the crank and forks around the inner finger."""
     foot, tip = (0.0, 0.0, 0.0082), (*OUTER_FINGER, 0.0061)
-    waist = (OUTER_FINGER[0] * 0.35, OUTER_FINGER[1] * 0.45, 0.0068)
+    waist = (OUTER_FINGER[0] * 0.45, OUTER_FINGER[1] * 0.45, 0.0062)
     return LinkShape(
         visual={
             "black": (
-                plate([foot, waist], x=(-CHEEK[0], CHEEK[0]), chamfer=0.001),
-                *_both([waist, tip], (0.0072, CHEEK[0]), chamfer=0.001),
+                plate([foot, waist], x=(-PRONG[1] + 0.001, PRONG[1] - 0.001)),
+                *_both([foot, tip], PRONG, chamfer=0.001),
             ),
             "metal": (
-                _pin((0.0, 0.0), CHEEK[0] + 0.0008, 0.0036),
-                _pin(OUTER_FINGER, CHEEK[0] + 0.0008, 0.0034),
+                _pin((0.0, 0.0), PRONG[1] + 0.0006, 0.0036),
+                _pin(OUTER_FINGER, PRONG[1] + 0.0006, 0.0034),
             ),
         },
-        collision=(_bar(OUTER_FINGER, 0.0, 0.0, 0.0122, 2 * CHEEK[0]),),
+        collision=(_bar(OUTER_FINGER, 0.0, 0.0, 0.0122, 2 * PRONG[1]),),
     )
 
 
@@ -153,7 +155,7 @@ def _inner_knuckle() -> LinkShape:
 def _inner_finger() -> LinkShape:
     """The fingertip: a fork below, on two pins, and a back for the pad above."""
     pin = (*INNER_PIN, 0.0066)
-    pad_back = PAD[1 - 1] + PAD_SIZE[1] / 2
+    pad_back = PAD[0] + PAD_SIZE[1] / 2
     low, high = PAD[1] - PAD_SIZE[2] / 2, PAD[1] + PAD_SIZE[2] / 2
     tongue: list[Circle] = [(0.0, 0.0, 0.0058), (pad_back + 0.0085, low, 0.0050)]
     back: list[Circle] = [
@@ -163,14 +165,12 @@ def _inner_finger() -> LinkShape:
         (pad_back + 0.0040, high - 0.0030, 0.0030),
     ]
     prong: list[Circle] = [pin, (pad_back + 0.0035, low + 0.0040, 0.0033)]
-    web: list[Circle] = [(0.0, 0.0, 0.0052), pin]
     return LinkShape(
         visual={
             "black": (
                 plate(tongue, x=(-TONGUE, TONGUE)),
                 plate(back, x=(-FORK[1], FORK[1]), chamfer=0.0008),
-                *_both(prong, FORK),
-                *_both(web, (FORK[0], 0.0070)),
+                *_both(prong, (FORK[0], FORK[1] - 0.0004)),
             ),
             "metal": (_pin(INNER_PIN, FORK[1] + 0.0008, 0.0034),),
         },
@@ -209,7 +209,7 @@ def _both(
 
 def _pin(at: tuple[float, float], half_length: float, radius: float) -> Solid:
     profile = rounded(radius, -half_length, half_length)
-    return turned(profile, axis="+x", at=(0.0, *at), segments=16)
+    return turned(profile, axis="+x", at=(0.0, *at), segments=14)
 
 
 def _bar(

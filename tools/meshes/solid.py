@@ -75,7 +75,7 @@ def plate(
     *,
     x: tuple[float, float],
     chamfer: float = 0.0005,
-    segments: int = 24,
+    segments: int = 16,
 ) -> Solid:
     """Return the hull of circles in the y-z plane, as thick as ``x`` [m] says."""
     low, high = x
@@ -128,17 +128,19 @@ def rounded(
     if below:
         profile = [
             (radius - below * (1 - math.sin(t)), low + below * (1 - math.cos(t)))
-            for t in _quarter()
+            for t in _quarter(below)
         ]
     if not above:
         return [*profile, (radius, high)]
     return profile + [
         (radius - above * (1 - math.cos(t)), high - above * (1 - math.sin(t)))
-        for t in _quarter()
+        for t in _quarter(above)
     ]
 
 
-def _quarter(steps: int = 3) -> list[float]:
+def _quarter(radius: float) -> list[float]:
+    """Return the angles of a quarter turn: a small rounding is but a chamfer."""
+    steps = 3 if radius > 0.003 else 1
     return [math.pi / 2 * step / steps for step in range(steps + 1)]
 
 
