@@ -1,1 +1,52 @@
-"""A UR arm with a Robotiq gripper in simulation, driven by real controllers."""
+"""A UR arm with a Robotiq gripper in simulation, driven by real controllers.
+
+Importing this package starts nothing and imports no simulator: the names below are
+loaded when they are first used.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tool0.control.goal import GoalResult, GoalStatus, GripperResult
+    from tool0.control.trajectory import TrajectoryPoint
+    from tool0.errors import GoalRejectedError, Tool0Error
+    from tool0.runtime.bringup import bringup
+    from tool0.runtime.robot import Robot
+
+__all__ = [
+    "GoalRejectedError",
+    "GoalResult",
+    "GoalStatus",
+    "GripperResult",
+    "Robot",
+    "Tool0Error",
+    "TrajectoryPoint",
+    "bringup",
+]
+
+_HOMES = {
+    "GoalRejectedError": "tool0.errors",
+    "GoalResult": "tool0.control.goal",
+    "GoalStatus": "tool0.control.goal",
+    "GripperResult": "tool0.control.goal",
+    "Robot": "tool0.runtime.robot",
+    "Tool0Error": "tool0.errors",
+    "TrajectoryPoint": "tool0.control.trajectory",
+    "bringup": "tool0.runtime.bringup",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'tool0' has no attribute '{name}'")
+    from importlib import import_module
+
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -10,7 +10,8 @@ Tool0Error
 │   └── DivergenceError         the physics state is not finite
 ├── ControlError
 │   ├── ClaimError              two controllers want one joint
-│   └── GoalRejectedError       carries a reason; edges map it to ROS codes
+│   ├── GoalRejectedError       carries a reason; edges map it to ROS codes
+│   └── GoalTimeoutError        a goal is still active; a TimeoutError too
 └── TransportError              a peer misbehaved, or an address is taken
 """
 
@@ -108,6 +109,10 @@ class GoalRejectedError(ControlError):
     def __init__(self, message: str, code: int = INVALID_GOAL) -> None:
         super().__init__(message)
         self.code = code
+
+
+class GoalTimeoutError(ControlError, TimeoutError):
+    """A goal was still active when the wait for it ended."""
 
 
 class TransportError(Tool0Error):

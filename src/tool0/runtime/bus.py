@@ -1,0 +1,136 @@
+"""The one way out: frozen snapshots, of which a reader gets the newest, and events."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from dataclasses import dataclass
+from typing import final
+
+from tool0.control.goal import Goal
+from tool0.control.manager import ControllerStatus
+
+EVENTS_KEPT = 1000
+"""Events that a subscriber may fall behind before it loses the oldest."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Snapshot:
+    """The whole robot at one instant.
+
+    ``position``, ``velocity`` and ``effort`` have shape (n_joints,), ordered as
+    ``joint_names``: [rad | m], [rad/s | m/s], [N·m | N].
+    """
+
+    time: float
+    """Simulated time [s]."""
+    tick: int
+    joint_names: tuple[str, ...]
+    position: tuple[float, ...]
+    velocity: tuple[float, ...]
+    effort: tuple[float, ...]
+    controllers: tuple[ControllerStatus, ...]
+    is_paused: bool
+    is_stopped: bool
+    """Whether the emergency stop is engaged."""
+    real_time_factor: float
+    """Simulated per wall second, over about the last second."""
+    overruns: int
+    """Ticks that began more than one control period late, since the start."""
+    fault: str | None = None
+    """Why the simulation stands still, until it is reset."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class GoalFinished:
+    goal: Goal
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Overran:
+    """Real time was missed during the last second of wall time."""
+
+    count: int
+    time: float
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Faulted:
+    message: str
+    time: float
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class WasReset:
+    """Time is zero again."""
+
+
+Event = GoalFinished | Overran | Faulted | WasReset
+
+
+@final
+class Subscription:
+    """What one reader has not yet seen."""
+
+    def __init__(self, bus: Bus) -> None:
+        self._bus = bus
+        self._seen: Snapshot | None = None
+        self.events: deque[Event] = deque(maxlen=EVENTS_KEPT)
+
+    def next(self, timeout: float | None = None) -> Snapshot | None:
+        """Wait for a snapshot newer than the last one; None after ``timeout``."""
+        newer = self._bus.newer_than(self._seen, timeout)
+        if newer is not None:
+            self._seen = newer
+        return newer
+
+    def close(self) -> None:
+        self._bus.forget(self)
+
+
+@final
+class Bus:
+    """Keeps the newest snapshot.  Publishing never waits for a reader."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._latest: Snapshot | None = None
+        self._subscriptions: tuple[Subscription, ...] = ()
+
+    @property
+    def latest(self) -> Snapshot | None:
+        return self._latest
+
+    def subscribe(self) -> Subscription:
+        subscription = Subscription(self)
+        with self._changed:
+            self._subscriptions = (*self._subscriptions, subscription)
+        return subscription
+
+    def forget(self, subscription: Subscription) -> None:
+        with self._changed:
+            self._subscriptions = tuple(
+                other for other in self._subscriptions if other is not subscription
+            )
+
+    def publish(self, snapshot: Snapshot) -> None:
+        with self._changed:
+            self._latest = snapshot
+            self._changed.notify_all()
+
+    def announce(self, event: Event) -> None:
+        for subscription in self._subscriptions:
+            subscription.events.append(event)
+
+    def newer_than(
+        self, seen: Snapshot | None, timeout: float | None
+    ) -> Snapshot | None:
+        """Return a snapshot other than ``seen``, or None after ``timeout`` [s]."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._latest is not seen, timeout)
+            return None if self._latest is seen else self._latest

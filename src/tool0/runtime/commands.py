@@ -1,0 +1,159 @@
+"""What an edge may ask of the loop: one frozen value per request."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import final
+
+from tool0.control.goal import Goal
+from tool0.control.manager import Strictness
+from tool0.control.trajectory import TrajectoryGoal
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LoadController:
+    name: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class UnloadController:
+    name: str
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SwitchControllers:
+    start: tuple[str, ...] = ()
+    stop: tuple[str, ...] = ()
+    strictness: Strictness = Strictness.STRICT
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FollowTrajectory:
+    """A goal with an outcome, as ROS's action takes it."""
+
+    controller: str
+    goal: TrajectoryGoal
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandTrajectory:
+    """A trajectory without an outcome, as ROS's topic takes it."""
+
+    controller: str
+    goal: TrajectoryGoal
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandGripper:
+    controller: str
+    position: float
+    """[rad | m]"""
+    max_effort: float | None = None
+    """[N·m | N]; None takes the controller's own."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandJoints:
+    """Set-points of a forwarding controller, in the order of its joints."""
+
+    controller: str
+    values: tuple[float, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CancelGoal:
+    goal: Goal
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QueryState:
+    """What a trajectory controller will want at ``time`` [s]."""
+
+    controller: str
+    time: float
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ReadController:
+    """The present state of a controller that reports one."""
+
+    controller: str
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CapEffort:
+    """Bound a drive's effort below its limit; None takes the bound away."""
+
+    joint: str
+    effort: float | None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SetPaused:
+    paused: bool
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Run ``ticks`` control periods while paused."""
+
+    ticks: int = 1
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SetSpeed:
+    """Run at ``factor`` times real time."""
+
+    factor: float
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reset:
+    """Start again at time zero, in the initial pose or in ``position``."""
+
+    position: Mapping[str, float] = field(default_factory=dict)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class EmergencyStop:
+    engaged: bool
+
+
+CoreCommand = (
+    LoadController
+    | UnloadController
+    | SwitchControllers
+    | FollowTrajectory
+    | CommandTrajectory
+    | CommandGripper
+    | CommandJoints
+    | CancelGoal
+    | QueryState
+    | ReadController
+    | CapEffort
+    | Reset
+    | EmergencyStop
+)
+"""Answered by the core: engine, drives and controllers."""
+
+LoopCommand = SetPaused | Step | SetSpeed
+"""Answered by the loop itself: they are about time."""
+
+Command = CoreCommand | LoopCommand

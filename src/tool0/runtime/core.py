@@ -1,0 +1,194 @@
+"""Engine, drives and controllers as one machine: a tick, and an answer per command."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, final
+
+from tool0.control.forward_command import ForwardCommandController
+from tool0.control.goal import Goal
+from tool0.control.gripper_action import GripperActionController
+from tool0.control.joint_trajectory import JointTrajectoryController
+from tool0.control.manager import ControllerManager
+from tool0.description.model import RobotModel
+from tool0.errors import ConfigError, ControlError, ModelError, nearest_name
+from tool0.hardware.engine import Engine
+from tool0.hardware.joint_state import JointState
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.runtime import commands as ask
+from tool0.runtime.initial_pose import joint_positions
+
+
+@final
+class Core:
+    """What the loop drives.  Only the thread that owns the tick may touch it."""
+
+    def __init__(
+        self,
+        *,
+        model: RobotModel,
+        engine: Engine,
+        hardware: RobotHardware,
+        manager: ControllerManager,
+        initial_position: Sequence[float],
+        control_period: float | None = None,
+    ) -> None:
+        """Put the robot into its initial pose.
+
+        Args:
+            model: The robot.
+            engine: The physics.
+            hardware: The drives, over the engine's joints.
+            manager: The controllers, over the drives.
+            initial_position: [rad | m], shape (n_joints,), in the engine's order.
+            control_period: Time between updates of the controllers [s]; a whole
+                multiple of the engine's step, and that step if left out.
+        """
+        self._model = model
+        self.engine = engine
+        self.hardware = hardware
+        self.manager = manager
+        self.ticks = 0
+        self.control_period = engine.dt if control_period is None else control_period
+        self._steps_per_tick = round(self.control_period / engine.dt)
+        if not math.isclose(
+            self._steps_per_tick * engine.dt, self.control_period, rel_tol=1e-9
+        ):
+            raise ConfigError(
+                f"control period {self.control_period} s is no whole multiple of the "
+                f"engine's step {engine.dt} s"
+            )
+        self._initial = list(initial_position)
+        self._commanded: set[str] = set()
+        self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
+        engine.reset(self._initial)
+        self.state: JointState = engine.read()
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.ticks * self.control_period
+
+    def tick(self) -> None:
+        """Update the controllers once and advance by one control period."""
+        state = self.state
+        engine, hardware = self.engine, self.hardware
+        self.manager.update(state, self.control_period)
+        for _ in range(self._steps_per_tick):
+            engine.write(hardware.efforts(state))
+            engine.step()
+            state = engine.read()
+        self.state = state
+        self.ticks += 1
+
+    def apply(self, command: ask.CoreCommand) -> Any:  # the answer is the command's
+        """Carry out ``command`` now, between two ticks, and return its answer."""
+        match command:
+            case ask.LoadController(name):
+                return self.manager.load(name)
+            case ask.UnloadController(name):
+                return self.manager.unload(name)
+            case ask.SwitchControllers():
+                return self.manager.switch(
+                    command.start, command.stop, command.strictness, self.state
+                )
+            case ask.FollowTrajectory():
+                trajectory = self._drivable(
+                    command.controller, JointTrajectoryController
+                )
+                return self._watch(trajectory.follow(command.goal, self.time))
+            case ask.CommandTrajectory():
+                trajectory = self._drivable(
+                    command.controller, JointTrajectoryController
+                )
+                trajectory.command(command.goal, self.time)
+            case ask.CommandGripper():
+                gripper = self._drivable(command.controller, GripperActionController)
+                return self._watch(
+                    gripper.command(command.position, command.max_effort, self.time)
+                )
+            case ask.CommandJoints():
+                forward = self._drivable(command.controller, ForwardCommandController)
+                forward.command(command.values)
+            case ask.CancelGoal(goal):
+                self._cancel(goal)
+            case ask.QueryState():
+                return self._running(
+                    command.controller, JointTrajectoryController
+                ).query_state(command.time)
+            case ask.ReadController(name):
+                return self._running(name, JointTrajectoryController).state()
+            case ask.CapEffort():
+                self._cap_effort(command.joint, command.effort)
+            case ask.Reset():
+                self._reset(command.position)
+            case ask.EmergencyStop(engaged):
+                self._emergency_stop(engaged)
+        return None
+
+    def drift(self) -> float:
+        """Return how far uncommanded joints are from the initial pose, at most.
+
+        [rad | m]; 0 if every joint was commanded.
+        """
+        position, initial = self.state.position, self._initial
+        index = self.hardware.index
+        uncommanded = self.hardware.interfaces.keys() - self._commanded
+        return max(
+            (abs(position[i] - initial[i]) for i in (index[name] for name in uncommanded)),
+            default=0.0,
+        )
+
+    def _running(self, name: str, kind: type[Any]) -> Any:
+        controller = self.manager.running(name)
+        if not isinstance(controller, kind):
+            raise ControlError(
+                f"controller '{name}' is a {type(controller).__name__}; "
+                f"this needs a {kind.__name__}"
+            )
+        return controller
+
+    def _drivable(self, name: str, kind: type[Any]) -> Any:
+        """Return a controller that may move joints now, and note that it does."""
+        if self.hardware.is_stopped:
+            raise ControlError(
+                "the emergency stop is engaged; release it before moving the robot"
+            )
+        controller = self._running(name, kind)
+        for _, joints in self.manager.status(name).claimed:
+            self._commanded.update(joints)
+        return controller
+
+    def _watch(self, goal: Goal) -> Goal:
+        self.when_goal_starts(goal)
+        return goal
+
+    def _cancel(self, goal: Goal) -> None:
+        if goal.status.is_terminal:
+            return
+        self.manager.running(goal.controller).cancel(goal, self.time)
+
+    def _cap_effort(self, joint: str, effort: float | None) -> None:
+        if joint not in self.hardware.interfaces:
+            hint = nearest_name(joint, list(self.hardware.interfaces))
+            raise ModelError(f"unknown driven joint '{joint}'{hint}")
+        if effort is not None and not 0.0 < effort < math.inf:
+            raise ControlError(f"effort must be above 0 and finite, got {effort}")
+        self.hardware.cap_effort(joint, effort)
+
+    def _reset(self, position: Mapping[str, float]) -> None:
+        start = joint_positions(self._model, position, self._initial)
+        self._initial = start
+        self.engine.reset(start)
+        self.ticks = 0
+        self.state = self.engine.read()
+        self._commanded.clear()
+        self.hardware.restart(self.state)
+        self.manager.restart(self.state)
+
+    def _emergency_stop(self, engaged: bool) -> None:
+        if engaged == self.hardware.is_stopped:
+            return
+        self.hardware.emergency_stop(engaged, self.state)
+        self.manager.restart(self.state)

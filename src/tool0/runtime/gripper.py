@@ -1,0 +1,127 @@
+"""The gripper as a person thinks of it: by its opening."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, final
+
+from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.model import ParallelGripper
+from tool0.errors import ControlError
+
+if TYPE_CHECKING:
+    from tool0.runtime.handles import GoalHandle
+    from tool0.runtime.robot import Robot
+
+RAMP = 0.005
+"""Way over which the pads speed up and slow down, each [m]: a guess, no datasheet
+tells; it keeps the fingers from overshooting at full speed."""
+SPACING = 0.005
+"""Way between the points of a planned motion [m]."""
+
+
+@final
+class Gripper:
+    """Moves one parallel gripper through whichever controller claims its joint."""
+
+    def __init__(self, geometry: ParallelGripper, robot: Robot) -> None:
+        self.geometry = geometry
+        self._robot = robot
+
+    @property
+    def opening(self) -> float:
+        """Distance between the pads [m], 0 closed."""
+        position = self._robot.joint_state.position[self.geometry.joint]
+        return max(0.0, self.geometry.opening(position))
+
+    def move(
+        self,
+        *,
+        opening: float,
+        speed: float | None = None,
+        effort: float | None = None,
+    ) -> GoalHandle:
+        """Send the pads to ``opening`` and return the goal.
+
+        Args:
+            opening: Distance between the pads [m], 0 … ``geometry.max_opening``.
+            speed: Of the pads towards each other [m/s], within ``geometry.speed``;
+                the fastest, if left out.  Needs a trajectory controller: a gripper
+                action knows no speed.
+            effort: Largest torque of the driven joint [N·m], as ``max_effort`` of
+                ROS's GripperCommand; what the drive can do, if left out.
+
+        Raises:
+            ModelError: If ``opening`` is out of reach.
+            ControlError: If no running controller takes the command.
+        """
+        target = self.geometry.position(opening)
+        joint = self.geometry.joint
+        for status in self._robot.controllers():
+            claimed = {name for _, joints in status.claimed for name in joints}
+            if status.state != "running" or joint not in claimed:
+                continue
+            controller = self._robot.controller(status.name)
+            if status.type.endswith("/GripperActionController"):
+                if speed is not None:
+                    raise ControlError(
+                        f"'{status.name}' is a {status.type}, which knows no speed; "
+                        "use a JointTrajectoryController, or leave speed out"
+                    )
+                return controller.command_gripper(target, effort)
+            if status.type.endswith("/JointTrajectoryController"):
+                points = self._plan(opening, self._speed(speed))
+                self._robot.cap_effort(joint, effort)
+                return controller.follow(points, joint_names=[joint])
+        raise ControlError(
+            f"no running controller drives '{joint}'; start a JointTrajectory"
+            "Controller or a GripperActionController that claims it"
+        )
+
+    def _speed(self, speed: float | None) -> float:
+        slowest, fastest = self.geometry.speed
+        if speed is None:
+            return fastest
+        if not slowest <= speed <= fastest:
+            raise ControlError(
+                f"speed {speed} m/s is outside [{slowest}, {fastest}] m/s"
+            )
+        return speed
+
+    def _plan(self, opening: float, speed: float) -> list[TrajectoryPoint]:
+        """Return points along which the pads ramp up, cruise and ramp down.
+
+        The linkage turns a steady opening into an unsteady angle, so points lie close.
+        """
+        start = min(self.opening, self.geometry.max_opening)
+        way = opening - start
+        ramp = min(RAMP, abs(way) / 2.0)
+        n_points = max(2, math.ceil(abs(way) / SPACING))
+        points = []
+        for k in range(1, n_points + 1):
+            done = abs(way) * k / n_points
+            at, rate = _ramped(done, abs(way), ramp, speed)
+            q = self.geometry.position(start + math.copysign(done, way))
+            qd = -math.copysign(rate, way) / self.geometry.lever(q)
+            points.append(TrajectoryPoint([q], [qd], time_from_start=max(at, 1e-3 * k)))
+        return points
+
+
+def _ramped(
+    done: float, way: float, ramp: float, speed: float
+) -> tuple[float, float]:
+    """Return when [s] ``done`` of ``way`` [m] is behind, and how fast then [m/s].
+
+    Constant acceleration over ``ramp`` at both ends, reaching ``speed`` between.
+    """
+    if ramp <= 0.0:
+        return 0.0, 0.0
+    ramp_time = 2.0 * ramp / speed
+    if done < ramp:
+        return ramp_time * math.sqrt(done / ramp), speed * math.sqrt(done / ramp)
+    cruise_time = ramp_time + (min(done, way - ramp) - ramp) / speed
+    left = way - done
+    if left >= ramp:
+        return cruise_time, speed
+    slow = math.sqrt(max(0.0, left / ramp))
+    return cruise_time + ramp_time * (1.0 - slow), speed * slow

@@ -1,0 +1,156 @@
+"""Handles that a person holds: a goal that was accepted, a controller by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import final
+
+from tool0.control.goal import Goal, GoalStatus, Result
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint, TrajectoryState
+from tool0.errors import GoalTimeoutError
+from tool0.runtime import commands as ask
+from tool0.runtime.loop import Loop
+
+
+@final
+class GoalHandle:
+    """A goal that was accepted: wait for it, or cancel it."""
+
+    def __init__(self, goal: Goal, loop: Loop) -> None:
+        self._goal = goal
+        self._loop = loop
+
+    @property
+    def controller(self) -> str:
+        return self._goal.controller
+
+    @property
+    def status(self) -> GoalStatus:
+        return self._goal.status
+
+    @property
+    def result(self) -> Result | None:
+        """How it ended; None while it is active."""
+        return self._goal.result
+
+    def wait(self, timeout: float | None = None) -> Result:
+        """Wait until the goal ends and return how.
+
+        Args:
+            timeout: Longest wait [s]: of wall time if the simulation runs in real
+                time, else of simulated time, which passes meanwhile.
+
+        Raises:
+            GoalTimeoutError: If the goal is still active then.
+        """
+        if self._loop.is_realtime:
+            self._goal.wait(timeout)
+            self._loop.check()
+        else:
+            self._loop.run(
+                float("inf") if timeout is None else timeout,
+                until=lambda: self._goal.status.is_terminal,
+            )
+        if self._goal.result is None:
+            raise GoalTimeoutError(
+                f"the goal of '{self.controller}' is still active after {timeout} s"
+            )
+        return self._goal.result
+
+    def cancel(self) -> None:
+        """Stop as ROS does: ramp down, and the goal is PREEMPTED."""
+        self._loop.ask(ask.CancelGoal(self._goal))
+
+    def __repr__(self) -> str:
+        return f"GoalHandle({self.controller!r}, {self.status!r})"
+
+
+@final
+class ControllerHandle:
+    """A loaded controller, by name; what it can do depends on its type."""
+
+    def __init__(self, name: str, loop: Loop) -> None:
+        self.name = name
+        self._loop = loop
+
+    def follow(
+        self,
+        points: Sequence[TrajectoryPoint],
+        *,
+        joint_names: Sequence[str] | None = None,
+        stamp: float | None = None,
+        path_tolerance: Mapping[str, float] | None = None,
+        goal_tolerance: Mapping[str, float] | None = None,
+        goal_time_tolerance: float | None = None,
+    ) -> GoalHandle:
+        """Send a trajectory as a goal; no points stop the motion.
+
+        Args:
+            points: Where to be when, in the order of ``joint_names``.
+            joint_names: The joints of the points; the controller's, if left out.
+            stamp: Simulated time at which the trajectory starts [s]; now, if left out.
+            path_tolerance: Largest error on the way, by joint [rad | m]; below 0
+                switches the check off.
+            goal_tolerance: Largest error at the end, by joint [rad | m]; likewise.
+            goal_time_tolerance: Grace after the last point [s]; likewise.
+
+        Raises:
+            GoalRejectedError: If the controller refuses; what it does goes on.
+        """
+        goal = TrajectoryGoal(
+            points=tuple(points),
+            joint_names=None if joint_names is None else tuple(joint_names),
+            stamp=stamp,
+            path_tolerance=dict(path_tolerance or {}),
+            goal_tolerance=dict(goal_tolerance or {}),
+            goal_time_tolerance=goal_time_tolerance,
+        )
+        return GoalHandle(
+            self._loop.ask(ask.FollowTrajectory(controller=self.name, goal=goal)),
+            self._loop,
+        )
+
+    def command_trajectory(
+        self,
+        points: Sequence[TrajectoryPoint],
+        *,
+        joint_names: Sequence[str] | None = None,
+        stamp: float | None = None,
+    ) -> None:
+        """Send a trajectory without an outcome, as the ``command`` topic does."""
+        goal = TrajectoryGoal(
+            points=tuple(points),
+            joint_names=None if joint_names is None else tuple(joint_names),
+            stamp=stamp,
+        )
+        self._loop.ask(ask.CommandTrajectory(controller=self.name, goal=goal))
+
+    def command_gripper(
+        self, position: float, max_effort: float | None = None
+    ) -> GoalHandle:
+        """Send a gripper goal, in joint units: [rad | m] and [N·m | N]."""
+        command = ask.CommandGripper(
+            controller=self.name, position=position, max_effort=max_effort
+        )
+        return GoalHandle(self._loop.ask(command), self._loop)
+
+    def command(self, values: float | Sequence[float]) -> None:
+        """Set the set-points of a forwarding controller, in its joints' order."""
+        wanted = tuple(values) if isinstance(values, Sequence) else (values,)
+        self._loop.ask(ask.CommandJoints(controller=self.name, values=wanted))
+
+    def query_state(self, time: float) -> TrajectoryPoint:
+        """Return what a trajectory controller wants at simulated ``time`` [s]."""
+        point: TrajectoryPoint = self._loop.ask(
+            ask.QueryState(controller=self.name, time=time)
+        )
+        return point
+
+    @property
+    def state(self) -> TrajectoryState:
+        """Desired, actual and error of a trajectory controller."""
+        state: TrajectoryState = self._loop.ask(ask.ReadController(self.name))
+        return state
+
+    def __repr__(self) -> str:
+        return f"ControllerHandle({self.name!r})"

@@ -1,0 +1,50 @@
+"""A pose given by some joints, as the positions of all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from tool0.description.model import Joint, RobotModel
+from tool0.errors import LimitsError, ModelError, nearest_name
+
+
+def joint_positions(
+    model: RobotModel, given: Mapping[str, float], otherwise: Sequence[float]
+) -> list[float]:
+    """Return every movable joint's position [rad | m], shape (n_joints,).
+
+    Args:
+        model: The robot; the order is that of its ``movable_joints``.
+        given: Positions of some joints, by name.
+        otherwise: Positions of the rest; mimic joints follow their master.
+
+    Raises:
+        ModelError: For a joint that the robot lacks or that cannot be placed.
+        LimitsError: For a position outside the joint's limits, or not a number.
+    """
+    joints = {joint.name: joint for joint in model.movable_joints}
+    position = dict(zip(joints, otherwise, strict=True))
+    for name, value in given.items():
+        if name not in joints:
+            raise ModelError(f"unknown joint '{name}'{nearest_name(name, set(joints))}")
+        joint = joints[name]
+        if joint.mimic is not None:
+            raise ModelError(
+                f"joint '{name}' mimics '{joint.mimic.joint}'; place that one instead"
+            )
+        if not joint.limits.lower <= value <= joint.limits.upper:
+            raise LimitsError(
+                f"position {value} of joint '{name}' is outside "
+                f"[{joint.limits.lower}, {joint.limits.upper}]"
+            )
+        position[name] = value
+    return [_follow(joint, joints, position) for joint in joints.values()]
+
+
+def _follow(
+    joint: Joint, joints: Mapping[str, Joint], position: Mapping[str, float]
+) -> float:
+    if joint.mimic is None:
+        return position[joint.name]
+    master = _follow(joints[joint.mimic.joint], joints, position)
+    return joint.mimic.multiplier * master + joint.mimic.offset

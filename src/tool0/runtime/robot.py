@@ -1,0 +1,220 @@
+"""The facade that every edge uses: the robot, its controllers, its gripper, its time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import TracebackType
+from typing import final
+
+from tool0.control.config import ConfigWarning
+from tool0.control.manager import ControllerStatus, Strictness
+from tool0.description.catalogue import RobotDescription
+from tool0.description.kinematics import Transform, link_pose
+from tool0.errors import ControlError, nearest_name
+from tool0.runtime import commands as ask
+from tool0.runtime.bus import Bus, Snapshot, Subscription
+from tool0.runtime.gripper import Gripper
+from tool0.runtime.handles import ControllerHandle
+from tool0.runtime.loop import Loop
+from tool0.runtime.summary import summarize
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointValues:
+    """Joint states by name, as ROS's sensor_msgs/JointState."""
+
+    time: float
+    """Simulated time [s]."""
+    position: Mapping[str, float]
+    """[rad | m]"""
+    velocity: Mapping[str, float]
+    """[rad/s | m/s]"""
+    effort: Mapping[str, float]
+    """[N·m | N]"""
+
+
+@final
+class Robot:
+    """A robot in simulation.  Close it, or use it as a context manager."""
+
+    def __init__(
+        self,
+        *,
+        description: RobotDescription,
+        engine_name: str,
+        loop: Loop,
+        bus: Bus,
+        warnings: Sequence[ConfigWarning] = (),
+    ) -> None:
+        self.description = description
+        self.engine_name = engine_name
+        self.warnings = tuple(warnings)
+        """What the controllers' YAML says that nothing reads."""
+        self._loop = loop
+        self._bus = bus
+        self._wall_start = time.perf_counter()
+        self._grippers = {
+            gripper.name: Gripper(gripper, self)
+            for gripper in description.model.grippers
+        }
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """The newest state on the bus, at most 8 ms of simulated time old."""
+        snapshot = self._bus.latest
+        if snapshot is None:  # the loop publishes one before a Robot can exist
+            raise ControlError("nothing was published yet")
+        return snapshot
+
+    def subscribe(self) -> Subscription:
+        """Return a reader of snapshots and events."""
+        return self._bus.subscribe()
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._loop.time
+
+    @property
+    def joint_state(self) -> JointValues:
+        snapshot = self.snapshot
+        names = snapshot.joint_names
+        return JointValues(
+            time=snapshot.time,
+            position=dict(zip(names, snapshot.position, strict=True)),
+            velocity=dict(zip(names, snapshot.velocity, strict=True)),
+            effort=dict(zip(names, snapshot.effort, strict=True)),
+        )
+
+    def pose(self, link: str, relative_to: str | None = None) -> Transform:
+        """Return the frame of ``link`` in ``relative_to``, the root if left out."""
+        return link_pose(
+            self.description.model,
+            self.joint_state.position,
+            link,
+            relative_to=relative_to,
+        )
+
+    def controllers(self) -> tuple[ControllerStatus, ...]:
+        """Return every loaded controller with its state and claims."""
+        return self.snapshot.controllers
+
+    def controller(self, name: str) -> ControllerHandle:
+        """Return the loaded controller ``name``, or raise ControlError."""
+        names = [status.name for status in self.controllers()]
+        if name not in names:
+            raise ControlError(
+                f"no controller '{name}' is loaded{nearest_name(name, names)}"
+            )
+        return ControllerHandle(name, self._loop)
+
+    def load(self, name: str) -> None:
+        """Load a controller that the configuration defines."""
+        self._loop.ask(ask.LoadController(name))
+
+    def unload(self, name: str) -> None:
+        """Unload a controller that does not run."""
+        self._loop.ask(ask.UnloadController(name))
+
+    def switch(
+        self,
+        start: Sequence[str] = (),
+        stop: Sequence[str] = (),
+        *,
+        strict: bool = True,
+    ) -> None:
+        """Stop and start controllers at one instant.
+
+        Args:
+            start: Controllers to start.
+            stop: Controllers to stop.
+            strict: Whether one impossible wish refuses all; otherwise it is skipped.
+
+        Raises:
+            ControlError: If the manager refuses; nothing has changed then.
+        """
+        strictness = Strictness.STRICT if strict else Strictness.BEST_EFFORT
+        self._loop.ask(
+            ask.SwitchControllers(
+                start=tuple(start), stop=tuple(stop), strictness=strictness
+            )
+        )
+
+    @property
+    def grippers(self) -> Mapping[str, Gripper]:
+        """The grippers that the description names."""
+        return self._grippers
+
+    @property
+    def gripper(self) -> Gripper:
+        """The robot's gripper, if it has exactly one."""
+        if len(self._grippers) != 1:
+            names = ", ".join(self._grippers) or "none"
+            raise ControlError(
+                f"'gripper' needs exactly one gripper, this robot has: {names}"
+            )
+        return next(iter(self._grippers.values()))
+
+    def cap_effort(self, joint: str, effort: float | None) -> None:
+        """Bound a drive's effort [N·m | N] below its limit; None lifts the bound."""
+        self._loop.ask(ask.CapEffort(joint=joint, effort=effort))
+
+    def run(self, duration: float) -> None:
+        """Let ``duration`` simulated seconds pass."""
+        if not 0.0 <= duration:
+            raise ControlError(f"duration must be at least 0 s, got {duration}")
+        self._loop.run(duration)
+
+    def pause(self) -> None:
+        self._loop.ask(ask.SetPaused(True))
+
+    def resume(self) -> None:
+        self._loop.ask(ask.SetPaused(False))
+
+    def step(self, ticks: int = 1) -> None:
+        """Run ``ticks`` control periods while paused."""
+        self._loop.ask(ask.Step(ticks))
+
+    def set_speed(self, factor: float) -> None:
+        """Run at ``factor`` times real time."""
+        self._loop.ask(ask.SetSpeed(factor))
+
+    def reset(self, position: Mapping[str, float] | None = None) -> None:
+        """Start again at time zero, in the initial pose changed by ``position``.
+
+        Active goals are PREEMPTED; running controllers run on and hold the pose.
+        """
+        self._loop.ask(ask.Reset(position=dict(position or {})))
+
+    def emergency_stop(self, engaged: bool = True) -> None:
+        """Brake every joint at once, or release the brakes.
+
+        Goals are PREEMPTED; after the release the controllers hold where they are.
+        """
+        self._loop.ask(ask.EmergencyStop(engaged))
+
+    def summary(self) -> dict[str, object]:
+        """Return the run so far as plain values that JSON can hold."""
+        return summarize(
+            self, self._loop, wall_time=time.perf_counter() - self._wall_start
+        )
+
+    def close(self) -> None:
+        """End the simulation; closing twice is allowed."""
+        self._loop.close()
+
+    def __enter__(self) -> Robot:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+

@@ -1,0 +1,45 @@
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+
+from tool0.description.model import RobotModel
+from tool0.engines.mujoco.engine import MujocoEngine
+from tool0.hardware.joint_dynamics import JointDynamics
+
+MASTERS = np.array(
+    [[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0], [0, -0.5, 0]]
+)  # d(lift, bend, slide, follower) / d(lift, bend, slide)
+
+
+def random_pose(rng: np.random.Generator) -> list[float]:
+    lift, bend = rng.uniform(-2.5, 2.5, size=2)
+    return [lift, bend, rng.uniform(-0.2, 0.2), -0.5 * bend + 0.2]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_gravity_and_inertia_are_those_of_mujoco(
+    skew_model: RobotModel, seed: int
+) -> None:
+    engine = MujocoEngine(skew_model)
+    pose = random_pose(np.random.default_rng(seed))
+    engine.reset(pose)
+    mujoco.mj_forward(engine.model, engine.data)
+    mass_matrix = np.zeros((4, 4))
+    for column in range(4):  # M e_i, which every release of mujoco can give
+        unit, product = np.eye(4)[column], np.zeros(4)
+        mujoco.mj_mulM(engine.model, engine.data, product, unit)
+        mass_matrix[:, column] = product
+    dynamics = JointDynamics(skew_model)
+    gravity = MASTERS.T @ engine.data.qfrc_bias
+    inertia = np.diag(MASTERS.T @ mass_matrix @ MASTERS)
+    np.testing.assert_allclose(dynamics.gravity_effort(pose)[:3], gravity, atol=1e-9)
+    np.testing.assert_allclose(dynamics.inertia(pose)[:3], inertia, rtol=1e-9)
+
+
+def test_a_mimic_joint_bears_no_load_itself(skew_model: RobotModel) -> None:
+    dynamics = JointDynamics(skew_model)
+    pose = random_pose(np.random.default_rng(1))
+    assert dynamics.gravity_effort(pose)[3] == 0.0
+    assert dynamics.inertia(pose)[3] == 0.0
