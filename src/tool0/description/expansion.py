@@ -1,0 +1,289 @@
+"""Expanding xacro without ROS: ``$(find pkg)``, ``$(dirname)``, and clear errors.
+
+The expander is PyPI's ``xacro``.  Outside ROS its ``$(find)`` imports ament, its
+``$(dirname)`` knows no folder, its warnings go to stderr, and its YAML is read by
+the slow pure-Python loader.  ``_substituted`` replaces those functions while one
+document is expanded.  xacro keeps its state in module globals, so that one lock
+covers every expansion and everything is put back afterwards.
+"""
+
+from __future__ import annotations
+
+import functools
+import logging
+import os
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType, TracebackType
+from typing import Any, final
+from xml.dom.minidom import Document, Element
+
+from tool0.description.packages import find_package
+from tool0.description.xml_source import locate, parse_file
+from tool0.errors import DescriptionError, SourceLocation, nearest_name
+
+logger = logging.getLogger(__name__)
+
+_LOCK = threading.RLock()
+
+
+def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
+    """Return the xacro file ``path``, expanded with ``args``.
+
+    Raises:
+        DescriptionError: With file, line, macro and includes, if it cannot be.
+    """
+    import xacro
+
+    with _LOCK:
+        run = _Run(xacro, dict(args or {}))
+        with _substituted(xacro, run):
+            document = run.expand(path.absolute())
+    run.refuse_unused_args(path)
+    return document
+
+
+@final
+class _Run:
+    """One expansion: what it was given, and which arguments the files know."""
+
+    def __init__(self, xacro: ModuleType, args: dict[str, str]) -> None:
+        self._xacro = xacro
+        self._args = args
+        self._known: set[str] = set()
+
+    def expand(self, path: Path) -> Document:
+        """Return ``path`` expanded, or raise DescriptionError."""
+        xacro = self._xacro
+        xacro.init_stacks(str(path))
+        try:
+            document = self.parse(None, str(path))
+            xacro.process_doc(document, mappings=dict(self._args), verbosity=0)
+        except Exception as error:  # xacro evaluates a person's Python: anything
+            raise _describe(xacro, error) from error
+        return document
+
+    def refuse_unused_args(self, path: Path) -> None:
+        """Raise DescriptionError if an argument was given that no file reads."""
+        for name in self._args:
+            if name not in self._known:
+                hint = nearest_name(name, self._known)
+                raise DescriptionError(
+                    f"no file declares the argument '{name}'{hint}",
+                    SourceLocation(path),
+                )
+
+    def parse(self, inp: None, filename: str) -> Document:
+        """Stand in for ``xacro.parse``: elements know their lines."""
+        path = Path(filename)
+        if not path.is_file():
+            self._xacro.filestack.pop()  # as xacro does: this file was never entered
+            error = FileNotFoundError(2, "no such file", filename)
+            raise self._xacro.XacroException(f"there is no file '{path}'", exc=error)
+        document = parse_file(path)
+        for element in document.getElementsByTagName("xacro:arg"):
+            self._known.add(element.getAttribute("name"))
+        return document
+
+    def substitute(self, text: str) -> str:
+        """Stand in for ``xacro.eval_extension``: the value of ``$(command …)``."""
+        command, _, rest = text[2:-1].strip().partition(" ")
+        words = rest.split()
+        if command in {"find", "arg", "env"} and len(words) != 1:
+            raise DescriptionError(f"{text}: '{command}' takes one name")
+        if command == "find":
+            return str(find_package(words[0]))
+        if command == "dirname":
+            return str(Path(self._xacro.filestack[-1]).parent)
+        if command == "cwd":
+            return str(Path.cwd())
+        if command == "arg":
+            return self._arg(words[0])
+        if command == "env":
+            return _environment(words[0])
+        if command == "optenv" and words:
+            return os.environ.get(words[0], " ".join(words[1:]))
+        if command == "eval":
+            return self._evaluate(text)
+        raise DescriptionError(
+            f"nothing reads {text}; valid: $(find PACKAGE), $(dirname), $(arg NAME), "
+            "$(env NAME), $(optenv NAME DEFAULT), $(eval EXPRESSION), $(cwd)"
+        )
+
+    def _arg(self, name: str) -> str:
+        self._known.add(name)
+        args: dict[str, str] = self._xacro.substitution_args_context["arg"]
+        try:
+            return args[name]
+        except KeyError:
+            hint = nearest_name(name, set(args))
+            raise DescriptionError(
+                f"the argument '{name}' has neither value nor default{hint}"
+            ) from None
+
+    def _evaluate(self, text: str) -> str:
+        from xacro.substitution_args import resolve_args
+
+        context = dict(self._xacro.substitution_args_context)
+        self._known.update(name for name in context["arg"] if name in text)
+        return str(resolve_args(text, context=context))
+
+    def load_yaml(self, filename: str) -> Any:  # what YAML holds is any's guess
+        """Stand in for ``xacro.load_yaml``, with the C loader where there is one."""
+        import yaml
+
+        path = Path(self._xacro.abs_filename_spec(str(filename)))
+        try:
+            with path.open(encoding="utf-8") as stream:
+                data = yaml.load(stream, _yaml_loader(self._xacro))  # noqa: S506
+        except OSError as error:
+            raise DescriptionError(
+                f"cannot read the parameters '{path}': {error.strerror}; check the path"
+            ) from error
+        except yaml.YAMLError as error:
+            mark = getattr(error, "problem_mark", None)
+            line = None if mark is None else mark.line + 1
+            problem = getattr(error, "problem", None) or error
+            raise DescriptionError(
+                f"not valid YAML: {problem}", SourceLocation(path, line)
+            ) from error
+        return self._xacro.YamlListWrapper.wrap(data)
+
+
+def _environment(name: str) -> str:
+    try:
+        return os.environ[name]
+    except KeyError:
+        raise DescriptionError(
+            f"the environment variable '{name}' is not set; "
+            f"set it, or write $(optenv {name} DEFAULT)"
+        ) from None
+
+
+@functools.cache
+def _yaml_loader(xacro: ModuleType) -> Any:  # a class that exists only at run time
+    """Return a safe YAML loader that knows xacro's units, such as ``!degrees``."""
+    import yaml
+
+    base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    loader = type("Loader", (base,), {})
+    for unit in xacro.ConstructUnits:
+        loader.add_constructor(unit.value.tag, unit.constructor)  # type: ignore[attr-defined]
+    return loader
+
+
+@contextmanager
+def _substituted(xacro: ModuleType, run: _Run) -> Iterator[None]:
+    """Let ``run`` answer for the parts of xacro that need ROS; put all back."""
+    stand_ins = {
+        "eval_extension": run.substitute,
+        "parse": run.parse,
+        "load_yaml": run.load_yaml,
+        "safe_eval": _safe_eval(xacro),
+        "eval_text": _eval_text(xacro),
+        "warning": _log(logger.warning),
+        "error": _log(logger.error),
+        "message": _log(logger.info),
+        "print_location": lambda: None,
+    }
+    state = ("filestack", "macrostack", "all_includes", "verbosity", "_global_symbols")
+    saved = {name: getattr(xacro, name) for name in (*stand_ins, *state)}
+    context = dict(xacro.substitution_args_context)
+    try:
+        for name, function in stand_ins.items():
+            setattr(xacro, name, function)
+        xacro.all_includes = []  # type: ignore[attr-defined]
+        xacro._global_symbols = xacro.create_global_symbols()  # type: ignore[attr-defined]
+        yield
+    finally:
+        for name, value in saved.items():
+            setattr(xacro, name, value)
+        xacro.substitution_args_context.clear()
+        xacro.substitution_args_context.update(context)
+
+
+def _log(write: Callable[..., None]) -> Callable[..., None]:
+    def report(*args: object, **_: object) -> None:
+        write("xacro: %s", " ".join(map(str, args)))
+
+    return report
+
+
+@functools.lru_cache(maxsize=4096)
+def _compile(expression: str) -> Any:  # a code object
+    return compile(expression, "<expression>", "eval")
+
+
+def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
+    """Return ``xacro.safe_eval`` with its compilation remembered.
+
+    ``${prefix}`` alone is evaluated a hundred times in one robot.
+    """
+
+    def safe_eval(
+        expression: str, symbols: dict[str, Any], local: Any = None
+    ) -> object:
+        code = _compile(expression.strip())
+        hidden = [name for name in code.co_names if name.startswith("__")]
+        if hidden:
+            raise xacro.XacroException(f"names such as {hidden[0]} are not allowed")
+        symbols.update(__builtins__={})  # hides Python's builtins, as xacro does
+        return eval(code, symbols, local)
+
+    return safe_eval
+
+
+def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
+    """Return ``xacro.eval_text`` with a short cut for text without a ``$``."""
+    original: Callable[[str, Any], Any] = xacro.eval_text
+
+    def eval_text(text: str, symbols: Any) -> Any:
+        if text and "$" not in text:
+            return text
+        return original(text, symbols)
+
+    return eval_text
+
+
+def _describe(xacro: ModuleType, error: Exception) -> DescriptionError:
+    """Return ``error`` as one of ours: what, where, in which macro and include."""
+    cause: object = error
+    while isinstance(cause, xacro.XacroException) and cause.exc is not None:
+        cause = cause.exc
+    location = _failing_line(xacro, error.__traceback__)
+    if isinstance(cause, DescriptionError):
+        message, location = cause.message, cause.location or location
+    elif isinstance(cause, RecursionError):
+        message = "a macro or property calls itself without end"
+    else:
+        message = " ".join(str(error).split()) or repr(error)
+    if location is None:
+        location = SourceLocation(Path(xacro.filestack[-1]))
+    return DescriptionError(message + _stacks(xacro), location)
+
+
+def _failing_line(
+    xacro: ModuleType, traceback: TracebackType | None
+) -> SourceLocation | None:
+    """Return where the innermost element that xacro worked on was written."""
+    found = None
+    while traceback is not None:
+        frame = traceback.tb_frame
+        if frame.f_globals is vars(xacro):
+            for name in ("node", "elt"):
+                node = frame.f_locals.get(name)
+                if isinstance(node, Element):
+                    found = locate(node) or found
+        traceback = traceback.tb_next
+    return found
+
+
+def _stacks(xacro: ModuleType) -> str:
+    lines = [
+        f"\n  in macro '{macro.body.getAttribute('name')}', {locate(macro.body)}"
+        for macro in reversed(xacro.macrostack[-5:])
+    ]
+    lines += [f"\n  included from {file}" for file in reversed(xacro.filestack[:-1])]
+    return "".join(lines)

@@ -1,0 +1,100 @@
+"""Finding ROS packages and the files inside them, without ROS.
+
+The packages that tool0 brings are found first, then those of ``ROS_PACKAGE_PATH``,
+each entry of which is a package itself or a folder somewhere above packages.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from tool0.errors import DescriptionError, SourceLocation, nearest_name
+
+BUNDLED = Path(__file__).resolve().parent.parent / "ros_packages"
+
+_NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
+_IGNORE = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
+
+
+def find_package(name: str, location: SourceLocation | None = None) -> Path:
+    """Return the folder of the ROS package ``name``.
+
+    Raises:
+        DescriptionError: If it is nowhere; the message says where it was sought.
+    """
+    bundled = BUNDLED / name
+    if (bundled / "package.xml").is_file():
+        return bundled
+    seen = {path.name for path in _crawl(BUNDLED)}
+    for entry in search_path():
+        for folder in _crawl(entry):
+            if _package_name(folder) == name:
+                return folder
+            seen.add(_package_name(folder))
+    looked = ", ".join(map(str, (BUNDLED, *search_path())))
+    raise DescriptionError(
+        f"there is no ROS package '{name}' in {looked}{nearest_name(name, seen)}; "
+        "add the folder that holds it to ROS_PACKAGE_PATH",
+        location,
+    )
+
+
+def has_package(name: str) -> bool:
+    """Return whether ``find_package`` would find ``name``."""
+    try:
+        find_package(name)
+    except DescriptionError:
+        return False
+    return True
+
+
+def search_path() -> tuple[Path, ...]:
+    """Return the entries of ``ROS_PACKAGE_PATH`` that exist."""
+    entries = os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)
+    paths = (Path(entry).expanduser() for entry in entries if entry)
+    return tuple(path for path in paths if path.is_dir())
+
+
+def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:
+    """Return the path that ``package://…``, ``file://…`` or a plain path means.
+
+    A relative path counts from the folder of the file it is written in.  Whether
+    the file exists is for the caller to say.
+    """
+    scheme, separator, rest = uri.partition("://")
+    if not separator:
+        path = Path(uri).expanduser()
+        if path.is_absolute() or location is None or location.file is None:
+            return path
+        return location.file.parent / path
+    if scheme == "package":
+        package, _, inside = rest.partition("/")
+        return find_package(package, location) / inside
+    if scheme == "file":
+        return Path("/" + rest.lstrip("/"))
+    raise DescriptionError(
+        f"nothing reads '{scheme}://' in '{uri}'; "
+        "write package://PACKAGE/PATH, file:///PATH or a path",
+        location,
+    )
+
+
+def _crawl(root: Path) -> Iterator[Path]:
+    """Yield the package folders at or below ``root``, parents before children."""
+    for folder, children, files in os.walk(root, followlinks=True):
+        if any(mark in files for mark in _IGNORE):
+            children.clear()
+        elif "package.xml" in files:
+            children.clear()  # packages do not nest
+            yield Path(folder)
+        else:
+            children[:] = sorted(name for name in children if name[0] != ".")
+
+
+def _package_name(folder: Path) -> str:
+    text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
+    match = _NAME.search(text)
+    return match.group(1) if match else folder.name

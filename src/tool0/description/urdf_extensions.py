@@ -1,0 +1,228 @@
+"""Reading what a simulation needs beyond the tree of links and joints.
+
+``<transmission>`` as ros_control reads it, ``<gazebo reference=LINK>`` as Gazebo
+does, and ``<parallel_gripper>``, which is our own: other readers of URDF ignore
+elements they do not know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from typing import final
+from xml.dom.minidom import Element
+
+from tool0.description.attributes import (
+    child_number,
+    number,
+    only_child,
+    positive,
+    required,
+    required_child,
+    text_of,
+)
+from tool0.description.model import (
+    Interface,
+    Link,
+    ParallelGripper,
+    Surface,
+    Transmission,
+)
+from tool0.description.xml_source import children, locate
+from tool0.errors import DescriptionError, LimitsError, ModelError, nearest_name
+
+_PREFIX = "hardware_interface/"
+
+
+def read_transmissions(
+    robot: Element, joints: Collection[str]
+) -> tuple[Transmission, ...]:
+    """Return the transmissions of ``robot``; each drives one of ``joints``."""
+    found: dict[str, Transmission] = {}
+    for element in children(robot, "transmission"):
+        transmission = _read_transmission(element)
+        if transmission.joint not in joints:
+            hint = nearest_name(transmission.joint, list(joints))
+            raise ModelError(
+                f"transmission '{transmission.name}' drives the unknown joint "
+                f"'{transmission.joint}'{hint}",
+                locate(element),
+            )
+        if transmission.joint in found:
+            raise ModelError(
+                f"joint '{transmission.joint}' has two transmissions, "
+                f"'{found[transmission.joint].name}' and '{transmission.name}'; "
+                "remove one",
+                locate(element),
+            )
+        found[transmission.joint] = transmission
+    return tuple(found.values())
+
+
+def _read_transmission(element: Element) -> Transmission:
+    joint = required_child(element, "joint")
+    actuator = only_child(element, "actuator")
+    reduction = inertia = None
+    if actuator is not None:
+        reduction = child_number(actuator, "mechanicalReduction")
+        inertia = child_number(actuator, "rotorInertia")
+    if reduction == 0 or (inertia is not None and not inertia >= 0):
+        raise ModelError(
+            f"<actuator> has reduction {reduction} and rotor inertia {inertia}; "
+            "the one must not be zero, the other not negative",
+            locate(actuator),
+        )
+    return Transmission(
+        name=required(element, "name"),
+        joint=required(joint, "name"),
+        interface=_read_interface(element, joint, actuator),
+        mechanical_reduction=1.0 if reduction is None else reduction,
+        rotor_inertia=0.0 if inertia is None else inertia,
+    )
+
+
+def _read_interface(
+    element: Element, joint: Element, actuator: Element | None
+) -> Interface:
+    """Return the interface named in ``joint``, else the one in ``actuator``."""
+    for owner in (joint, actuator):
+        named = [] if owner is None else list(children(owner, "hardwareInterface"))
+        if named:
+            return to_interface(text_of(named[0]), named[0])
+    raise DescriptionError(
+        "<transmission> names no <hardwareInterface> in its <joint>; "
+        f"give one of {', '.join(item.value for item in Interface)}",
+        locate(element),
+    )
+
+
+def to_interface(text: str, element: Element | None = None) -> Interface:
+    """Return the interface called ``text``, with or without its package's name."""
+    for interface in Interface:
+        if text in {interface.value, interface.value.removeprefix(_PREFIX)}:
+            return interface
+    name = text.rpartition("/")[2]
+    valid = [item.value.removeprefix(_PREFIX) for item in Interface]
+    if name in valid:
+        hint = f"; did you mean '{_PREFIX}{name}'?"
+    else:
+        hint = nearest_name(text, [item.value for item in Interface])
+    raise DescriptionError(
+        f"unknown hardware interface '{text}'{hint}", locate(element)
+    )
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _Contact:
+    """What all ``<gazebo>`` elements of one link say together."""
+
+    values: dict[str, float]
+    self_collide: bool | None
+
+
+_SURFACE = {
+    "mu1": "mu1",
+    "mu2": "mu2",
+    "kp": "kp",
+    "kd": "kd",
+    "minDepth": "min_depth",
+    "maxVel": "max_vel",
+}
+
+
+def apply_gazebo(
+    robot: Element, links: dict[str, Link], joints: Collection[str]
+) -> dict[str, Link]:
+    """Return ``links`` with the surfaces that ``<gazebo reference>`` gives them."""
+    changed = dict(links)
+    contacts: dict[str, _Contact] = {}
+    for element in children(robot, "gazebo"):
+        reference = element.getAttribute("reference")
+        if not reference or reference in joints:
+            continue  # for the whole model, or for a joint: Gazebo's own matter
+        if reference not in links:
+            hint = nearest_name(reference, [*links, *joints])
+            raise ModelError(
+                f"<gazebo> refers to the unknown link '{reference}'{hint}",
+                locate(element),
+            )
+        before = contacts.get(reference, _Contact({}, None))
+        contacts[reference] = _read_contact(element, before)
+    for name, contact in contacts.items():
+        surface = Surface(**contact.values) if contact.values else None
+        changed[name] = replace(
+            links[name], surface=surface, self_collide=contact.self_collide
+        )
+    return changed
+
+
+def _read_contact(element: Element, before: _Contact) -> _Contact:
+    values = dict(before.values)
+    for tag, field in _SURFACE.items():
+        value = child_number(element, tag)
+        if value is None:
+            continue
+        if not value >= 0:
+            raise ModelError(
+                f"<{tag}> is {value:g}; it must not be negative", locate(element)
+            )
+        values[field] = value
+    flag = only_child(element, "selfCollide")
+    if flag is None:
+        return _Contact(values, before.self_collide)
+    text = text_of(flag).lower()
+    if text not in {"true", "1", "false", "0"}:
+        raise DescriptionError(
+            f"<selfCollide> is '{text}'; write true or false", locate(flag)
+        )
+    return _Contact(values, text in {"true", "1"})
+
+
+def read_grippers(
+    robot: Element, joints: Collection[str]
+) -> tuple[ParallelGripper, ...]:
+    """Return the grippers of ``robot``; each is driven by one of ``joints``."""
+    grippers = []
+    for element in children(robot, "parallel_gripper"):
+        gripper = _read_gripper(element)
+        if gripper.joint not in joints:
+            hint = nearest_name(gripper.joint, list(joints))
+            raise ModelError(
+                f"gripper '{gripper.name}' is driven by the unknown joint "
+                f"'{gripper.joint}'{hint}",
+                locate(element),
+            )
+        grippers.append(gripper)
+    return tuple(grippers)
+
+
+def _read_gripper(element: Element) -> ParallelGripper:
+    speed = (positive(element, "min_speed"), positive(element, "max_speed"))
+    force = (positive(element, "min_force"), positive(element, "max_force"))
+    if not (speed[0] <= speed[1] and force[0] <= force[1]):
+        raise LimitsError(
+            f"<parallel_gripper> has speeds {speed} and forces {force}; "
+            "the smaller comes first",
+            locate(element),
+        )
+    gripper = ParallelGripper(
+        name=required(element, "name"),
+        joint=required(element, "joint"),
+        pad_offset=number(element, "pad_offset"),
+        pad_cos=number(element, "pad_cos"),
+        pad_sin=number(element, "pad_sin"),
+        max_opening=positive(element, "max_opening"),
+        speed=speed,
+        force=force,
+    )
+    for opening in (0.0, gripper.max_opening):
+        try:
+            gripper.position(opening)
+        except (ValueError, ZeroDivisionError):
+            raise ModelError(
+                f"the linkage of gripper '{gripper.name}' reaches no opening of "
+                f"{opening} m; check pad_offset, pad_cos and pad_sin",
+                locate(element),
+            ) from None
+    return gripper
