@@ -1,0 +1,167 @@
+"""A person's ros_control YAML, parsed once, into the specs of controllers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+from tool0.control.controller import ControllerSpec
+from tool0.control.controller_types import parser_of
+from tool0.control.parameters import Namespace, Robot
+from tool0.control.yaml_tree import ConfigWarning, Entry, Tree, read_files
+from tool0.description.model import JointLimits
+from tool0.errors import ConfigError, SourceLocation, nearest_name
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitOverrides:
+    """Limits that ``joint_limits/<joint>`` puts in place of the URDF's.
+
+    None leaves the URDF's.
+    """
+
+    position: tuple[float, float] | None = None
+    velocity: float | None = None
+    effort: float | None = None
+    acceleration: float | None = None
+
+    def over(self, limits: JointLimits) -> JointLimits:
+        """Return ``limits`` with these put in their place."""
+        lower, upper = self.position or (limits.lower, limits.upper)
+        return JointLimits(
+            lower=lower,
+            upper=upper,
+            velocity=limits.velocity if self.velocity is None else self.velocity,
+            effort=limits.effort if self.effort is None else self.effort,
+        )
+
+
+@final
+class ControllerConfig:
+    """The controllers that YAML files describe; each is checked when it is loaded."""
+
+    def __init__(self, tree: Tree) -> None:
+        self.tree = tree
+
+    @staticmethod
+    def from_files(files: Path | Iterable[Path]) -> ControllerConfig:
+        """Return the controllers of one file or several; later ones override.
+
+        Raises:
+            ConfigError: If a file cannot be read or is not YAML.
+        """
+        paths = [files] if isinstance(files, Path) else list(files)
+        return ControllerConfig(read_files(paths))
+
+    @staticmethod
+    def from_text(
+        text: str, location: SourceLocation | None = None
+    ) -> ControllerConfig:
+        """Return the controllers of a YAML text.
+
+        Args:
+            text: The YAML.
+            location: Where its first line stands, for messages.
+        """
+        tree = Tree()
+        tree.load(text, location or SourceLocation(None, 1))
+        return ControllerConfig(tree)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The namespaces that have a ``type``: the controllers."""
+        return tuple(
+            name
+            for name, entry in (self.tree.root.children or {}).items()
+            if "type" in (entry.children or {})
+        )
+
+    def spec(self, name: str, robot: Robot) -> ControllerSpec:
+        """Return the checked parameters of a controller.
+
+        Raises:
+            ConfigError: If it is not there, or anything about it is wrong.
+        """
+        parameters = self._namespace(name)
+        if parameters.find("type") is None:
+            raise ConfigError(
+                f"Could not load controller '{name}' because its type was not "
+                f"specified; '{name}' needs a 'type'",
+                parameters.location,
+            )
+        type_entry = parameters.find("type") or parameters.entry
+        parse = parser_of(parameters.text("type"), type_entry.location)
+        return parse(parameters, robot)
+
+    def _namespace(self, name: str) -> Namespace:
+        entry = (self.tree.root.children or {}).get(name)
+        if entry is None:
+            raise ConfigError(
+                f"unknown controller '{name}'{nearest_name(name, list(self.names))}"
+            )
+        if entry.children is None:
+            raise ConfigError(
+                f"'{name}' is no controller, but {entry.describe()}", entry.location
+            )
+        return Namespace(entry)
+
+    @property
+    def warnings(self) -> tuple[ConfigWarning, ...]:
+        """What reading the files alone shows; ``lint`` finds more."""
+        return tuple(self.tree.warnings)
+
+    def joint_limits(self) -> Mapping[str, LimitOverrides]:
+        """Return the limits that ``joint_limits`` puts over the URDF's, by joint."""
+        limits = Namespace(self.tree.root).namespace("joint_limits")
+        if limits is None:
+            return {}
+        return {
+            name: _limits(Namespace(entry))
+            for name, entry in (limits.entry.children or {}).items()
+            if _is_mapping(entry)
+        }
+
+
+def _is_mapping(entry: Entry) -> bool:
+    if entry.children is None:
+        raise ConfigError(
+            f"'{entry.key}' must be a mapping of limits, got {entry.describe()}",
+            entry.location,
+        )
+    return True
+
+
+def _limits(limits: Namespace) -> LimitOverrides:
+    """Read one joint's limits: each counts beside ``has_…: true``, as in ROS."""
+
+    def says(kind: str) -> bool | None:
+        flag = f"has_{kind}_limits"
+        return None if limits.find(flag) is None else limits.boolean(flag, default=True)
+
+    def largest(kind: str) -> float | None:
+        has = says(kind)
+        if has is None:
+            return None
+        return limits.not_negative(f"max_{kind}") if has else math.inf
+
+    position: tuple[float, float] | None = None
+    if says("position") is False:
+        position = (-math.inf, math.inf)
+    elif says("position"):
+        position = (limits.number("min_position"), limits.number("max_position"))
+        if not position[0] <= position[1]:
+            raise ConfigError(
+                f"'{limits.entry.key}' has min_position {position[0]} "
+                f"above max_position {position[1]}",
+                limits.location,
+            )
+    return LimitOverrides(
+        position=position,
+        velocity=largest("velocity"),
+        effort=largest("effort"),
+        acceleration=largest("acceleration"),
+    )

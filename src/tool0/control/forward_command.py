@@ -1,0 +1,133 @@
+"""Controllers that take one number per joint: forwarded, or followed by a PID."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+from tool0.control.joint_servo import JointServo, Quantity
+from tool0.control.parameters import (
+    INTERFACE_OF_PACKAGE,
+    Namespace,
+    Robot,
+    controlled_joints,
+    read_gains,
+    single_joint,
+)
+from tool0.control.pick import picker
+from tool0.control.pid import Gains
+from tool0.description.model import Interface, Joint
+from tool0.errors import ControlError
+from tool0.hardware.joint_state import JointState
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForwardCommandSpec:
+    """A ``Joint…Controller`` or ``JointGroup…Controller``."""
+
+    name: str
+    type: str
+    joint_models: tuple[Joint, ...]
+    interface: Interface
+    quantity: Quantity
+    """What its commands are."""
+    gains: tuple[Gains, ...] = ()
+    """One per joint if the quantity is not the interface's own."""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints it claims."""
+        return tuple(joint.name for joint in self.joint_models)
+
+    def start(
+        self, indices: Sequence[int], state: JointState
+    ) -> ForwardCommandController:
+        """Return a controller that commands the measured positions, or 0."""
+        return ForwardCommandController(self, indices, state)
+
+
+@final
+class ForwardCommandController:
+    """Pass commands on to the joints, or follow them with a PID per joint.
+
+    A fresh effort command is 0, as in ROS: the joints are limp until told otherwise.
+    """
+
+    def __init__(
+        self, spec: ForwardCommandSpec, indices: Sequence[int], state: JointState
+    ) -> None:
+        self.spec = spec
+        self._command: Sequence[float] = [0.0] * len(indices)
+        self._servo: JointServo | None = None
+        if spec.gains:
+            self._servo = JointServo(
+                spec.quantity, spec.joint_models, spec.gains, indices
+            )
+        if spec.quantity is Quantity.POSITION:
+            self._command = list(picker(indices)(state.position))
+            if self._servo is not None:
+                self._command = self._servo.within_limits(self._command)
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        """Return the commands, or what the PIDs make of them."""
+        if self._servo is None:
+            return self._command
+        return self._servo.update(self._command, state, period)
+
+    def command(self, values: Sequence[float] | float) -> None:
+        """Set one command per joint, in the order of the controller's joints.
+
+        Raises:
+            ControlError: If the count is wrong or a number is not finite; the last
+                command stays.
+        """
+        given = [values] if isinstance(values, int | float) else list(values)
+        joints = self.spec.joints
+        if len(given) != len(joints):
+            raise ControlError(
+                f"Dimension of command ({len(given)}) does not match number of joints "
+                f"({len(joints)}) of '{self.spec.name}': {', '.join(joints)}. "
+                "Not executing!"
+            )
+        for joint, value in zip(joints, given, strict=True):
+            if not math.isfinite(value):
+                raise ControlError(
+                    f"command {value} for joint '{joint}' of '{self.spec.name}'; "
+                    "it must be a finite number"
+                )
+        command = [float(value) for value in given]
+        self._command = (
+            command if self._servo is None else self._servo.within_limits(command)
+        )
+
+    def stop(self) -> None:
+        """Do nothing: there is no goal to end."""
+
+
+def parse(parameters: Namespace, robot: Robot) -> ForwardCommandSpec:
+    """Return the checked parameters of a forwarding controller."""
+    type_name = parameters.text("type")
+    package, _, kind = type_name.partition("/")
+    interface = INTERFACE_OF_PACKAGE[package]
+    is_group = kind.startswith("JointGroup")
+    quantity = Quantity[kind[10 if is_group else 5 : -len("Controller")].upper()]
+    if is_group:
+        joints = controlled_joints(robot, parameters, interface)
+    else:
+        joints = (single_joint(robot, parameters, interface),)
+    gains: tuple[Gains, ...] = ()
+    if quantity.name != interface.name:
+        paths = [f"{joint.name}/pid" for joint in joints] if is_group else ["pid"]
+        why = f"{type_name} needs"
+        gains = tuple(read_gains(parameters, path, why) for path in paths)
+    return ForwardCommandSpec(
+        name=parameters.name,
+        type=type_name,
+        joint_models=joints,
+        interface=interface,
+        quantity=quantity,
+        gains=gains,
+    )

@@ -1,0 +1,165 @@
+"""The checks that a trajectory goal passes before anything moves.
+
+Wordings and codes are those of ROS's joint_trajectory_controller where it has any.
+Beyond ROS, which accepts them, these are rejected: numbers that are not finite,
+duplicate joints, wrong counts of positions, positions beyond the joint's limits, and
+tolerances for joints that the controller does not have.  A velocity or an
+acceleration beyond the joint's limit is accepted as in ROS: planners round them, and
+the tolerances tell whether the joint could follow.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Sequence
+
+from tool0.control.tolerances import tolerance_numbers
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.description.model import Joint, JointType
+from tool0.errors import GoalRejectedError, nearest_name
+
+logger = logging.getLogger(__name__)
+
+ROUNDING = 1e-6
+"""How far beyond a limit a position may be [rad | m]: limits are printed rounded."""
+
+INSTANT = 1e-6
+"""A point nearer in the future than this [s] counts as reached: less than any tick, and
+more than what sums of times are rounded by."""
+
+
+def check_names(
+    goal: TrajectoryGoal, joints: tuple[str, ...], *, allow_partial: bool
+) -> tuple[str, ...]:
+    """Return the joints of the goal's numbers, or reject the goal."""
+    names = joints if goal.joint_names is None else tuple(goal.joint_names)
+    for name in names:
+        if name not in joints:
+            raise _invalid_joints(f"unknown joint '{name}'", name, joints)
+    for name in names:
+        if names.count(name) > 1:
+            raise _invalid_joints(f"joint '{name}' is named twice")
+    if not names or (len(names) != len(joints) and not allow_partial):
+        missing = ", ".join(name for name in joints if name not in names)
+        raise _invalid_joints(
+            f"the goal names {len(names)} of {len(joints)} joints and lacks {missing}"
+            + ("" if allow_partial else "; allow_partial_joints_goal is false")
+        )
+    for tolerances in (goal.path_tolerance, goal.goal_tolerance):
+        for name, override in tolerances.items():
+            if name not in joints:
+                raise _invalid_joints(
+                    f"tolerance for unknown joint '{name}'", name, joints
+                )
+            if not all(map(math.isfinite, tolerance_numbers(override))):
+                raise GoalRejectedError(f"tolerance {override} of '{name}'")
+    if not math.isfinite(goal.goal_time_tolerance or 0.0):
+        raise GoalRejectedError(f"goal_time_tolerance {goal.goal_time_tolerance}")
+    return names
+
+
+def check_points(points: Sequence[TrajectoryPoint], names: tuple[str, ...]) -> None:
+    """Reject points whose times, counts or numbers make no trajectory."""
+    last = -math.inf
+    for number, point in enumerate(points):
+        time = point.time_from_start
+        if not math.isfinite(time):
+            raise GoalRejectedError(f"point {number} has time_from_start {time}")
+        if not time > last:
+            raise GoalRejectedError(
+                "Trajectory message contains waypoints that are not strictly "
+                f"increasing in time. Point {number} is at {time} s, "
+                f"the one before it at {last} s."
+            )
+        last = time
+    for number, point in enumerate(points):
+        _check_counts(number, point, names)
+
+
+def _check_counts(number: int, point: TrajectoryPoint, names: tuple[str, ...]) -> None:
+    if len(point.positions) != len(names):
+        raise GoalRejectedError(
+            "Size mismatch between trajectory point and vector specifying whether "
+            f"joints wrap around. Point {number} has {len(point.positions)} positions "
+            f"for {len(names)} joints."
+        )
+    for kind in ("positions", "velocities", "accelerations"):
+        values = getattr(point, kind)
+        if values and len(values) != len(names):
+            raise GoalRejectedError(
+                "Size mismatch in trajectory point position, velocity or acceleration "
+                f"data. Point {number} has {len(values)} {kind} "
+                f"for {len(names)} joints."
+            )
+        for name, value in zip(names, values or (), strict=False):
+            if not math.isfinite(value):
+                raise GoalRejectedError(
+                    f"point {number} has {kind} {value} for joint '{name}'; "
+                    "every number must be finite"
+                )
+
+
+def start_time(goal: TrajectoryGoal, now: float) -> float:
+    """Return when the goal starts [s]."""
+    if goal.stamp is None or goal.stamp == 0.0:
+        return now
+    if not math.isfinite(goal.stamp):
+        raise GoalRejectedError(f"stamp {goal.stamp}; it must be a simulated time")
+    return goal.stamp
+
+
+def points_ahead(
+    points: Sequence[TrajectoryPoint], start: float, now: float
+) -> Sequence[TrajectoryPoint]:
+    """Return the points that are still to be reached, or reject the goal.
+
+    Dropped are those at or before ``now``, as in ROS, and a first one at the very
+    start: there is no time to move there, ROS would jump.
+    """
+    earliest = max(start, now)
+    ahead = [
+        point for point in points if start + point.time_from_start > earliest + INSTANT
+    ]
+    n_dropped = len(points) - len(ahead)
+    if not ahead:
+        behind = earliest - (start + points[-1].time_from_start)
+        raise GoalRejectedError(
+            f"Dropping all {n_dropped} trajectory point(s), as they occur before the "
+            f"current time.\nLast point is {behind:.3f}s in the past."
+        )
+    if n_dropped > 1 or (n_dropped == 1 and start < now):
+        logger.warning(
+            "Dropping first %d trajectory point(s) out of %d, as they occur before "
+            "the current time.\nFirst valid point will be reached in %.3fs.",
+            n_dropped,
+            len(points),
+            start + ahead[0].time_from_start - now,
+        )
+    return ahead
+
+
+def check_limits(points: Sequence[TrajectoryPoint], joints: Sequence[Joint]) -> None:
+    """Reject positions that the joints cannot reach."""
+    for number, point in enumerate(points):
+        for joint, position in zip(joints, point.positions, strict=True):
+            check_position(joint, position, f"point {number}")
+
+
+def check_position(joint: Joint, position: float, where: str) -> None:
+    """Reject a position beyond the joint's limits; a continuous joint has none."""
+    if joint.type is JointType.CONTINUOUS:
+        return
+    lower, upper = joint.limits.lower, joint.limits.upper
+    if not lower - ROUNDING <= position <= upper + ROUNDING:
+        raise GoalRejectedError(
+            f"{where} wants joint '{joint.name}' at {position:.6g}, "
+            f"which is beyond its limits [{lower:.6g}, {upper:.6g}]"
+        )
+
+
+def _invalid_joints(
+    text: str, name: str = "", valid: tuple[str, ...] = ()
+) -> GoalRejectedError:
+    hint = nearest_name(name, valid) if valid else ""
+    return GoalRejectedError(text + hint, GoalRejectedError.INVALID_JOINTS)

@@ -1,0 +1,211 @@
+"""GripperActionController: move one joint, and squeeze what is in its way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+from tool0.control.goal import Goal, GoalStatus, GripperResult
+from tool0.control.goal_check import check_position
+from tool0.control.parameters import (
+    INTERFACE_OF_PACKAGE,
+    Namespace,
+    Robot,
+    read_gains,
+    single_joint,
+)
+from tool0.control.pid import Gains, Pid
+from tool0.description.model import Interface, Joint
+from tool0.errors import GoalRejectedError
+from tool0.hardware.joint_state import JointState
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GripperActionSpec:
+    """Units are the joint's: [rad] and [N·m], or [m] and [N]."""
+
+    name: str
+    type: str
+    joint: Joint
+    interface: Interface
+    gains: Gains | None
+    """None for the position interface."""
+    goal_tolerance: float = 0.01
+    max_effort: float
+    """Bound on the effort at the start, after a cancel, and for goals without one."""
+    stall_velocity_threshold: float = 0.001
+    """Mean speed below which the joint counts as stalled, per second."""
+    stall_timeout: float = 1.0
+    """How long it must be that slow [s]."""
+    allow_stalling: bool = False
+    """Whether a stall is a success: the gripper holds something."""
+    action_monitor_rate: float = 20.0
+    """[Hz], for the edges."""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joint it claims."""
+        return (self.joint.name,)
+
+    def start(
+        self, indices: Sequence[int], state: JointState
+    ) -> GripperActionController:
+        """Return a controller that holds the measured position."""
+        return GripperActionController(self, indices[0], state)
+
+
+@final
+class GripperActionController:
+    """Drive one joint to a position with bounded effort.
+
+    A goal succeeds within ``goal_tolerance``, and is aborted when the joint stalls
+    before that, unless ``allow_stalling`` makes a stall a success.  Either way the
+    command stays: a gripper goes on squeezing with the goal's effort.  It behaves as
+    ROS 1's controller of that name, but for these of its faults:
+
+    * a stall is a *change of position* of less than ``stall_velocity_threshold *
+      stall_timeout`` during ``stall_timeout``: the velocity of a simulated grip
+      chatters above any threshold, and such goals never ended;
+    * a goal with ``max_effort`` 0 takes the controller's own instead of going limp,
+      and without the parameter ``max_effort`` that is the joint's limit;
+    * positions beyond the joint's limits and numbers that are not finite are rejected.
+    """
+
+    def __init__(self, spec: GripperActionSpec, index: int, state: JointState) -> None:
+        self.spec = spec
+        self._index = index
+        self._pid = None if spec.gains is None else Pid(spec.gains)
+        self._target = state.position[index]
+        self._position = self._target
+        self._max_effort = spec.max_effort
+        self._effort = 0.0
+        self._goal: Goal | None = None
+        self._still_position = self._target
+        self._still_since = state.time
+        self._still_range = spec.stall_velocity_threshold * spec.stall_timeout
+
+    @property
+    def active_goal(self) -> Goal | None:
+        """The goal that is being pursued."""
+        return self._goal
+
+    @property
+    def target(self) -> float:
+        """The commanded position [rad | m]."""
+        return self._target
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        """Return the joint's command: its position, or an effort towards it."""
+        position = self._position = state.position[self._index]
+        error = self._target - position
+        if self._goal is not None:
+            self._judge(state.time, position, error)
+        if self._pid is None:
+            self._effort = self._max_effort
+            return (self._target,)
+        effort = self._pid.update(error, -state.velocity[self._index], period)
+        bound = self._max_effort
+        self._effort = -bound if effort < -bound else min(effort, bound)
+        return (self._effort,)
+
+    def _judge(self, time: float, position: float, error: float) -> None:
+        if abs(error) < self.spec.goal_tolerance:
+            self._finish(GoalStatus.SUCCEEDED, reached_goal=True)
+        elif abs(position - self._still_position) > self._still_range:
+            self._still_position, self._still_since = position, time
+        elif time - self._still_since > self.spec.stall_timeout:
+            is_success = self.spec.allow_stalling
+            self._finish(
+                GoalStatus.SUCCEEDED if is_success else GoalStatus.ABORTED, stalled=True
+            )
+
+    def command(self, position: float, max_effort: float | None, now: float) -> Goal:
+        """Replace the goal and return the new one's handle, or reject it.
+
+        Args:
+            position: Where to go [rad | m].
+            max_effort: Bound on the effort [N·m | N], its sign ignored as in ROS; None
+                or 0 for the controller's own.
+            now: Simulated time of the coming update [s].
+
+        Raises:
+            GoalRejectedError: What was commanded before goes on untouched.
+        """
+        if not math.isfinite(position):
+            raise GoalRejectedError(f"position {position}; it must be finite")
+        if max_effort is not None and not math.isfinite(max_effort):
+            raise GoalRejectedError(f"max_effort {max_effort}; it must be finite")
+        check_position(self.spec.joint, position, f"a goal of '{self.spec.name}'")
+        self._finish(GoalStatus.PREEMPTED)
+        self._goal = goal = Goal(self.spec.name)
+        self._target = float(position)
+        self._max_effort = abs(max_effort or 0.0) or self.spec.max_effort
+        self._still_position, self._still_since = self._position, now
+        return goal
+
+    def cancel(self, goal: Goal, now: float) -> None:
+        """Hold the measured position, if ``goal`` is the active one."""
+        del now
+        if goal is self._goal and goal is not None:
+            self._target = self._position
+            self._max_effort = self.spec.max_effort
+            self._finish(GoalStatus.PREEMPTED)
+
+    def stop(self) -> None:
+        """End an active goal as PREEMPTED; the controller is dropped after that."""
+        self._finish(GoalStatus.PREEMPTED)
+
+    def result(self) -> GripperResult:
+        """Return what an edge may publish as feedback."""
+        return self._result(GoalStatus.ACTIVE)
+
+    def _finish(
+        self, status: GoalStatus, *, stalled: bool = False, reached_goal: bool = False
+    ) -> None:
+        goal, self._goal = self._goal, None
+        if goal is not None:
+            goal.finish(
+                self._result(status, stalled=stalled, reached_goal=reached_goal)
+            )
+
+    def _result(
+        self, status: GoalStatus, *, stalled: bool = False, reached_goal: bool = False
+    ) -> GripperResult:
+        return GripperResult(
+            status=status,
+            position=self._position,
+            effort=self._effort,
+            stalled=stalled,
+            reached_goal=reached_goal,
+        )
+
+
+def parse(parameters: Namespace, robot: Robot) -> GripperActionSpec:
+    """Return the checked parameters of a GripperActionController."""
+    type_name = parameters.text("type")
+    interface = INTERFACE_OF_PACKAGE[type_name.partition("/")[0]]
+    joint = single_joint(robot, parameters, interface)
+    gains = None
+    if interface is Interface.EFFORT:
+        gains = read_gains(parameters, f"gains/{joint.name}", f"{type_name} needs")
+    max_effort = joint.limits.effort
+    if parameters.find("max_effort") is not None:
+        max_effort = abs(parameters.number("max_effort"))
+    return GripperActionSpec(
+        name=parameters.name,
+        type=type_name,
+        joint=joint,
+        interface=interface,
+        gains=gains,
+        goal_tolerance=abs(parameters.number("goal_tolerance", 0.01)),
+        max_effort=max_effort,
+        stall_velocity_threshold=parameters.not_negative(
+            "stall_velocity_threshold", 0.001
+        ),
+        stall_timeout=parameters.not_negative("stall_timeout", 1.0),
+        allow_stalling=parameters.boolean("allow_stalling", default=False),
+        action_monitor_rate=parameters.not_negative("action_monitor_rate", 20.0),
+    )

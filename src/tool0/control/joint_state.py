@@ -1,0 +1,169 @@
+"""JointStateController: says which joints are published, and how often."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+from tool0.control.parameters import Namespace, Robot
+from tool0.control.publish_rate import PublishRate
+from tool0.control.yaml_tree import Entry
+from tool0.description.model import Interface
+from tool0.errors import ConfigError, nearest_name
+from tool0.hardware.joint_state import JointState
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExtraJoint:
+    """A joint that exists in the messages only."""
+
+    name: str
+    position: float = 0.0
+    velocity: float = 0.0
+    effort: float = 0.0
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointStateSpec:
+    """What a JointStateController publishes; it claims nothing."""
+
+    name: str
+    type: str
+    joints: tuple[str, ...]
+    """The joints that are read, in the order of the messages."""
+    publish_rate: float
+    """[Hz]; 0 or less is never."""
+    extra_joints: tuple[ExtraJoint, ...] = ()
+
+    @property
+    def interface(self) -> Interface | None:
+        """No command interface: it only reads."""
+        return None
+
+    def start(self, indices: Sequence[int], state: JointState) -> JointStateController:
+        """Return a controller that has not published yet."""
+        del state
+        return JointStateController(self, indices)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedJointState:
+    """sensor_msgs/JointState."""
+
+    time: float
+    names: tuple[str, ...]
+    position: tuple[float, ...]
+    velocity: tuple[float, ...]
+    effort: tuple[float, ...]
+
+
+@final
+class JointStateController:
+    """Costs the tick nothing: the edges ask ``is_due``, and then for ``message``."""
+
+    def __init__(self, spec: JointStateSpec, indices: Sequence[int]) -> None:
+        self.spec = spec
+        self._indices = tuple(indices)
+        self._rate = PublishRate(spec.publish_rate)
+        self.joint_names = spec.joints + tuple(j.name for j in spec.extra_joints)
+        """Read and extra joints, in the order of the messages."""
+        self.publish_rate = spec.publish_rate
+        """[Hz]"""
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        """Return no command."""
+        return ()
+
+    def stop(self) -> None:
+        """Do nothing: there is no goal to end."""
+
+    def is_due(self, time: float) -> bool:
+        """Return whether to publish at ``time`` [s], once per period."""
+        return self._rate.is_due(time)
+
+    def message(self, state: JointState) -> PublishedJointState:
+        """Return what to publish; extra joints keep the values of their YAML."""
+        extra = self.spec.extra_joints
+        pick = self._indices
+        return PublishedJointState(
+            time=state.time,
+            names=self.joint_names,
+            position=(
+                *(state.position[i] for i in pick),
+                *(joint.position for joint in extra),
+            ),
+            velocity=(
+                *(state.velocity[i] for i in pick),
+                *(joint.velocity for joint in extra),
+            ),
+            effort=(
+                *(state.effort[i] for i in pick),
+                *(joint.effort for joint in extra),
+            ),
+        )
+
+
+def parse(parameters: Namespace, robot: Robot) -> JointStateSpec:
+    """Return the checked parameters of a JointStateController.
+
+    Without ``joints`` it publishes those with a transmission, as in ROS; with it, any
+    movable joint.
+    """
+    joints = tuple(robot.interfaces)
+    if parameters.find("joints") is not None:
+        joints = parameters.texts("joints")
+        entry = parameters.find("joints") or parameters.entry
+        movable = [name for name, joint in robot.joints.items() if joint.is_movable]
+        for name in joints:
+            if name not in movable:
+                raise ConfigError(
+                    f"'{entry.key}' names unknown joint '{name}'"
+                    + nearest_name(name, movable),
+                    entry.location,
+                )
+    return JointStateSpec(
+        name=parameters.name,
+        type=parameters.text("type"),
+        joints=joints,
+        publish_rate=parameters.number("publish_rate"),
+        extra_joints=_extra_joints(parameters, joints),
+    )
+
+
+def _extra_joints(
+    parameters: Namespace, joints: tuple[str, ...]
+) -> tuple[ExtraJoint, ...]:
+    """Read the extra joints; like ROS, skip those that are real.
+
+    Unlike ROS, ``position: 0`` is as good as ``0.0``.
+    """
+    entry = parameters.find("extra_joints")
+    if entry is None:
+        return ()
+    if entry.items is None:
+        raise ConfigError(
+            f"'{entry.key}' must be a list of mappings with a name, "
+            f"got {entry.describe()}",
+            entry.location,
+        )
+    extra = map(_extra_joint, entry.items)
+    return tuple(joint for joint in extra if joint.name not in joints)
+
+
+def _extra_joint(entry: Entry) -> ExtraJoint:
+    if entry.children is None:
+        raise ConfigError(
+            f"'{entry.key}' must be a mapping with a name, got {entry.describe()}",
+            entry.location,
+        )
+    joint = Namespace(entry)
+    return ExtraJoint(
+        name=joint.text("name"),
+        position=joint.number("position", 0.0),
+        velocity=joint.number("velocity", 0.0),
+        effort=joint.number("effort", 0.0),
+    )

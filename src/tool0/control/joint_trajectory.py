@@ -1,0 +1,352 @@
+"""JointTrajectoryController: follow trajectories, and hold still without one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from operator import sub
+from typing import final
+
+from tool0.control import goal_check
+from tool0.control.angles import shortest_turn, wrap_offset
+from tool0.control.goal import Goal, GoalResult, GoalStatus
+from tool0.control.joint_trajectory_spec import JointTrajectorySpec
+from tool0.control.pick import picker
+from tool0.control.pid import PidBank
+from tool0.control.playback import (
+    Playback,
+    Track,
+    hold_track,
+    sample_track,
+    splice,
+    stop_track,
+)
+from tool0.control.segment import Motion
+from tool0.control.trajectory import (
+    JointsMotion,
+    TrajectoryGoal,
+    TrajectoryPoint,
+    TrajectoryState,
+)
+from tool0.description.model import JointType
+from tool0.hardware.joint_state import JointState
+
+
+@final
+class JointTrajectoryController:
+    """Track a joint trajectory; effort and velocity joints by PID and feed-forward.
+
+    Time is the absolute simulated time of the states.  Goals come between ticks, with
+    ``now`` the time of the coming one: a goal without a stamp starts exactly then.
+
+    It behaves as ROS 1's controller of that name, but for these of its faults:
+
+    * a goal that violates a tolerance is aborted and the joints stop, by the same ramp
+      as after a cancel, instead of executing on;
+    * position errors are wrapped for continuous joints only, not for joints whose
+      limits span more than a turn, nor for prismatic ones;
+    * without ``constraints/goal_time`` a goal gets DEFAULT_GOAL_TIME to come to rest;
+    * what ``goal_check`` says is rejected;
+    * the stop ramp does not end beyond a joint's limits.
+
+    As in ROS, each joint that was within its goal tolerances once counts as arrived.
+    """
+
+    def __init__(
+        self, spec: JointTrajectorySpec, indices: Sequence[int], state: JointState
+    ) -> None:
+        self.spec = spec
+        self._pick = picker(indices)
+        self._wrapping = [
+            k
+            for k, joint in enumerate(spec.joint_models)
+            if joint.type is JointType.CONTINUOUS
+        ]
+        self._law = PidBank(spec.gains) if spec.gains else None
+        self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
+        self._tolerances = spec.tolerances
+        self._stop_duration = spec.stop_trajectory_duration
+        self._goal: Goal | None = None
+        self._done: set[int] = set()
+        self._goal_time = 0.0
+        self._state = state
+        position = self._pick(state.position)
+        self._playback = Playback(
+            [hold_track(state.time, q) for q in position], state.time
+        )
+        self._watch(state.time)
+
+    @property
+    def active_goal(self) -> Goal | None:
+        """The goal that is being followed."""
+        return self._goal
+
+    # ---- the tick -----------------------------------------------------------------
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        """Return the commands: desired positions, or velocities or efforts to them."""
+        self._state = state
+        time, position, velocity, _ = state
+        playback = self._playback
+        if time >= playback.next_change:
+            playback.advance(time)
+            self._watch(time)
+        desired, desired_velocity = playback.sample(time)
+        if self._law is None and self._goal is None:
+            return desired
+        errors = list(map(sub, desired, self._pick(position)))
+        for k in self._wrapping:
+            errors[k] = shortest_turn(0.0, errors[k])
+        error_rates = list(map(sub, desired_velocity, self._pick(velocity)))
+        if self._goal is not None:
+            self._judge(self._goal, time, errors, error_rates)
+        if self._law is None:
+            return desired
+        commands = self._law.update(errors, error_rates, period)
+        if self._feed_forward:
+            for k, scale in enumerate(self._feed_forward):
+                commands[k] += scale * desired_velocity[k]
+        return commands
+
+    def _watch(self, time: float) -> None:
+        """Collect what to check until the next change, so that the tick does less."""
+        self._on_path: list[int] = []
+        self._at_goal: list[int] = []
+        self._path_limit = float("inf")
+        self._checks_path_velocity = False
+        if self._goal is None:
+            return
+        playback = self._playback
+        for k, (piece, arrived) in enumerate(
+            zip(playback.current, playback.arrived, strict=True)
+        ):
+            if piece.goal is not self._goal:
+                continue
+            if arrived:
+                if k not in self._done:
+                    self._at_goal.append(k)
+                continue
+            if piece.segment.end <= time:
+                continue
+            path = piece.tolerances.path
+            if path.position > 0.0 or path.velocity > 0.0:
+                self._on_path.append(k)
+                self._path_limit = min(self._path_limit, path.position or float("inf"))
+                self._checks_path_velocity |= path.velocity > 0.0
+
+    def _judge(
+        self, goal: Goal, time: float, errors: list[float], rates: list[float]
+    ) -> None:
+        """Abort the goal on a violated tolerance; end it when every joint arrived."""
+        if self._on_path and (
+            self._checks_path_velocity or max(map(abs, errors)) > self._path_limit
+        ):
+            for k in self._on_path:
+                path = self._playback.current[k].tolerances.path
+                if not path.allows(errors[k], rates[k]):
+                    self._abort(goal, "path", k, errors[k])
+                    return
+        if self._at_goal:
+            self._judge_arrival(goal, time, errors, rates)
+
+    def _judge_arrival(
+        self, goal: Goal, time: float, errors: list[float], rates: list[float]
+    ) -> None:
+        waiting = []
+        for k in self._at_goal:
+            piece = self._playback.current[k]
+            if piece.tolerances.goal.allows(errors[k], rates[k]):
+                self._done.add(k)
+            elif time < piece.segment.end + self._goal_time:
+                waiting.append(k)
+            else:
+                self._abort(goal, "goal", k, errors[k])
+                return
+        self._at_goal = waiting
+        if len(self._done) == len(errors):
+            self._end_goal(GoalStatus.SUCCEEDED)
+
+    def _abort(self, goal: Goal, kind: str, k: int, error: float) -> None:
+        code = {
+            "path": GoalResult.PATH_TOLERANCE_VIOLATED,
+            "goal": GoalResult.GOAL_TOLERANCE_VIOLATED,
+        }[kind]
+        text = f"{self.spec.joints[k]} {kind} error {error:.6f}"
+        self._goal = None
+        self._play(self._stop_tracks(self._state.time, None), self._state.time)
+        goal.finish(
+            GoalResult(status=GoalStatus.ABORTED, error_code=code, error_string=text)
+        )
+
+    def _end_goal(self, status: GoalStatus) -> None:
+        goal, self._goal = self._goal, None
+        if goal is not None:
+            self._on_path, self._at_goal = [], []
+            goal.finish(GoalResult(status=status))
+
+    # ---- requests, between ticks --------------------------------------------------
+
+    def follow(self, goal: TrajectoryGoal, now: float) -> Goal:
+        """Replace what is done by ``goal`` and return its handle, or reject it.
+
+        Raises:
+            GoalRejectedError: With ROS's code; what ran before goes on untouched.
+        """
+        handle = Goal(self.spec.name)
+        self._accept(goal, now, handle)
+        return handle
+
+    def command(self, goal: TrajectoryGoal, now: float) -> None:
+        """Replace what is done by ``goal``, without tolerances, or reject it.
+
+        The topic ``~/command`` of ROS: nobody hears whether it arrives.
+        """
+        self._accept(goal, now, None)
+
+    def cancel(self, goal: Goal, now: float) -> None:
+        """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
+        if goal is self._goal and goal is not None:
+            self._play(self._stop_tracks(now, None), now)
+            self._end_goal(GoalStatus.PREEMPTED)
+
+    def stop(self) -> None:
+        """End an active goal as PREEMPTED; the controller is dropped after that."""
+        self._end_goal(GoalStatus.PREEMPTED)
+
+    def _accept(self, goal: TrajectoryGoal, now: float, handle: Goal | None) -> None:
+        names = goal_check.check_names(
+            goal,
+            self.spec.joints,
+            allow_partial=self.spec.allow_partial_joints_goal,
+        )
+        if goal.points:
+            tracks = self._merge(goal, names, now, handle)
+        else:
+            tracks = self._stop_tracks(now, handle)
+        self._end_goal(GoalStatus.PREEMPTED)
+        self._goal = handle
+        self._done = set()
+        self._goal_time = self._tolerances.goal_time_with(goal.goal_time_tolerance)
+        self._play(tracks, now)
+
+    def _merge(
+        self,
+        goal: TrajectoryGoal,
+        names: tuple[str, ...],
+        now: float,
+        handle: Goal | None,
+    ) -> list[Track]:
+        goal_check.check_points(goal.points, names)
+        start = goal_check.start_time(goal, now)
+        points = goal_check.points_ahead(goal.points, start, now)
+        models = {joint.name: joint for joint in self.spec.joint_models}
+        goal_check.check_limits(points, [models[name] for name in names])
+        tracks = []
+        for k, (name, old) in enumerate(
+            zip(self.spec.joints, self._playback.tracks, strict=True)
+        ):
+            if name not in names:
+                tracks.append(tuple(piece._replace(goal=handle) for piece in old))
+                continue
+            motions = _motions_of(points, names.index(name), start)
+            if k in self._wrapping:
+                motions = _unwrap(motions, sample_track(old, max(now, start)).position)
+            tolerances = self._tolerances.of(
+                name, goal.path_tolerance.get(name), goal.goal_tolerance.get(name)
+            )
+            tracks.append(
+                splice(old, now, start, motions, goal=handle, tolerances=tolerances)
+            )
+        return tracks
+
+    def _stop_tracks(self, now: float, handle: Goal | None) -> list[Track]:
+        """Return the way to rest: at the measured position, or by a ramp."""
+        duration = self._stop_duration
+        if duration <= 0.0:
+            position = self._pick(self._state.position)
+            return [hold_track(now, q, handle) for q in position]
+        clamps: list[Callable[[float], float]] = [
+            float if joint.type is JointType.CONTINUOUS else joint.limits.clamp
+            for joint in self.spec.joint_models
+        ]
+        return [
+            stop_track(now, sample_track(track, now), duration, clamp, handle)
+            for track, clamp in zip(self._playback.tracks, clamps, strict=True)
+        ]
+
+    def _play(self, tracks: list[Track], time: float) -> None:
+        self._playback = Playback(tracks, time)
+        self._watch(time)
+
+    # ---- what it wants and has ----------------------------------------------------
+
+    def query_state(self, time: float) -> JointsMotion:
+        """Return what is wanted of the joints at ``time``.
+
+        Raises:
+            ControlError: If no trajectory is known so far back.
+        """
+        motions = self._playback.motions(time)
+        return JointsMotion(
+            positions=tuple(motion.position for motion in motions),
+            velocities=tuple(motion.velocity for motion in motions),
+            accelerations=tuple(motion.acceleration for motion in motions),
+        )
+
+    def state(self) -> TrajectoryState:
+        """Return what was wanted and measured at the last update."""
+        time, position, velocity, _ = self._state
+        motions = [sample_track(track, time) for track in self._playback.tracks]
+        piece = self._playback.current[0]
+        since = piece.time_from_start + time - piece.segment.start
+        actual, speed = tuple(self._pick(position)), tuple(self._pick(velocity))
+        errors = [m.position - q for m, q in zip(motions, actual, strict=True)]
+        for k in self._wrapping:
+            errors[k] = shortest_turn(0.0, errors[k])
+        return TrajectoryState(
+            joint_names=self.spec.joints,
+            time=time,
+            desired=JointsMotion(
+                positions=tuple(motion.position for motion in motions),
+                velocities=tuple(motion.velocity for motion in motions),
+                accelerations=tuple(motion.acceleration for motion in motions),
+                time_from_start=piece.time_from_start,
+            ),
+            actual=JointsMotion(
+                positions=actual, velocities=speed, time_from_start=since
+            ),
+            error=JointsMotion(
+                positions=tuple(errors),
+                velocities=tuple(
+                    m.velocity - v for m, v in zip(motions, speed, strict=True)
+                ),
+                time_from_start=piece.time_from_start - since,
+            ),
+        )
+
+
+def _motions_of(
+    points: Sequence[TrajectoryPoint], column: int, start: float
+) -> list[tuple[float, Motion]]:
+    """Return absolute times and motions of one of the points' joints."""
+    return [
+        (
+            start + point.time_from_start,
+            Motion(
+                point.positions[column],
+                point.velocities[column] if point.velocities else None,
+                point.accelerations[column] if point.accelerations else None,
+            ),
+        )
+        for point in points
+    ]
+
+
+def _unwrap(
+    motions: list[tuple[float, Motion]], previous: float
+) -> list[tuple[float, Motion]]:
+    """Turn all motions by the same whole turns, so that the first is the nearest."""
+    offset = wrap_offset(previous, motions[0][1].position)
+    return [
+        (time, motion._replace(position=motion.position + offset))
+        for time, motion in motions
+    ]

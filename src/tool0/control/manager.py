@@ -1,0 +1,306 @@
+"""The controller manager: loads, starts, stops and updates controllers."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+from tool0.control.config import ControllerConfig
+from tool0.control.controller import Controller, ControllerSpec
+from tool0.control.controller_types import TYPES
+from tool0.control.hardware_port import HardwarePort
+from tool0.control.parameters import Robot
+from tool0.control.pick import as_slice
+from tool0.description.model import Joint
+from tool0.errors import ClaimError, ControlError, GoalRejectedError, nearest_name
+from tool0.hardware.joint_state import JointState
+
+
+class Strictness(enum.Enum):
+    """How a switch takes what it cannot do; the numbers are ROS's."""
+
+    BEST_EFFORT = 1
+    """Do the rest."""
+    STRICT = 2
+    """Do nothing, and raise."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControllerStatus:
+    """A loaded controller: controller_manager_msgs/ControllerState."""
+
+    name: str
+    type: str
+    state: str
+    """``initialized`` after loading, then ``running`` or ``stopped``."""
+    claimed: tuple[tuple[str, tuple[str, ...]], ...]
+    """Each command interface with the joints; claims count while it is running."""
+
+
+@final
+class _Loaded:
+    """A controller's parameters, and the controller while it runs."""
+
+    def __init__(self, spec: ControllerSpec, indices: tuple[int, ...]) -> None:
+        self.spec = spec
+        self.indices = indices
+        self.controller: Controller | None = None
+        self.state = "initialized"
+
+    @property
+    def claims(self) -> tuple[str, ...]:
+        return () if self.spec.interface is None else self.spec.joints
+
+
+@final
+class ControllerManager:
+    """Owns the controllers over one robot's hardware, with ros_control's rules.
+
+    Only the thread that owns the tick may call it.
+    """
+
+    def __init__(
+        self,
+        hardware: HardwarePort,
+        config: ControllerConfig,
+        joints: Mapping[str, Joint],
+    ) -> None:
+        """Load nothing yet.
+
+        Args:
+            hardware: What the controllers command.
+            config: The parameters of all controllers that can be loaded.
+            joints: The robot's joints, by name.
+        """
+        self._hardware = hardware
+        self._config = config
+        self._robot = Robot(joints, hardware.interfaces)
+        self._loaded: dict[str, _Loaded] = {}
+        self._updates: list[tuple[Controller, slice | None, tuple[int, ...]]] = []
+
+    # ---- the tick -----------------------------------------------------------------
+
+    def update(self, state: JointState, period: float) -> None:
+        """Update the running controllers, in load order, and write their commands."""
+        command = self._hardware.command
+        for controller, run, indices in self._updates:
+            values = controller.update(state, period)
+            if run is not None:
+                command[run] = values
+            else:
+                for index, value in zip(indices, values, strict=True):
+                    command[index] = value
+
+    def _refresh(self) -> None:
+        self._updates = [
+            (item.controller, as_slice(claims), claims)
+            for item in self._loaded.values()
+            if item.controller is not None
+            for claims in [item.indices if item.claims else ()]
+        ]
+
+    # ---- loading ------------------------------------------------------------------
+
+    def load(self, name: str) -> None:
+        """Check a controller's parameters and keep it ready.
+
+        Raises:
+            ControlError: If it is loaded already.
+            ConfigError: If it is unknown, or its parameters are wrong.
+        """
+        if name in self._loaded:
+            raise ControlError(
+                f"A controller named '{name}' was already loaded; unload it first"
+            )
+        spec = self._config.spec(name, self._robot)
+        indices = tuple(self._hardware.index[joint] for joint in spec.joints)
+        self._loaded[name] = _Loaded(spec, indices)
+
+    def unload(self, name: str) -> None:
+        """Forget a controller that is not running."""
+        if self._find(name).controller is not None:
+            raise ControlError(
+                f"Could not unload controller '{name}' because it is still running; "
+                "stop it first"
+            )
+        del self._loaded[name]
+
+    # ---- switching ----------------------------------------------------------------
+
+    def switch(
+        self,
+        start: Sequence[str],
+        stop: Sequence[str],
+        strictness: Strictness,
+        state: JointState,
+    ) -> tuple[str, ...]:
+        """Stop and start controllers at one instant; return what was skipped.
+
+        Args:
+            start: Names of loaded controllers.
+            stop: Names of running controllers.
+            strictness: What to do about those that do not fit.
+            state: The measured state, which started controllers hold.
+
+        Raises:
+            ControlError: If it cannot be done; then nothing has changed.
+            ClaimError: If two running controllers would claim one joint.
+        """
+        skipped: list[str] = []
+        to_stop, to_start = self._plan(start, stop, strictness, skipped)
+        running = [
+            name
+            for name, item in self._loaded.items()
+            if (item.controller is not None and name not in to_stop) or name in to_start
+        ]
+        self._check_claims(running)
+        started = {
+            name: self._loaded[name].spec.start(self._loaded[name].indices, state)
+            for name in to_start
+        }
+        self._stop(to_stop, state)
+        for name, controller in started.items():
+            item = self._loaded[name]
+            item.controller = controller
+            item.state = "running"
+            if item.claims:
+                self._hardware.claim(item.claims, state)
+        self._refresh()
+        return tuple(skipped)
+
+    def _plan(
+        self,
+        start: Sequence[str],
+        stop: Sequence[str],
+        strictness: Strictness,
+        skipped: list[str],
+    ) -> tuple[list[str], list[str]]:
+        """Return what to stop and to start, after ROS's checks in ROS's order."""
+
+        def refuse(message: str) -> None:
+            if strictness is Strictness.STRICT:
+                raise ControlError(message)
+            skipped.append(message)
+
+        plans: dict[str, list[str]] = {"stop": [], "start": []}
+        for verb, names in (("stop", stop), ("start", start)):
+            for name in dict.fromkeys(names):
+                if name in self._loaded:
+                    plans[verb].append(name)
+                else:
+                    refuse(
+                        f"Could not {verb} controller with name '{name}' because no "
+                        "controller with this name is loaded"
+                        + nearest_name(name, list(self._loaded))
+                    )
+        for name in self._loaded:
+            is_running = self._loaded[name].controller is not None
+            if is_running and name in plans["start"] and name in plans["stop"]:
+                raise ControlError(
+                    f"Controller '{name}' is to be both started and stopped; a running "
+                    "controller cannot be restarted by one switch"
+                )
+            if not is_running and name in plans["stop"]:
+                refuse(f"Could not stop controller '{name}' since it is not running")
+                plans["stop"].remove(name)
+            if is_running and name in plans["start"]:
+                refuse(f"Controller '{name}' is already running")
+                plans["start"].remove(name)
+        return plans["stop"], plans["start"]
+
+    def _check_claims(self, running: Sequence[str]) -> None:
+        owners: dict[str, str] = {}
+        for name in running:
+            for joint in self._loaded[name].claims:
+                other = owners.setdefault(joint, name)
+                if other != name:
+                    raise ClaimError(
+                        f"controllers '{other}' and '{name}' both claim joint "
+                        f"'{joint}'; stop one of them"
+                    )
+
+    def _stop(self, names: Sequence[str], state: JointState) -> None:
+        for name in names:
+            item = self._loaded[name]
+            controller, item.controller = item.controller, None
+            item.state = "stopped"
+            if controller is not None:
+                controller.stop()
+            if item.claims:
+                self._hardware.release(item.claims, state)
+
+    def restart(self, state: JointState) -> None:
+        """Stop every running controller and start it anew, holding ``state``.
+
+        For jumps of the state or of time: a reset, or the end of an emergency stop.
+        """
+        for item in self._loaded.values():
+            if item.controller is None:
+                continue
+            old = item.controller
+            item.controller = item.spec.start(item.indices, state)
+            old.stop()
+            if item.claims:
+                self._hardware.release(item.claims, state)
+                self._hardware.claim(item.claims, state)
+        self._refresh()
+
+    def stop_all(self, state: JointState) -> None:
+        """Stop every running controller; the brake holds all joints."""
+        self._stop(
+            [n for n, item in self._loaded.items() if item.controller is not None],
+            state,
+        )
+        self._refresh()
+
+    # ---- asking -------------------------------------------------------------------
+
+    def running(self, name: str) -> Controller:
+        """Return a running controller.
+
+        Raises:
+            GoalRejectedError: If it is loaded, but not running.
+            ControlError: If it is not loaded.
+        """
+        item = self._find(name)
+        if item.controller is None:
+            raise GoalRejectedError(
+                f"controller '{name}' is {item.state}, not running; start it first"
+            )
+        return item.controller
+
+    def status(self, name: str) -> ControllerStatus:
+        """Return how a loaded controller is."""
+        item = self._find(name)
+        interface = item.spec.interface
+        return ControllerStatus(
+            name=name,
+            type=item.spec.type,
+            state=item.state,
+            claimed=() if interface is None else ((interface.value, item.claims),),
+        )
+
+    def list(self) -> tuple[ControllerStatus, ...]:
+        """Return every loaded controller, in load order."""
+        return tuple(map(self.status, self._loaded))
+
+    def spec(self, name: str) -> ControllerSpec:
+        """Return the parameters of a loaded controller."""
+        return self._find(name).spec
+
+    @staticmethod
+    def list_types() -> tuple[str, ...]:
+        """Return every type that can be loaded."""
+        return TYPES
+
+    def _find(self, name: str) -> _Loaded:
+        item = self._loaded.get(name)
+        if item is not None:
+            return item
+        valid = list(self._loaded)
+        if name in self._config.names:
+            raise ControlError(f"controller '{name}' is not loaded; load it first")
+        raise ControlError(f"unknown controller '{name}'{nearest_name(name, valid)}")

@@ -1,0 +1,157 @@
+"""Polynomial motion of one joint between two instants."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, final
+
+from tool0.errors import GoalRejectedError
+
+Polynomial = tuple[
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+]
+"""``(t0, c0 … c5, 2 c2, 3 c3, 4 c4, 5 c5)``: position and velocity by Horner's rule.
+
+``t = time - t0``; the velocity's coefficients are ready, since the tick wants both.
+"""
+
+
+class Motion(NamedTuple):
+    """Where a joint is, and how it moves; None for what is not prescribed."""
+
+    position: float
+    velocity: float | None = None
+    acceleration: float | None = None
+    """Counts only beside a velocity."""
+
+
+class Sample(NamedTuple):
+    """A motion of which everything is known."""
+
+    position: float
+    velocity: float
+    acceleration: float
+
+
+@final
+class Segment:
+    """The lowest polynomial on [start, end] that meets both motions.
+
+    Linear for positions, cubic with velocities, quintic with accelerations as well:
+    the order is what *both* ends prescribe.  Before ``start`` and after ``end`` the
+    joint rests at the respective end.  A segment without duration keeps to its start.
+    """
+
+    __slots__ = ("coefficients", "end", "start")
+
+    def __init__(self, start: float, first: Motion, end: float, last: Motion) -> None:
+        duration = end - start
+        if not duration >= 0.0:
+            raise GoalRejectedError(
+                f"a segment cannot end at {end} s, before its start at {start} s"
+            )
+        self.start = start
+        self.end = end
+        self.coefficients = _fit(first, last, duration)
+
+    def sample(self, time: float) -> Sample:
+        """Return the motion at ``time``."""
+        if time < self.start:
+            return Sample(self.coefficients[0], 0.0, 0.0)
+        t = min(time, self.end) - self.start
+        c0, c1, c2, c3, c4, c5 = self.coefficients
+        position = c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5))))
+        if time > self.end:
+            return Sample(position, 0.0, 0.0)
+        return Sample(
+            position,
+            c1 + t * (2 * c2 + t * (3 * c3 + t * (4 * c4 + t * 5 * c5))),
+            2 * c2 + t * (6 * c3 + t * (12 * c4 + t * 20 * c5)),
+        )
+
+    @property
+    def polynomial(self) -> Polynomial:
+        """The coefficients as the tick reads them."""
+        c0, c1, c2, c3, c4, c5 = self.coefficients
+        return (self.start, c0, c1, c2, c3, c4, c5, 2 * c2, 3 * c3, 4 * c4, 5 * c5)
+
+    @property
+    def rest(self) -> Polynomial:
+        """The polynomial of resting at the end."""
+        return resting(self.sample(self.end).position)
+
+    def is_bounded(self, bound: float) -> bool:
+        """Return whether neither position nor speed can exceed ``bound``.
+
+        Sums the terms' sizes, so that NaN and overflow count as unbounded.
+        """
+        T = self.end - self.start
+        position = speed = 0.0
+        for power, coefficient in enumerate(self.coefficients):
+            position += abs(coefficient) * T**power
+            if power:
+                speed += power * abs(coefficient) * T ** (power - 1)
+        return position <= bound and speed <= bound
+
+
+def resting(position: float) -> Polynomial:
+    """Return the polynomial of staying at ``position``."""
+    return (0.0, position, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def hold(time: float, position: float) -> Segment:
+    """Return the segment without duration that rests at ``position``."""
+    return Segment(time, Motion(position, 0.0, 0.0), time, Motion(position, 0.0, 0.0))
+
+
+def stop_ramp(time: float, now: Sample, duration: float) -> Segment:
+    """Return the quintic that brings a moving joint to rest within ``duration``.
+
+    As in ROS it ends where the symmetric quintic from velocity v to -v over twice the
+    duration turns round, at ``position + 5/8 v duration``.
+    """
+    position, velocity, _ = now
+    first = Motion(position, velocity, 0.0)
+    there_and_back = Segment(
+        time, first, time + 2.0 * duration, Motion(position, -velocity, 0.0)
+    )
+    turn = there_and_back.sample(time + duration)
+    return Segment(time, first, time + duration, Motion(*turn))
+
+
+def _fit(
+    first: Motion, last: Motion, T: float
+) -> tuple[float, float, float, float, float, float]:
+    p0, v0, a0 = first
+    p1, v1, a1 = last
+    if v0 is None or v1 is None:
+        return (p0, (p1 - p0) / T if T > 0.0 else 0.0, 0.0, 0.0, 0.0, 0.0)
+    d = p1 - p0
+    if a0 is None or a1 is None:
+        if not T > 0.0:
+            return (p0, v0, 0.0, 0.0, 0.0, 0.0)
+        c2 = (3.0 * d - (2.0 * v0 + v1) * T) / T / T
+        c3 = (-2.0 * d + (v0 + v1) * T) / T / T / T
+        return (p0, v0, c2, c3, 0.0, 0.0)
+    if not T > 0.0:
+        return (p0, v0, 0.5 * a0, 0.0, 0.0, 0.0)
+    vT, v1T, a0TT, a1TT = v0 * T, v1 * T, a0 * T * T, a1 * T * T
+    c3 = (20.0 * d - (12.0 * vT + 8.0 * v1T) - (3.0 * a0TT - a1TT)) / 2 / T / T / T
+    c4 = (-30.0 * d + 16.0 * vT + 14.0 * v1T + 3.0 * a0TT - 2.0 * a1TT) / 2
+    c5 = (12.0 * d - 6.0 * (vT + v1T) - (a0TT - a1TT)) / 2
+    return (p0, v0, 0.5 * a0, c3, c4 / T / T / T / T, c5 / T / T / T / T / T)
+
+
+def is_finite(motion: Motion) -> bool:
+    """Return whether every prescribed number is finite."""
+    return all(value is None or math.isfinite(value) for value in motion)
