@@ -89,4 +89,5 @@ def _list(values: Sequence[float]) -> str:
 
 def _number(value: float) -> str:
     """Return a length to the micrometre, an angle to the microradian, as YAML."""
-    return str(round(value, 6) + 0.0)
+    text = f"{round(value, 6) + 0.0:.6f}".rstrip("0")
+    return text + "0" if text.endswith(".") else text

@@ -148,7 +148,7 @@ def _inner_knuckle() -> LinkShape:
                 plate([shank, (y, z, 0.0062)], x=(-TONGUE, TONGUE)),
             ),
         },
-        collision=(_bar(INNER_KNUCKLE, 0.008, 0.0, 0.011, 2 * FORK[1]),),
+        collision=(_bar(INNER_KNUCKLE, 0.008, -0.008, 0.011, 2 * FORK[1]),),
     )
 
 
@@ -215,7 +215,11 @@ def _pin(at: tuple[float, float], half_length: float, radius: float) -> Solid:
 def _bar(
     end: tuple[float, float], start: float, beyond: float, width: float, depth: float
 ) -> Box:
-    """Return a box along the way to ``end``, from ``start`` to ``beyond`` it [m]."""
+    """Return a box along the way to ``end``, from ``start`` to ``beyond`` it [m].
+
+    A box that ends before its pin leaves room for the link it meets there: MuJoCo
+    lets only parent and child overlap, and the loop's last pin is not in the tree.
+    """
     length = math.hypot(*end)
     middle = (start + length + beyond) / 2 / length
     xyz: Vector = (0.0, middle * end[0], middle * end[1])
