@@ -14,7 +14,7 @@ from .model import Cylinder, LinkShape, ModelShape, Primitive, Vector
 from .solid import Solid, rounded, turned
 
 MATERIALS = {
-    "grey": (0.78, 0.79, 0.80, 1.0),
+    "grey": (0.75, 0.76, 0.78, 1.0),
     "blue": (0.45, 0.62, 0.74, 1.0),
     "black": (0.12, 0.12, 0.13, 1.0),
 }
