@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import socket
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Final, final
 
 from tool0.control.goal import GoalStatus, Result
-from tool0.control.tolerances import ToleranceOverride
 from tool0.control.trajectory import TrajectoryPoint
-from tool0.errors import TransportError
+from tool0.errors import GoalTimeoutError, TransportError
 from tool0.remote.address import (
     DEFAULT_NAME,
     check_supported,
@@ -46,27 +45,24 @@ class RemoteStatus:
     name: str
     type: str
     state: str
-    claimed: tuple[str, ...]
+    claimed: tuple[tuple[str, tuple[str, ...]], ...]
+    """Each hardware interface with the joints it claims there."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RemoteJoints:
-    """The measured state at ``time`` [s], by joint name."""
+class RemoteState:
+    """The measured state at ``time`` [s], by joint name, and how the time runs."""
 
     time: float
+    is_paused: bool
+    is_stopped: bool
+    real_time_factor: float
+    overruns: int
+    fault: str | None
     position: Mapping[str, float]
     velocity: Mapping[str, float]
     effort: Mapping[str, float]
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RemoteMotion:
-    """Where a trajectory wants the joints to be at one instant."""
-
-    joint_names: tuple[str, ...]
-    positions: tuple[float, ...]
 
 
 @final
@@ -100,17 +96,15 @@ class RemoteRobot:
         return self.joint_state.time
 
     @property
-    def joint_state(self) -> RemoteJoints:
-        return RemoteJoints(**self._wire.call("state"))
+    def joint_state(self) -> RemoteState:
+        return RemoteState(**self._wire.call("state"))
 
     def summary(self) -> Mapping[str, object]:
         return self._wire.call("summary")
 
     def controllers(self) -> tuple[RemoteStatus, ...]:
         rows = self._wire.call("controllers.list")["controllers"]
-        return tuple(
-            RemoteStatus(**{**row, "claimed": tuple(row["claimed"])}) for row in rows
-        )
+        return tuple(_status_from_json(row) for row in rows)
 
     def controller(self, name: str) -> RemoteController:
         return RemoteController(self._wire, name)
@@ -123,9 +117,9 @@ class RemoteRobot:
 
     def switch(
         self,
-        *,
         start: Sequence[str] = (),
         stop: Sequence[str] = (),
+        *,
         strict: bool = True,
     ) -> None:
         self._wire.call(
@@ -138,14 +132,14 @@ class RemoteRobot:
     def resume(self) -> None:
         self._wire.call("sim.resume")
 
-    def step(self, n: int = 1) -> None:
-        """Advance a paused simulation by ``n`` ticks."""
-        self._wire.receive(self._wire.send("sim.step", count=n), None)
+    def step(self, ticks: int = 1) -> None:
+        """Run ``ticks`` control periods while paused."""
+        self._wire.receive(self._wire.send("sim.step", ticks=ticks), None)
 
     def reset(self) -> None:
         self._wire.call("sim.reset")
 
-    def emergency_stop(self, engaged: bool) -> None:
+    def emergency_stop(self, engaged: bool = True) -> None:
         self._wire.call("sim.estop", engaged=engaged)
 
 
@@ -163,8 +157,8 @@ class RemoteController:
         *,
         joint_names: Sequence[str] | None = None,
         stamp: float | None = None,
-        path_tolerance: Mapping[str, ToleranceOverride] | None = None,
-        goal_tolerance: Mapping[str, ToleranceOverride] | None = None,
+        path_tolerance: Mapping[str, float] | None = None,
+        goal_tolerance: Mapping[str, float] | None = None,
         goal_time_tolerance: float | None = None,
     ) -> RemoteGoal:
         return self._wire.start(
@@ -178,15 +172,12 @@ class RemoteController:
             goal_time_tolerance=goal_time_tolerance,
         )
 
-    def query_state(self, time: float | None = None) -> RemoteMotion:
+    def query_state(self, time: float | None = None) -> TrajectoryPoint:
         """Return what the trajectory wants at ``time``; None means now."""
         answer = self._wire.call(
             "controller.query_state", controller=self.name, time=time
         )
-        return RemoteMotion(
-            joint_names=tuple(answer["joint_names"]),
-            positions=tuple(answer["positions"]),
-        )
+        return TrajectoryPoint(**answer)
 
 
 @final
@@ -236,20 +227,21 @@ class RemoteGoal:
         return self._result
 
     def wait(self, timeout: float | None = None) -> Result:
-        """Return how it ended, or raise TimeoutError after ``timeout`` wall seconds.
+        """Return how it ended, or raise GoalTimeoutError after ``timeout`` wall s.
 
         The goal goes on after a timeout, and may be waited for again.
         """
         if self._result is None:
             if self._request is None:
                 self._request = self._wire.send("goal.wait", goal=self._number)
-            self._result = result_from_json(self._wire.receive(self._request, timeout))
+            try:
+                answer = self._wire.receive(self._request, timeout)
+            except TimeoutError:
+                raise GoalTimeoutError(
+                    f"the goal is still active after {timeout} s"
+                ) from None
+            self._result = result_from_json(answer)
         return self._result
-
-    def when_finished(self, callback: Callable[[RemoteGoal], None]) -> None:
-        """Wait for the end, then call ``callback``: a connection has one thread."""
-        self.wait()
-        callback(self)
 
     def cancel(self) -> None:
         """Stop the motion, as the controller stops on a canceled goal."""
@@ -321,6 +313,11 @@ class _Wire:
         if not isinstance(result, dict):
             raise TransportError(f"the bringup answered without a result: {answer!r}")
         return result
+
+
+def _status_from_json(row: Json) -> RemoteStatus:
+    claimed = tuple((kind, tuple(joints)) for kind, joints in row["claimed"])
+    return RemoteStatus(**{**row, "claimed": claimed})
 
 
 def _point_to_json(point: TrajectoryPoint) -> Json:

@@ -31,6 +31,8 @@ _MAX_GOALS = 1000
 """Goals one connection may hold; the oldest finished one makes room."""
 _MAX_WAITS = 64
 """Goals one connection may wait for at a time; each costs a thread."""
+_GLANCE = 0.02
+"""Time between looks at a goal that is waited for [wall s]."""
 
 
 @final
@@ -52,7 +54,8 @@ class Connection:
         self._greeted = False
         self._goals: dict[int, ServedGoal] = {}
         self._next_goal = 1
-        self._waits: set[threading.Event] = set()
+        self._gone = threading.Event()
+        self._n_waits = 0
         self._waits_lock = threading.Lock()
 
     def close(self) -> None:
@@ -75,9 +78,7 @@ class Connection:
             self._leave()
 
     def _leave(self) -> None:
-        with self._waits_lock:
-            for ended in self._waits:
-                ended.set()
+        self._gone.set()
         self._when_gone(self)
         self.close()
         with self._send_lock:
@@ -160,24 +161,20 @@ class Connection:
         return self._goals[number]
 
     def _start_wait(self, ident: int | str, goal: ServedGoal) -> None:
-        ended = threading.Event()
         with self._waits_lock:
-            if len(self._waits) >= _MAX_WAITS:
+            if self._n_waits >= _MAX_WAITS:
                 raise TransportError(f"more than {_MAX_WAITS} waits are in progress")
-            self._waits.add(ended)
-        goal.when_finished(lambda *_: ended.set())
+            self._n_waits += 1
         threading.Thread(
-            target=self._wait,
-            args=(ident, goal, ended),
-            name="tool0-remote-wait",
-            daemon=True,
+            target=self._wait, args=(ident, goal), name="tool0-remote-wait", daemon=True
         ).start()
 
-    def _wait(self, ident: int | str, goal: ServedGoal, ended: threading.Event) -> None:
-        ended.wait()  # set by the goal's end, or when the peer has gone
+    def _wait(self, ident: int | str, goal: ServedGoal) -> None:
+        # Not goal.wait: without real time that would drive the simulation from here.
+        while (result := goal.result) is None and not self._gone.wait(_GLANCE):
+            pass
         with self._waits_lock:
-            self._waits.discard(ended)
-        result = goal.result
+            self._n_waits -= 1
         if result is not None:
             self._send({"id": ident, "result": result_to_json(result)})
 

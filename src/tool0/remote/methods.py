@@ -6,19 +6,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 from typing import Final
 
 from tool0.control.trajectory import TrajectoryPoint
+from tool0.errors import ModelError, TransportError
 from tool0.remote.params import Params
-from tool0.remote.served_robot import ServedGoal, ServedRobot
+from tool0.remote.served_robot import ServedGeometry, ServedGoal, ServedRobot
 from tool0.remote.wire import Json
 
 
 def _state(robot: ServedRobot, params: Params) -> Json:
     params.finish()
-    joints = robot.joint_state
+    joints, snapshot = robot.joint_state, robot.snapshot
     return {
         "time": robot.time,
+        "is_paused": snapshot.is_paused,
+        "is_stopped": snapshot.is_stopped,
+        "real_time_factor": snapshot.real_time_factor,
+        "overruns": snapshot.overruns,
+        "fault": snapshot.fault,
         "position": dict(joints.position),
         "velocity": dict(joints.velocity),
         "effort": dict(joints.effort),
@@ -37,7 +44,7 @@ def _controllers_list(robot: ServedRobot, params: Params) -> Json:
             "name": row.name,
             "type": row.type,
             "state": row.state,
-            "claimed": list(row.claimed),
+            "claimed": [[kind, list(joints)] for kind, joints in row.claimed],
         }
         for row in robot.controllers()
     ]
@@ -70,11 +77,8 @@ def _query_state(robot: ServedRobot, params: Params) -> Json:
     name = params.text("controller")
     time = params.optional_number("time")
     params.finish()
-    motion = robot.controller(name).query_state(robot.time if time is None else time)
-    return {
-        "joint_names": list(motion.joint_names),
-        "positions": [float(value) for value in motion.positions],
-    }
+    point = robot.controller(name).query_state(robot.time if time is None else time)
+    return {item.name: getattr(point, item.name) for item in fields(point)}
 
 
 def _pause(robot: ServedRobot, params: Params) -> Json:
@@ -90,9 +94,9 @@ def _resume(robot: ServedRobot, params: Params) -> Json:
 
 
 def _step(robot: ServedRobot, params: Params) -> Json:
-    count = params.count("count", default=1)
+    ticks = params.count("ticks", default=1)
     params.finish()
-    robot.step(count)
+    robot.step(ticks)
     return {"time": robot.time}
 
 
@@ -114,8 +118,8 @@ def _follow(robot: ServedRobot, params: Params) -> ServedGoal:
     points = [_point(item) for item in params.objects("points")]
     joint_names = params.optional_names("joint_names")
     stamp = params.optional_number("stamp")
-    path_tolerance = params.tolerances("path_tolerance")
-    goal_tolerance = params.tolerances("goal_tolerance")
+    path_tolerance = params.number_by_name("path_tolerance")
+    goal_tolerance = params.number_by_name("goal_tolerance")
     goal_time_tolerance = params.optional_number("goal_time_tolerance")
     params.finish()
     return robot.controller(name).follow(
@@ -145,9 +149,29 @@ def _grip(robot: ServedRobot, params: Params) -> ServedGoal:
     speed = params.optional_number("speed")
     effort = params.optional_number("effort")
     params.finish()
-    return robot.gripper.move(
-        opening=opening, position=position, speed=speed, effort=effort
-    )
+    gripper = robot.gripper
+    if (opening is None) == (position is None):
+        raise TransportError("gripper.move: give 'opening' [m] or 'position' [rad]")
+    if opening is None:
+        opening = _opening_at(position or 0.0, gripper.geometry)
+    return gripper.move(opening=opening, speed=speed, effort=effort)
+
+
+def _opening_at(position: float, geometry: ServedGeometry) -> float:
+    """Return the opening at a joint position that the fingers can reach.
+
+    ``opening`` is periodic and a little more than ``max_opening`` at the joint's
+    end: what counts is whether the way back leads to the same position.
+    """
+    limit = geometry.max_opening
+    opening = min(max(geometry.opening(position), 0.0), limit)
+    if not abs(geometry.position(opening) - position) <= 0.02:
+        ends = sorted((geometry.position(limit), geometry.position(0.0)))
+        raise ModelError(
+            f"gripper position {position} rad is outside "
+            f"[{ends[0]:.4f}, {ends[1]:.4f}] rad"
+        )
+    return opening
 
 
 CALLS: Final[dict[str, Callable[[ServedRobot, Params], Json]]] = {

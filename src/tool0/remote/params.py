@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NoReturn, final
 
-from tool0.control.tolerances import Tolerance, ToleranceOverride
 from tool0.errors import TransportError, nearest_name
 
 
@@ -61,14 +60,13 @@ class Params:
     def optional_numbers(self, key: str) -> tuple[float, ...] | None:
         return None if self._take(key, None) is None else self.numbers(key)
 
-    def tolerances(self, key: str) -> Mapping[str, ToleranceOverride] | None:
-        """Return joint → number, or [position, velocity, acceleration]."""
+    def number_by_name(self, key: str) -> Mapping[str, float] | None:
         value = self._take(key, None)
         if value is None:
             return None
         if not isinstance(value, dict):
             self._refuse(key, value, "an object of numbers")
-        return {name: self._tolerance(key, item) for name, item in value.items()}
+        return {name: self._number(key, item) for name, item in value.items()}
 
     def objects(self, key: str) -> tuple[Params, ...]:
         value = self._take(key, [])
@@ -91,11 +89,6 @@ class Params:
         if key not in self._raw and not default:
             raise TransportError(f"{self._method}: parameter '{key}' is missing")
         return self._raw.get(key, *default)
-
-    def _tolerance(self, key: str, value: object) -> ToleranceOverride:
-        if isinstance(value, list) and len(value) == len(Tolerance._fields):
-            return Tolerance(*(self._number(key, item) for item in value))
-        return self._number(key, value)
 
     def _number(self, key: str, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)):

@@ -1,15 +1,11 @@
-"""What the server asks of a robot: the façade of ``runtime/``, seen from here.
-
-``RemoteRobot`` offers the same, so that a program does not care which one it holds.
-"""
+"""What the server asks of a robot: the façade of ``runtime/``, seen from here."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from tool0.control.goal import GoalStatus, Result
-from tool0.control.tolerances import ToleranceOverride
 from tool0.control.trajectory import TrajectoryPoint
 
 
@@ -24,6 +20,21 @@ class ServedJoints(Protocol):
     def effort(self) -> Mapping[str, float]: ...
 
 
+class ServedSnapshot(Protocol):
+    """How the simulation runs."""
+
+    @property
+    def is_paused(self) -> bool: ...
+    @property
+    def is_stopped(self) -> bool: ...
+    @property
+    def real_time_factor(self) -> float: ...
+    @property
+    def overruns(self) -> int: ...
+    @property
+    def fault(self) -> str | None: ...
+
+
 class ServedStatus(Protocol):
     """One row of ``controllers list``."""
 
@@ -32,34 +43,20 @@ class ServedStatus(Protocol):
     @property
     def type(self) -> str: ...
     @property
-    def state(self) -> str:
-        """``running``, ``stopped`` or ``initialized``."""
-
+    def state(self) -> str: ...
     @property
-    def claimed(self) -> Sequence[str]:
-        """The joints it claims while it runs."""
+    def claimed(self) -> Sequence[tuple[str, Sequence[str]]]:
+        """Each hardware interface with the joints it claims there."""
 
 
 class ServedGoal(Protocol):
-    """A goal in progress, as ``runtime/`` hands it out."""
+    """A goal that was accepted; reading it is safe from any thread."""
 
     @property
     def status(self) -> GoalStatus: ...
     @property
     def result(self) -> Result | None: ...
-    def when_finished(self, callback: Callable[..., None]) -> None:
-        """Call ``callback`` once when the goal ends, from any thread."""
-
     def cancel(self) -> None: ...
-
-
-class ServedMotion(Protocol):
-    """Where a trajectory wants the joints to be at one instant."""
-
-    @property
-    def joint_names(self) -> Sequence[str]: ...
-    @property
-    def positions(self) -> Sequence[float]: ...
 
 
 class ServedController(Protocol):
@@ -71,33 +68,45 @@ class ServedController(Protocol):
         *,
         joint_names: Sequence[str] | None = None,
         stamp: float | None = None,
-        path_tolerance: Mapping[str, ToleranceOverride] | None = None,
-        goal_tolerance: Mapping[str, ToleranceOverride] | None = None,
+        path_tolerance: Mapping[str, float] | None = None,
+        goal_tolerance: Mapping[str, float] | None = None,
         goal_time_tolerance: float | None = None,
     ) -> ServedGoal: ...
-    def query_state(self, time: float) -> ServedMotion: ...
+    def query_state(self, time: float) -> TrajectoryPoint: ...
+
+
+class ServedGeometry(Protocol):
+    """How a gripper's opening follows from its joint."""
+
+    @property
+    def max_opening(self) -> float: ...
+    def opening(self, position: float) -> float: ...
+    def position(self, opening: float) -> float: ...
 
 
 class ServedGripper(Protocol):
-    """The gripper, in units a person thinks in."""
+    """A gripper, by the opening between its pads."""
 
+    @property
+    def geometry(self) -> ServedGeometry: ...
     def move(
         self,
         *,
-        opening: float | None = None,
-        position: float | None = None,
+        opening: float,
         speed: float | None = None,
         effort: float | None = None,
     ) -> ServedGoal: ...
 
 
 class ServedRobot(Protocol):
-    """A robot that runs, here or in another process."""
+    """A robot that runs in this process."""
 
     @property
     def time(self) -> float:
         """Simulated time [s]."""
 
+    @property
+    def snapshot(self) -> ServedSnapshot: ...
     @property
     def joint_state(self) -> ServedJoints: ...
     @property
@@ -108,14 +117,14 @@ class ServedRobot(Protocol):
     def unload(self, name: str) -> None: ...
     def switch(
         self,
-        *,
         start: Sequence[str] = (),
         stop: Sequence[str] = (),
+        *,
         strict: bool = True,
     ) -> None: ...
     def pause(self) -> None: ...
     def resume(self) -> None: ...
-    def step(self, n: int = 1) -> None: ...
+    def step(self, ticks: int = 1) -> None: ...
     def reset(self) -> None: ...
-    def emergency_stop(self, engaged: bool) -> None: ...
+    def emergency_stop(self, engaged: bool = True) -> None: ...
     def summary(self) -> Mapping[str, object]: ...

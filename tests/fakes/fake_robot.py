@@ -1,0 +1,209 @@
+"""A robot without physics: it notes what it is asked, and ends goals when told."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+from tool0.control.goal import Goal, GoalResult, GoalStatus, GripperResult, Result
+from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.model import ParallelGripper
+from tool0.errors import ControlError, GoalRejectedError, nearest_name
+
+ARM = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
+SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)
+ABORTED = GoalResult(
+    status=GoalStatus.ABORTED,
+    error_code=GoalResult.PATH_TOLERANCE_VIOLATED,
+    error_string="elbow_joint path error 0.200000",
+)
+GRIPPED = GripperResult(
+    status=GoalStatus.SUCCEEDED,
+    position=0.4,
+    effort=5.0,
+    stalled=True,
+    reached_goal=False,
+)
+
+
+@dataclass(frozen=True)
+class FakeStatus:
+    name: str
+    type: str
+    state: str
+    claimed: tuple[tuple[str, tuple[str, ...]], ...]
+
+
+class FakeGoal:
+    def __init__(self, controller: str) -> None:
+        self.goal = Goal(controller)
+
+    @property
+    def status(self) -> GoalStatus:
+        return self.goal.status
+
+    @property
+    def result(self) -> Result | None:
+        return self.goal.result
+
+    def cancel(self) -> None:
+        self.goal.finish(GoalResult(status=GoalStatus.PREEMPTED))
+
+
+class FakeController:
+    def __init__(self, robot: "FakeRobot", name: str) -> None:
+        self._robot = robot
+        self._name = name
+
+    def follow(
+        self,
+        points: Sequence[TrajectoryPoint],
+        *,
+        joint_names: Sequence[str] | None = None,
+        stamp: float | None = None,
+        path_tolerance: Mapping[str, float] | None = None,
+        goal_tolerance: Mapping[str, float] | None = None,
+        goal_time_tolerance: float | None = None,
+    ) -> FakeGoal:
+        for name in joint_names or ():
+            if name not in ARM:
+                raise GoalRejectedError(
+                    f"unknown joint '{name}'{nearest_name(name, set(ARM))}",
+                    GoalRejectedError.INVALID_JOINTS,
+                )
+        if any(math.isnan(q) for point in points for q in point.positions):
+            raise GoalRejectedError("a position is NaN")
+        asked = {
+            "points": tuple(points),
+            "joint_names": joint_names,
+            "stamp": stamp,
+            "path_tolerance": path_tolerance,
+            "goal_tolerance": goal_tolerance,
+            "goal_time_tolerance": goal_time_tolerance,
+        }
+        return self._robot.begin(self._name, asked)
+
+    def query_state(self, time: float) -> TrajectoryPoint:
+        return TrajectoryPoint([1.0, 2.0, 3.0], [0.0] * 3, [0.0] * 3)
+
+
+class FakeGripper:
+    geometry = ParallelGripper(
+        name="jaw",
+        joint="jaw_joint",
+        pad_offset=0.0054057553,
+        pad_cos=0.0376,
+        pad_sin=-0.0430,
+        max_opening=0.085,
+        speed=(0.02, 0.15),
+        force=(20.0, 235.0),
+    )
+
+    def __init__(self, robot: "FakeRobot") -> None:
+        self._robot = robot
+
+    def move(
+        self,
+        *,
+        opening: float,
+        speed: float | None = None,
+        effort: float | None = None,
+    ) -> FakeGoal:
+        self.geometry.position(opening)
+        return self._robot.begin(
+            "jaw_controller", {"opening": opening, "speed": speed, "effort": effort}
+        )
+
+
+@dataclass
+class FakeRobot:
+    """Goals end at once with ``outcome``; with None they stay active."""
+
+    outcome: Result | None = SUCCEEDED
+    time: float = 1.5
+    calls: list[tuple[str, Any]] = field(default_factory=list)
+    goals: list[FakeGoal] = field(default_factory=list)
+
+    @property
+    def gripper(self) -> FakeGripper:
+        return FakeGripper(self)
+
+    @property
+    def snapshot(self) -> Any:
+        return SimpleNamespace(
+            is_paused=False,
+            is_stopped=False,
+            real_time_factor=1.0,
+            overruns=0,
+            fault=None,
+        )
+
+    @property
+    def joint_state(self) -> Any:
+        return SimpleNamespace(
+            position={"shoulder_pan_joint": 0.5, "elbow_joint": -1.25},
+            velocity={"shoulder_pan_joint": 0.0, "elbow_joint": 0.5},
+            effort={"shoulder_pan_joint": 0.0, "elbow_joint": 12.0},
+        )
+
+    def begin(self, controller: str, asked: Mapping[str, object]) -> FakeGoal:
+        self.calls.append((controller, dict(asked)))
+        goal = FakeGoal(controller)
+        if self.outcome is not None:
+            goal.goal.finish(self.outcome)
+        self.goals.append(goal)
+        return goal
+
+    def controllers(self) -> tuple[FakeStatus, ...]:
+        effort = "hardware_interface/EffortJointInterface"
+        kind = "effort_controllers/JointTrajectoryController"
+        return (
+            FakeStatus("arm_controller", kind, "running", ((effort, ARM),)),
+            FakeStatus("spare_controller", kind, "stopped", ((effort, ARM),)),
+            FakeStatus(
+                "joint_state_controller",
+                "joint_state_controller/JointStateController",
+                "running",
+                (),
+            ),
+        )
+
+    def controller(self, name: str) -> FakeController:
+        names = [status.name for status in self.controllers()]
+        if name not in names:
+            raise ControlError(f"no controller '{name}'{nearest_name(name, names)}")
+        return FakeController(self, name)
+
+    def load(self, name: str) -> None:
+        self.calls.append(("load", name))
+
+    def unload(self, name: str) -> None:
+        self.calls.append(("unload", name))
+
+    def switch(
+        self,
+        start: Sequence[str] = (),
+        stop: Sequence[str] = (),
+        *,
+        strict: bool = True,
+    ) -> None:
+        self.calls.append(("switch", (tuple(start), tuple(stop), strict)))
+
+    def pause(self) -> None:
+        self.calls.append(("pause", None))
+
+    def resume(self) -> None:
+        self.calls.append(("resume", None))
+
+    def step(self, ticks: int = 1) -> None:
+        self.calls.append(("step", ticks))
+
+    def reset(self) -> None:
+        self.calls.append(("reset", None))
+
+    def emergency_stop(self, engaged: bool = True) -> None:
+        self.calls.append(("estop", engaged))
+
+    def summary(self) -> dict[str, object]:
+        return {"engine": "fake", "sim_time": self.time}
