@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from operator import sub
 from typing import final
 
 from tool0.control import goal_check
@@ -90,21 +89,21 @@ class JointTrajectoryController:
         if time >= playback.next_change:
             playback.advance(time)
             self._watch(time)
-        desired, desired_velocity = playback.sample(time)
-        if self._law is None and self._goal is None:
-            return desired
-        errors = list(map(sub, desired, self._pick(position)))
+        law = self._law
+        if law is None and self._goal is None:
+            return playback.desired(time)[0]
+        speeds = self._pick(velocity)
+        errors, rates = playback.errors(time, self._pick(position), speeds)
         for k in self._wrapping:
             errors[k] = shortest_turn(0.0, errors[k])
-        error_rates = list(map(sub, desired_velocity, self._pick(velocity)))
         if self._goal is not None:
-            self._judge(self._goal, time, errors, error_rates)
-        if self._law is None:
-            return desired
-        commands = self._law.update(errors, error_rates, period)
+            self._judge(self._goal, time, errors, rates)
+        if law is None:
+            return playback.desired(time)[0]
+        commands = law.update(errors, rates, period)
         if self._feed_forward:
             for k, scale in enumerate(self._feed_forward):
-                commands[k] += scale * desired_velocity[k]
+                commands[k] += scale * (rates[k] + speeds[k])
         return commands
 
     def _watch(self, time: float) -> None:

@@ -98,10 +98,8 @@ class PidBank:
             return [0.0] * len(self._rows)
         integrals = self._integrals
         commands: list[float] = []
-        append = commands.append
-        for (k, p, i, d, i_min, i_max, antiwindup), error, rate in zip(
-            self._rows, errors, error_rates, strict=False
-        ):
+        for k, p, i, d, i_min, i_max, antiwindup in self._rows:
+            error = errors[k]
             integrals[k] = integral = integrals[k] + period * error
             term = i * integral
             if term > i_max:
@@ -112,5 +110,5 @@ class PidBank:
                 term = i_min
                 if antiwindup:
                     integrals[k] = term / i
-            append(p * error + term + d * rate)
+            commands.append(p * error + term + d * error_rates[k])
         return commands

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bisect
 import math
 from collections.abc import Callable, Sequence
+from operator import neg, sub
 from typing import NamedTuple, final
 
 from tool0.control.goal import Goal
@@ -112,13 +113,13 @@ def splice(
 
 @final
 class Playback:
-    """Tracks with a cursor: ``advance`` at a change, ``sample`` in every tick."""
+    """Tracks with a cursor: ``advance`` at a change, ``errors`` in every tick."""
 
     __slots__ = (
         "_moving",
         "_polynomials",
         "_rest",
-        "_velocity_rest",
+        "_zeros",
         "arrived",
         "current",
         "next_change",
@@ -136,7 +137,7 @@ class Playback:
         """Whether the joint is at the end of its last piece."""
         self.next_change = math.inf
         """When to call ``advance`` again [s]."""
-        polynomials = []
+        polynomials: list[Polynomial] = []
         for track in self.tracks:
             index = active_index(track, time)
             piece = track[index]
@@ -147,22 +148,30 @@ class Playback:
             self.current.append(piece)
             self.arrived.append(is_last and time >= piece.segment.end)
             self.next_change = min(self.next_change, change, following)
-        self._polynomials: list[Polynomial] = polynomials
+        self._polynomials = list(enumerate(polynomials))
         self._moving = any(polynomial[2:] != _STILL for polynomial in polynomials)
         self._rest = [polynomial[1] for polynomial in polynomials]
-        self._velocity_rest = [0.0] * len(polynomials)
+        self._zeros = [0.0] * len(polynomials)
 
-    def sample(self, time: float) -> tuple[list[float], list[float]]:
-        """Return desired positions and velocities; the lists are not to be changed."""
+    def errors(
+        self, time: float, positions: Sequence[float], velocities: Sequence[float]
+    ) -> tuple[list[float], list[float]]:
+        """Return desired minus measured positions, and the same of velocities."""
         if not self._moving:
-            return self._rest, self._velocity_rest
-        positions = []
-        velocities = []
-        for t0, c0, c1, c2, c3, c4, c5, d2, d3, d4, d5 in self._polynomials:
+            return list(map(sub, self._rest, positions)), list(map(neg, velocities))
+        errors: list[float] = []
+        rates: list[float] = []
+        for k, (t0, c0, c1, c2, c3, c4, c5, d2, d3, d4, d5) in self._polynomials:
             t = time - t0
-            positions.append(c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5)))))
-            velocities.append(c1 + t * (d2 + t * (d3 + t * (d4 + t * d5))))
-        return positions, velocities
+            position = c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5))))
+            errors.append(position - positions[k])
+            velocity = c1 + t * (d2 + t * (d3 + t * (d4 + t * d5)))
+            rates.append(velocity - velocities[k])
+        return errors, rates
+
+    def desired(self, time: float) -> tuple[list[float], list[float]]:
+        """Return the desired positions and velocities."""
+        return self.errors(time, self._zeros, self._zeros)
 
     def motions(self, time: float) -> list[Sample]:
         """Return what is wanted of every joint at any ``time`` the tracks cover."""
