@@ -12,6 +12,7 @@ from __future__ import annotations
 import functools
 import logging
 import os
+import re
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -27,6 +28,7 @@ from tool0.errors import DescriptionError, SourceLocation, nearest_name
 logger = logging.getLogger(__name__)
 
 _LOCK = threading.RLock()
+_EXPRESSION = re.compile(r"\$\{([^}]*)\}")
 
 
 def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
@@ -137,7 +139,7 @@ class _Run:
         path = Path(self._xacro.abs_filename_spec(str(filename)))
         try:
             with path.open(encoding="utf-8") as stream:
-                data = yaml.load(stream, _yaml_loader(self._xacro))  # noqa: S506
+                data = yaml.load(stream, _yaml_loader(self._xacro))
         except OSError as error:
             raise DescriptionError(
                 f"cannot read the parameters '{path}': {error.strerror}; check the path"
@@ -236,13 +238,27 @@ def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
 
 
 def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
-    """Return ``xacro.eval_text`` with a short cut for text without a ``$``."""
+    """Return ``xacro.eval_text`` with a short cut past its lexer.
+
+    Text without ``$``, or with nothing but plain ``${…}``, is evaluated here; all
+    else, and whatever fails, by xacro, which then tells why.
+    """
     original: Callable[[str, Any], Any] = xacro.eval_text
+    evaluate = _safe_eval(xacro)
 
     def eval_text(text: str, symbols: Any) -> Any:
         if text and "$" not in text:
             return text
-        return original(text, symbols)
+        parts = _EXPRESSION.split(text)  # literals at even places, expressions at odd
+        if len(parts) < 3 or any("$" in part for part in parts):
+            return original(text, symbols)
+        try:
+            parts[1::2] = [evaluate(part, symbols) for part in parts[1::2]]
+        except Exception:
+            return original(text, symbols)
+        if len(parts) == 3 and not parts[0] and not parts[2]:
+            return parts[1]  # with its type
+        return "".join(map(str, parts))
 
     return eval_text
 

@@ -8,8 +8,7 @@ elements they do not know.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 from xml.dom.minidom import Element
 
 from tool0.description.attributes import (
@@ -112,15 +111,6 @@ def to_interface(text: str, element: Element | None = None) -> Interface:
     )
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class _Contact:
-    """What all ``<gazebo>`` elements of one link say together."""
-
-    values: dict[str, float]
-    self_collide: bool | None
-
-
 _SURFACE = {
     "mu1": "mu1",
     "mu2": "mu2",
@@ -136,7 +126,6 @@ def apply_gazebo(
 ) -> dict[str, Link]:
     """Return ``links`` with the surfaces that ``<gazebo reference>`` gives them."""
     changed = dict(links)
-    contacts: dict[str, _Contact] = {}
     for element in children(robot, "gazebo"):
         reference = element.getAttribute("reference")
         if not reference or reference in joints:
@@ -147,18 +136,13 @@ def apply_gazebo(
                 f"<gazebo> refers to the unknown link '{reference}'{hint}",
                 locate(element),
             )
-        before = contacts.get(reference, _Contact({}, None))
-        contacts[reference] = _read_contact(element, before)
-    for name, contact in contacts.items():
-        surface = Surface(**contact.values) if contact.values else None
-        changed[name] = replace(
-            links[name], surface=surface, self_collide=contact.self_collide
-        )
+        changed[reference] = _with_contact(changed[reference], element)
     return changed
 
 
-def _read_contact(element: Element, before: _Contact) -> _Contact:
-    values = dict(before.values)
+def _with_contact(link: Link, element: Element) -> Link:
+    """Return ``link`` with what one ``<gazebo>`` adds; a link may have several."""
+    values: dict[str, float] = {}
     for tag, field in _SURFACE.items():
         value = child_number(element, tag)
         if value is None:
@@ -168,15 +152,17 @@ def _read_contact(element: Element, before: _Contact) -> _Contact:
                 f"<{tag}> is {value:g}; it must not be negative", locate(element)
             )
         values[field] = value
+    if values:
+        link = replace(link, surface=replace(link.surface or Surface(), **values))
     flag = only_child(element, "selfCollide")
     if flag is None:
-        return _Contact(values, before.self_collide)
+        return link
     text = text_of(flag).lower()
     if text not in {"true", "1", "false", "0"}:
         raise DescriptionError(
             f"<selfCollide> is '{text}'; write true or false", locate(flag)
         )
-    return _Contact(values, text in {"true", "1"})
+    return replace(link, self_collide=text in {"true", "1"})
 
 
 def read_grippers(
