@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, final
 from tool0.description.expansion import expand
 from tool0.description.model import RobotModel
 from tool0.description.packages import find_package
+from tool0.description.presets import Poses, read_controllers, read_poses
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file, to_text
-from tool0.errors import DescriptionError, nearest_name
+from tool0.errors import DescriptionError, SourceLocation, nearest_name
 
 if TYPE_CHECKING:
     from xml.dom.minidom import Document
@@ -130,9 +131,39 @@ def load_robot(
     return RobotDescription(model=read_model(document), source=path, _document=document)
 
 
-def config_file(name: str, file: str) -> Path:
-    """Return the file ``file`` of the arm, gripper or pair ``name``."""
-    return _package() / "config" / name / file
+def named_poses(description: RobotDescription) -> Poses:
+    """Return the poses that tool0 knows for a robot: pose → joint → [rad | m].
+
+    A person's own robot has none.
+    """
+    if description.arm is None:
+        return {}
+    return read_poses(description.arm, description.gripper, description.prefix)
+
+
+def default_controllers(
+    description: RobotDescription, file: str = "controllers.yaml"
+) -> tuple[str, SourceLocation]:
+    """Return the YAML of a robot's controllers, and where its first line stands.
+
+    The joints in it carry the robot's prefix.  ``file`` may be
+    ``controllers_gripper_action.yaml`` for the gripper as an action of its own.
+
+    Raises:
+        DescriptionError: If the robot is a person's own, which brings its own YAML.
+    """
+    if description.arm is None:
+        raise DescriptionError(
+            f"tool0 knows no controllers for '{description.source}'; "
+            "give a file of controllers"
+        )
+    bare = {
+        transmission.joint.removeprefix(description.prefix)
+        for transmission in description.model.transmissions
+    }
+    return read_controllers(
+        description.arm, description.gripper, description.prefix, bare, file
+    )
 
 
 def _package() -> Path:
