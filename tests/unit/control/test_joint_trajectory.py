@@ -1,0 +1,576 @@
+import logging
+import math
+
+import pytest
+from toy_robot import ARM, DT, JOINTS, POSITION_ARM, ToyRobot
+
+from tool0.control.goal import GoalResult, GoalStatus
+from tool0.control.tolerances import DEFAULT_GOAL_TIME, Tolerance
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.description.model import Interface
+from tool0.errors import ControlError, GoalRejectedError
+
+Point = TrajectoryPoint
+REST = [0.0, 0.0, 0.0]
+
+
+def goal(*points: Point, **options) -> TrajectoryGoal:
+    return TrajectoryGoal(points=list(points), **options)
+
+
+def arm(yaml: str = ARM, interface: Interface = Interface.EFFORT):
+    robot = ToyRobot(yaml, interface)
+    return robot, robot.start("arm")
+
+
+def position_arm():
+    return arm(POSITION_ARM, Interface.POSITION)
+
+
+def desired(controller, time: float):
+    return controller.query_state(time).positions
+
+
+# ---- following ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "interface", [Interface.EFFORT, Interface.POSITION, Interface.VELOCITY]
+)
+def test_follows_a_trajectory_on_every_interface(interface: Interface) -> None:
+    package = interface.name.lower()
+    yaml = ARM.replace("effort_controllers", f"{package}_controllers")
+    if interface is Interface.VELOCITY:
+        yaml = yaml.replace("p: 4000, d: 126", "p: 20, d: 0")
+        yaml += "  velocity_ff: {hip: 1, slide: 1, wheel: 1}"
+    robot, controller = arm(yaml, interface)
+    handle = controller.follow(
+        goal(
+            Point([0.5, -0.2, 1.0], [0.5, 0.0, 1.0], time_from_start=1.0),
+            Point([1.0, -0.4, 2.0], REST, time_from_start=2.0),
+        ),
+        robot.time,
+    )
+    for _ in range(1999):
+        robot.tick()
+        assert handle.status is GoalStatus.ACTIVE
+    robot.run(0.1)
+    assert handle.result == GoalResult(status=GoalStatus.SUCCEEDED)
+    assert robot.position[1:] == pytest.approx([1.0, -0.4, 2.0], abs=0.01)
+
+
+def test_a_goal_starts_with_the_coming_tick_and_ends_on_time() -> None:
+    robot, controller = position_arm()
+    robot.run(0.25)
+    handle = controller.follow(goal(Point([1, 2, 3], time_from_start=0.5)), robot.time)
+    robot.tick()
+    assert robot.position[1:] == REST
+    robot.tick()
+    assert robot.position[1:] == pytest.approx([0.002, 0.004, 0.006])
+    robot.run(0.498)
+    assert handle.status is GoalStatus.ACTIVE
+    robot.tick()
+    assert robot.position[1:] == [1.0, 2.0, 3.0]
+    assert handle.status is GoalStatus.SUCCEEDED
+
+
+def test_joints_may_come_in_any_order() -> None:
+    robot, controller = position_arm()
+    controller.follow(
+        goal(
+            Point([3, 1, 2], time_from_start=0.1), joint_names=["wheel", "hip", "slide"]
+        ),
+        0.0,
+    )
+    robot.run(0.2)
+    assert robot.position[1:] == [1.0, 2.0, 3.0]
+
+
+def test_state_and_query_agree() -> None:
+    robot, controller = arm()
+    controller.follow(goal(Point([1, 1, 1], REST, time_from_start=1.0)), 0.0)
+    robot.run(0.4)
+    state = controller.state()
+    query = controller.query_state(state.time)
+    assert state.joint_names == ("hip", "slide", "wheel")
+    assert state.desired.positions == query.positions
+    assert state.desired.velocities == query.velocities
+    assert state.desired.accelerations == query.accelerations
+    assert state.actual.time_from_start == pytest.approx(0.399)
+    for wanted, actual, error in zip(
+        state.desired.positions,
+        state.actual.positions,
+        state.error.positions,
+        strict=True,
+    ):
+        assert error == pytest.approx(wanted - actual)
+
+
+def test_query_reaches_ahead_but_not_back_before_the_start() -> None:
+    robot, controller = arm()
+    controller.follow(goal(Point([1, 1, 1], time_from_start=1.0)), robot.time)
+    assert desired(controller, 0.5) == (0.5, 0.5, 0.5)
+    assert controller.query_state(7.0).velocities == (0.0, 0.0, 0.0)
+    with pytest.raises(ControlError, match="oldest"):
+        controller.query_state(-1.0)
+
+
+def test_velocity_feed_forward_scales_the_desired_velocity() -> None:
+    yaml = ARM + "  velocity_ff: {hip: 7.0}\n"
+    robot, controller = arm(yaml)
+    plain_robot, plain = arm()
+    for r, c in ((robot, controller), (plain_robot, plain)):
+        c.follow(goal(Point([1, 1, 1], time_from_start=2.0)), 0.0)
+        r.tick()
+    difference = [
+        a - b
+        for a, b in zip(robot.hardware.command, plain_robot.hardware.command, strict=True)
+    ]
+    assert difference[1:] == pytest.approx([3.5, 0.0, 0.0])
+
+
+# ---- replacing ---------------------------------------------------------------------
+
+
+def test_a_new_goal_preempts_and_continues_from_the_desired_motion() -> None:
+    robot, controller = arm()
+    first = controller.follow(goal(Point([1, 1, 1], REST, time_from_start=1.0)), 0.0)
+    robot.run(0.5)
+    before = controller.query_state(robot.time)
+    second = controller.follow(
+        goal(Point([0, 0, 0], REST, time_from_start=1.0)), robot.time
+    )
+    after = controller.query_state(robot.time)
+    assert first.result == GoalResult(status=GoalStatus.PREEMPTED)
+    assert after.positions == pytest.approx(before.positions)
+    assert after.velocities == pytest.approx(before.velocities)
+    robot.run(1.5)
+    assert second.status is GoalStatus.SUCCEEDED
+
+
+def test_a_future_goal_lets_the_old_motion_run_until_it_starts() -> None:
+    robot, controller = position_arm()
+    first = controller.follow(goal(Point([1, 1, 1], time_from_start=1.0)), 0.0)
+    robot.run(0.2)
+    later = goal(Point([0, 0, 0], time_from_start=1.0), stamp=0.6)
+    second = controller.follow(later, robot.time)
+    assert first.status is GoalStatus.PREEMPTED
+    robot.run(0.401)
+    assert robot.position[1:] == pytest.approx([0.6] * 3)
+    robot.run(0.5)
+    assert robot.position[1:] == pytest.approx([0.3] * 3)
+    robot.run(0.51)
+    assert second.status is GoalStatus.SUCCEEDED
+
+
+def test_while_old_segments_run_the_new_goals_tolerances_wait() -> None:
+    robot, controller = arm()
+    robot.blocked = {"hip"}
+    controller.command(goal(Point([1, 0, 0], time_from_start=1.0)), 0.0)
+    late = goal(Point([0, 0, 0], time_from_start=2.0), stamp=0.8)
+    handle = controller.follow(late, 0.0)
+    robot.run(0.7)
+    assert handle.status is GoalStatus.ACTIVE
+    robot.run(0.2)
+    assert handle.result.error_code == GoalResult.PATH_TOLERANCE_VIOLATED
+
+
+def test_points_in_the_past_are_dropped_and_the_rest_runs(caplog) -> None:
+    robot, controller = position_arm()
+    robot.run(0.5)
+    with caplog.at_level(logging.WARNING):
+        handle = controller.follow(
+            goal(
+                Point([5, 5, 5], time_from_start=0.1),
+                Point([1, 1, 1], time_from_start=1.0),
+                stamp=0.2,
+            ),
+            robot.time,
+        )
+    assert "Dropping first 1 trajectory point(s) out of 2" in caplog.text
+    robot.run(0.71)
+    assert robot.position[1:] == [1.0, 1.0, 1.0]
+    assert handle.status is GoalStatus.SUCCEEDED
+
+
+def test_a_first_point_at_the_start_is_dropped_without_a_word(caplog) -> None:
+    robot, controller = position_arm()
+    start = Point([0.5, 0.5, 0.5], time_from_start=0.0)
+    controller.follow(goal(start, Point([1, 1, 1], time_from_start=1.0)), 0.0)
+    robot.run(0.501)
+    assert robot.position[1:] == pytest.approx([0.5] * 3)
+    assert not caplog.text
+
+
+def test_a_topic_command_preempts_and_checks_no_tolerance() -> None:
+    robot, controller = arm()
+    handle = controller.follow(goal(Point([1, 1, 1], time_from_start=1.0)), 0.0)
+    robot.blocked = {"hip"}
+    controller.command(goal(Point([1, 1, 1], time_from_start=1.0)), robot.time)
+    assert handle.status is GoalStatus.PREEMPTED
+    robot.run(2.0)
+    assert robot.position[2] == pytest.approx(1.0, abs=1e-3)
+    assert controller.active_goal is None
+
+
+# ---- stopping ----------------------------------------------------------------------
+
+
+def test_cancel_ramps_down_and_holds() -> None:
+    robot, controller = arm()
+    handle = controller.follow(goal(Point([2, 2, 2], time_from_start=2.0)), 0.0)
+    robot.run(1.0)
+    controller.cancel(handle, robot.time)
+    assert handle.result == GoalResult(status=GoalStatus.PREEMPTED)
+    assert controller.query_state(1.0).velocities == pytest.approx([1.0] * 3)
+    robot.run(1.0)
+    end = 1.0 + 0.625 * 0.5
+    assert desired(controller, 2.0) == pytest.approx([end] * 3)
+    assert robot.position[1:] == pytest.approx([end] * 3, abs=1e-3)
+
+
+def test_without_a_ramp_a_cancel_holds_the_measured_position() -> None:
+    yaml = ARM.replace("stop_trajectory_duration: 0.5", "")
+    robot, controller = arm(yaml)
+    handle = controller.follow(goal(Point([2, 2, 2], time_from_start=2.0)), 0.0)
+    robot.run(1.0)
+    robot.tick()
+    measured = controller.state().actual.positions
+    controller.cancel(handle, robot.time)
+    assert desired(controller, robot.time) == measured
+
+
+def test_cancelling_another_goal_changes_nothing() -> None:
+    robot, controller = arm()
+    old = controller.follow(goal(Point([2, 2, 2], time_from_start=2.0)), 0.0)
+    new = controller.follow(goal(Point([1, 1, 1], time_from_start=2.0)), 0.0)
+    controller.cancel(old, 0.0)
+    assert new.status is GoalStatus.ACTIVE
+    assert desired(controller, 2.0) == (1.0, 1.0, 1.0)
+
+
+def test_an_empty_goal_stops_and_succeeds_when_the_ramp_is_over() -> None:
+    robot, controller = arm()
+    first = controller.follow(goal(Point([2, 2, 2], time_from_start=2.0)), 0.0)
+    robot.run(1.0)
+    stop = controller.follow(goal(), robot.time)
+    assert first.status is GoalStatus.PREEMPTED
+    robot.run(0.49)
+    assert stop.status is GoalStatus.ACTIVE
+    robot.run(0.02)
+    assert stop.status is GoalStatus.SUCCEEDED
+
+
+@pytest.mark.parametrize("by_action", [True, False])
+def test_an_empty_message_cancels_what_came_by_either_way(by_action: bool) -> None:
+    robot, controller = arm()
+    message = goal(Point([2, 2, 2], time_from_start=2.0))
+    handle = controller.follow(message, 0.0) if by_action else None
+    if not by_action:
+        controller.command(message, 0.0)
+    robot.run(0.5)
+    controller.command(goal(), robot.time)
+    assert handle is None or handle.status is GoalStatus.PREEMPTED
+    robot.run(1.0)
+    assert robot.position[1] == pytest.approx(0.5 + 0.625 * 0.5, abs=1e-3)
+
+
+def test_stopping_the_controller_preempts_its_goal() -> None:
+    _, controller = arm()
+    handle = controller.follow(goal(Point([2, 2, 2], time_from_start=2.0)), 0.0)
+    controller.stop()
+    assert handle.status is GoalStatus.PREEMPTED
+
+
+# ---- tolerances --------------------------------------------------------------------
+
+
+def test_a_path_violation_aborts_and_then_holds() -> None:
+    robot, controller = arm()
+    robot.blocked = {"slide"}
+    handle = controller.follow(goal(Point([2, 2, 2], time_from_start=2.0)), 0.0)
+    robot.run(0.2)
+    assert handle.result.status is GoalStatus.ABORTED
+    assert handle.result.error_code == GoalResult.PATH_TOLERANCE_VIOLATED
+    assert handle.result.error_string.startswith("slide path error 0.10")
+    robot.run(2.0)
+    assert robot.position[1] < 0.11 + 0.625 * 0.5
+    assert robot.velocity[1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_goal_violation_aborts_after_the_grace() -> None:
+    robot, controller = arm()
+    robot.blocked = {"hip"}
+    handle = controller.follow(
+        goal(Point([0.05, 0, 0], time_from_start=0.5)), robot.time
+    )
+    robot.run(0.99)
+    assert handle.status is GoalStatus.ACTIVE
+    robot.run(0.02)
+    assert handle.result.error_code == GoalResult.GOAL_TOLERANCE_VIOLATED
+    assert handle.result.error_string == "hip goal error 0.050000"
+
+
+def test_a_goals_own_tolerances_replace_switch_off_or_keep() -> None:
+    robot, controller = arm()
+    robot.blocked = {"hip"}
+
+    def outcome(**options) -> int:
+        handle = controller.follow(
+            goal(Point([0.2, 0, 0], time_from_start=0.2), **options), robot.time
+        )
+        robot.run(1.5)
+        return handle.result.error_code
+
+    assert outcome() == -4
+    assert outcome(path_tolerance={"hip": 0.0}) == -4
+    assert outcome(path_tolerance={"hip": -1.0}) == -5
+    assert outcome(path_tolerance={"hip": 0.3}, goal_tolerance={"hip": 0.3}) == 0
+    loose = {"hip": Tolerance(position=-1.0)}
+    assert outcome(path_tolerance=loose, goal_tolerance=loose) == 0
+
+
+def test_a_path_tolerance_may_bound_velocity() -> None:
+    robot, controller = arm()
+    robot.blocked = {"hip"}
+    handle = controller.follow(
+        goal(
+            Point([0.05, 0, 0], time_from_start=0.1),
+            path_tolerance={"hip": Tolerance(velocity=0.2)},
+        ),
+        0.0,
+    )
+    robot.run(0.002)
+    assert handle.result.error_code == GoalResult.PATH_TOLERANCE_VIOLATED
+
+
+@pytest.mark.parametrize(("own", "waits"), [(2.0, 2.0), (0.0, 0.5), (-1.0, math.inf)])
+def test_a_goals_own_grace_replaces_keeps_or_waits_for_ever(own, waits) -> None:
+    robot, controller = arm()
+    robot.blocked = {"hip"}
+    handle = controller.follow(
+        goal(Point([0.05, 0, 0], time_from_start=0.1), goal_time_tolerance=own), 0.0
+    )
+    robot.run(0.1 + min(waits, 5.0) - 0.01)
+    assert handle.status is GoalStatus.ACTIVE
+    robot.run(0.02)
+    assert (handle.status is GoalStatus.ABORTED) == (waits < math.inf)
+
+
+@pytest.mark.parametrize(
+    ("goal_time", "grace"),
+    [("goal_time: 0.5", 0.5), ("goal_time: 0", 0.0), ("", DEFAULT_GOAL_TIME)],
+)
+def test_without_goal_time_there_is_a_grace_but_an_explicit_0_has_none(
+    goal_time: str, grace: float
+) -> None:
+    robot, controller = arm(ARM.replace("goal_time: 0.5", goal_time))
+    robot.blocked = {"hip"}
+    handle = controller.follow(goal(Point([0.05, 0, 0], time_from_start=0.1)), 0.0)
+    robot.run(0.1 + grace)
+    assert handle.status is GoalStatus.ACTIVE
+    robot.run(0.002)
+    assert handle.status is GoalStatus.ABORTED
+
+
+def test_a_joint_counts_as_arrived_once_it_was() -> None:
+    robot, controller = arm()
+    robot.blocked = {"slide"}
+    handle = controller.follow(
+        goal(
+            Point([0.05, 0.05, 0], REST, time_from_start=0.1), goal_time_tolerance=2.0
+        ),
+        0.0,
+    )
+    robot.run(0.5)
+    robot.blocked = {"hip"}
+    robot.position[1] = 1.0
+    robot.run(1.0)
+    assert handle.status is GoalStatus.SUCCEEDED
+
+
+# ---- partial goals -----------------------------------------------------------------
+
+
+def test_a_partial_goal_leaves_the_other_joints_alone() -> None:
+    robot, controller = position_arm()
+    controller.follow(goal(Point([1, 1, 1], time_from_start=1.0)), 0.0)
+    robot.run(0.5)
+    partial = goal(Point([0.0], time_from_start=1.0), joint_names=["slide"])
+    handle = controller.follow(partial, robot.time)
+    robot.run(0.501)
+    assert robot.position[1:] == pytest.approx([1.0, 0.25, 1.0])
+    assert handle.status is GoalStatus.ACTIVE
+    robot.run(0.5)
+    assert handle.status is GoalStatus.SUCCEEDED
+
+
+def test_a_partial_goal_succeeds_only_when_the_other_joints_arrived_as_well() -> None:
+    robot, controller = position_arm()
+    controller.follow(goal(Point([1, 1, 1], time_from_start=1.0)), 0.0)
+    partial = goal(Point([0.5], time_from_start=0.2), joint_names=["slide"])
+    handle = controller.follow(partial, 0.0)
+    robot.run(0.5)
+    assert handle.status is GoalStatus.ACTIVE
+    robot.run(0.51)
+    assert handle.status is GoalStatus.SUCCEEDED
+
+
+def test_a_partial_goal_may_start_in_the_future() -> None:
+    robot, controller = position_arm()
+    partial = goal(Point([0.5], time_from_start=0.2), joint_names=["hip"], stamp=0.3)
+    handle = controller.follow(partial, 0.0)
+    robot.run(0.301)
+    assert robot.position[1:] == REST
+    robot.run(0.21)
+    assert robot.position[1:] == [0.5, 0.0, 0.0]
+    assert handle.status is GoalStatus.SUCCEEDED
+
+
+# ---- angles ------------------------------------------------------------------------
+
+
+def test_a_continuous_joint_takes_the_shortest_way_and_others_do_not() -> None:
+    robot, controller = position_arm()
+    controller.follow(goal(Point([5.0, 5.0, 5.0], time_from_start=0.5)), 0.0)
+    robot.run(0.6)
+    assert robot.position[1:] == pytest.approx([5.0, 5.0, 5.0 - math.tau])
+
+
+def test_a_trajectory_over_several_turns_keeps_its_shape() -> None:
+    robot, controller = position_arm()
+    controller.follow(
+        goal(
+            Point([0, 0, 6.0], time_from_start=0.5),
+            Point([0, 0, 16.0], time_from_start=1.0),
+        ),
+        0.0,
+    )
+    robot.run(1.1)
+    assert robot.position[3] == pytest.approx(16.0 - math.tau)
+
+
+def test_the_error_of_a_joint_with_limits_is_not_wrapped() -> None:
+    robot, controller = arm(ARM.replace("trajectory: 0.1", "trajectory: 0"))
+    robot.blocked = {"hip", "wheel"}
+    controller.command(goal(Point([4.0, 0, 4.0], time_from_start=0.1)), 0.0)
+    robot.run(0.2)
+    errors = controller.state().error.positions
+    assert errors[0] == pytest.approx(4.0)
+    assert errors[2] == pytest.approx(4.0 - math.tau)
+    assert robot.hardware.command[1] > 0.0 > robot.hardware.command[3]
+
+
+# ---- rejections --------------------------------------------------------------------
+
+NAMES = ["hip", "slide", "wheel"]
+ONE = Point([1, 1, 1], time_from_start=1.0)
+NAN = math.nan
+BAD_GOALS = {
+    "unknown joint": (goal(ONE, joint_names=["hip", "slid", "wheel"]), -2, "'slide'"),
+    "missing joint": (goal(ONE, joint_names=NAMES[:2]), -2, "lacks wheel"),
+    "extra joint": (goal(ONE, joint_names=[*NAMES, "idle"]), -2, "'idle'"),
+    "no joint": (goal(ONE, joint_names=[]), -2, "lacks hip, slide, wheel"),
+    "joint twice": (goal(ONE, joint_names=["hip", "hip", "wheel"]), -2, "'hip'.*twice"),
+    "times equal": (goal(ONE, ONE), -1, "strictly increasing in time"),
+    "time NaN": (goal(Point([1, 1, 1], time_from_start=NAN)), -1, "time_from_start nan"),
+    "time zero": (goal(Point([1, 1, 1])), -1, "Dropping all 1 trajectory"),
+    "time negative": (
+        goal(Point([1, 1, 1], time_from_start=-1.0)),
+        -1,
+        "Last point is 1.000s in the past",
+    ),
+    "all in the past": (
+        goal(ONE, stamp=-3.0),
+        -1,
+        "(?s)Dropping all 1 trajectory.*Last point is 2.500s in the past",
+    ),
+    "stamp NaN": (goal(ONE, stamp=NAN), -1, "stamp nan"),
+    "no positions": (goal(Point([], time_from_start=1)), -1, "Size mismatch.*wrap"),
+    "few positions": (goal(Point([1, 1], time_from_start=1)), -1, "2 positions"),
+    "many positions": (goal(Point([1] * 4, time_from_start=1)), -1, "4 positions for 3"),
+    "few velocities": (
+        goal(Point(REST, [0], time_from_start=1)),
+        -1,
+        "Size mismatch in trajectory point.*1 velocities",
+    ),
+    "many accelerations": (
+        goal(Point(REST, REST, [0] * 4, time_from_start=1)),
+        -1,
+        "4 accelerations",
+    ),
+    "NaN position": (goal(Point([1, NAN, 1], time_from_start=1)), -1, "nan.*'slide'"),
+    "inf velocity": (
+        goal(Point(REST, [0, 0, math.inf], time_from_start=1)),
+        -1,
+        "inf.*'wheel'",
+    ),
+    "NaN acceleration": (
+        goal(Point(REST, REST, [NAN, 0, 0], time_from_start=1)),
+        -1,
+        "nan.*'hip'",
+    ),
+    "huge velocity": (
+        goal(Point(REST, [1e300, 0, 0], time_from_start=1)),
+        -1,
+        "no joint can move",
+    ),
+    "above the limit": (
+        goal(Point([6.1, 0, 0], time_from_start=1)),
+        -1,
+        r"'hip' at 6.1.*\[-6, 6\]",
+    ),
+    "below the limit": (goal(Point([0, -6.1, 0], time_from_start=1)), -1, "'slide'"),
+    "tolerance of nobody": (goal(ONE, path_tolerance={"hop": 1.0}), -2, "'hip'"),
+    "tolerance NaN": (goal(ONE, goal_tolerance={"hip": NAN}), -1, "nan"),
+    "grace NaN": (goal(ONE, goal_time_tolerance=NAN), -1, "nan"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_GOALS)
+@pytest.mark.parametrize("method", ["follow", "command"])
+def test_a_bad_goal_is_rejected_and_what_runs_is_untouched(
+    case: str, method: str
+) -> None:
+    bad, code, text = BAD_GOALS[case]
+    robot, controller = arm()
+    running = controller.follow(goal(Point([1, 1, 1], REST, time_from_start=1)), 0.0)
+    robot.run(0.5)
+    before = [controller.query_state(0.5 + 0.1 * k) for k in range(10)]
+    with pytest.raises(GoalRejectedError, match=text) as caught:
+        getattr(controller, method)(bad, robot.time)
+    assert caught.value.code == code
+    assert before == [controller.query_state(0.5 + 0.1 * k) for k in range(10)]
+    robot.run(0.6)
+    assert running.status is GoalStatus.SUCCEEDED
+
+
+def test_a_limit_rounded_in_print_is_still_within() -> None:
+    _, controller = position_arm()
+    controller.follow(goal(Point([6.0 + 5e-7, 0, 0], time_from_start=1)), 0.0)
+
+
+def test_a_continuous_joint_has_no_limits() -> None:
+    _, controller = position_arm()
+    controller.follow(goal(Point([0, 0, 99.0], time_from_start=1)), 0.0)
+
+
+def test_a_velocity_beyond_the_limit_is_accepted_as_in_ros() -> None:
+    limit = JOINTS["hip"].limits.velocity
+    _, controller = position_arm()
+    controller.follow(goal(Point(REST, [limit * 2] * 3, time_from_start=1)), 0.0)
+
+
+def test_positions_must_be_numbers() -> None:
+    with pytest.raises(GoalRejectedError, match="must be numbers"):
+        Point(["far"], time_from_start=1.0)
+
+
+def test_holds_what_it_measured_at_the_start() -> None:
+    robot = ToyRobot(ARM)
+    robot.position = [9.0, 0.1, 0.2, 0.3]
+    controller = robot.start("arm")
+    robot.run(0.1)
+    assert desired(controller, 5.0) == (0.1, 0.2, 0.3)
+    assert robot.position[1:] == pytest.approx([0.1, 0.2, 0.3], abs=1e-9)
+    assert robot.time == pytest.approx(100 * DT)
