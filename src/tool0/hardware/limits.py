@@ -55,50 +55,65 @@ class EffortLimiter:
         ]
         self._indices = {index: row for row, index in enumerate(indices)}
         self._rows = [
-            (
-                i,
-                drive.hard.effort,
-                drive.hard.lower - STOP_TOLERANCE,
-                drive.hard.upper + STOP_TOLERANCE,
-                drive.hard.velocity,
-                drive.armature / dt if drive.armature > 0.0 else math.inf,
-            )
+            _row(i, drive, drive.hard.effort, dt)
             for i, drive in zip(indices, drives, strict=True)
         ]
-        self._max_effort = [drive.hard.effort for drive in drives]
+        self._drives = tuple(drives)
+        self._dt = dt
 
     def cap(self, index: int, effort: float | None) -> None:
         """Bound the effort of a joint below its limit; None takes the bound away."""
         row = self._indices[index]
-        limit = self._max_effort[row]
-        bound = limit if effort is None else min(limit, effort)
-        old = self._rows[row]
-        self._rows[row] = (old[0], bound, *old[2:])
+        drive = self._drives[row]
+        limit = drive.hard.effort
+        most = limit if effort is None else min(limit, effort)
+        self._rows[row] = _row(index, drive, most, self._dt)
 
     def saturate(
         self, effort: list[float], position: list[float], velocity: list[float]
     ) -> None:
         """Bound ``effort`` [N·m | N] in place."""
-        for i, most, lower, upper, speed, rotor in self._rows:
+        for i, most, lower, upper, calm, speed, rotor in self._rows:
             u = effort[i]
-            if u == 0.0:
-                continue
             v = velocity[i]
+            if (
+                -most <= u <= most
+                and -calm <= v <= calm
+                and lower <= position[i] <= upper
+            ):
+                continue  # as nearly always: nothing binds
             if u > 0.0:
-                u = min(u, most)
+                u = min(u, most, max(0.0, (speed - v) * rotor))
                 if position[i] > upper or v > speed:
                     u = 0.0
-                elif u > (speed - v) * rotor:
-                    u = (speed - v) * rotor
-            else:
-                u = max(u, -most)
+            elif u < 0.0:
+                u = max(u, -most, min(0.0, -(speed + v) * rotor))
                 if position[i] < lower or v < -speed:
                     u = 0.0
-                elif -u > (speed + v) * rotor:
-                    u = -(speed + v) * rotor
             effort[i] = u
         for i, hard, soft in self._soft:
             effort[i] = _soften(effort[i], position[i], velocity[i], hard, soft)
+
+
+def _row(
+    index: int, drive: DriveLimits, most: float, dt: float
+) -> tuple[int, float, float, float, float, float, float]:
+    """Return all that ``saturate`` needs of a joint.
+
+    The last three: the speed below which no effort can reach the speed limit within a
+    step, the speed limit, and the effort per speed that the rotor takes in a step.
+    """
+    hard = drive.hard
+    rotor = drive.armature / dt if drive.armature > 0.0 else math.inf
+    return (
+        index,
+        most,
+        hard.lower - STOP_TOLERANCE,
+        hard.upper + STOP_TOLERANCE,
+        max(0.0, hard.velocity - most / rotor),
+        hard.velocity,
+        rotor,
+    )
 
 
 def velocity_window(

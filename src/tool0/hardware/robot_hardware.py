@@ -83,21 +83,24 @@ class RobotHardware:
         self._steps = 0
         self._inertia: list[float] = []
         self._servos: dict[int, Servo] = {}
-        self._direct: list[int] = []
         self._claimed: set[str] = set()
-        self.brake_all()
+        for name in self.interfaces:
+            self._engage(name, 0.0)
 
     @property
     def is_stopped(self) -> bool:
         """Whether the emergency stop is engaged."""
         return self._is_stopped
 
-    def brake_all(self) -> None:
-        """Drop every servo's memory and hold every unclaimed joint from now on."""
-        for name in self.interfaces:
-            if name not in self._claimed:
-                self._servos[self.index[name]] = Brake()
-        self._inertia = []
+    def restart(self, state: JointState) -> None:
+        """Forget what servos and brakes learnt, and hold ``state`` from now on."""
+        for name, interface in self.interfaces.items():
+            i = self.index[name]
+            if interface is Interface.POSITION:
+                self.command[i] = state.position[i]
+            else:
+                self.command[i] = 0.0
+            self._engage(name, state.position[i])
 
     def claim(self, joints: Sequence[str], state: JointState) -> None:
         """Hand ``joints`` to a controller, holding still until its first command."""
@@ -108,24 +111,17 @@ class RobotHardware:
                 state.position[i] if interface is Interface.POSITION else 0.0
             )
             self._engage(name, state.position[i])
-        self._inertia = []
 
     def release(self, joints: Sequence[str], state: JointState) -> None:
         """Take ``joints`` back: the brakes hold them."""
         for name in joints:
             self._claimed.discard(name)
             self._engage(name, state.position[self.index[name]])
-        self._inertia = []
 
     def emergency_stop(self, engaged: bool, state: JointState) -> None:
         """Brake every joint whoever claims it, or give the joints back."""
         self._is_stopped = engaged
-        for name in self.interfaces:
-            i = self.index[name]
-            if name in self._claimed and self.interfaces[name] is Interface.POSITION:
-                self.command[i] = state.position[i]
-            self._engage(name, state.position[i])
-        self._inertia = []
+        self.restart(state)
 
     def cap_effort(self, joint: str, effort: float | None) -> None:
         """Bound the effort of ``joint`` below its limit; None lifts the bound."""
@@ -133,10 +129,7 @@ class RobotHardware:
 
     def efforts(self, state: JointState) -> list[float]:
         """Return what the drives apply during the next step [N·m | N]."""
-        effort = [0.0] * len(self.joint_names)
-        command = self.command
-        for i in self._direct:
-            effort[i] = command[i]
+        effort = self.command.copy()
         if self._servos:
             self._serve(effort, state)
         self._limiter.saturate(effort, state.position, state.velocity)
@@ -146,6 +139,7 @@ class RobotHardware:
         """Put the joint into the hands that its claim and its interface call for."""
         i, interface = self.index[name], self.interfaces[name]
         self._servos.pop(i, None)
+        self._inertia = []
         if name not in self._claimed or self._is_stopped:
             self._servos[i] = Brake()
         elif interface is Interface.POSITION:
@@ -154,11 +148,6 @@ class RobotHardware:
             )
         elif interface is Interface.VELOCITY:
             self._servos[i] = VelocityServo(self.limits[name], self._soft[name])
-        self._direct = [
-            self.index[joint]
-            for joint in self.interfaces
-            if self.index[joint] not in self._servos
-        ]
 
     def _serve(self, effort: list[float], state: JointState) -> None:
         position = [state.position[i] for i in self._to_model]

@@ -136,7 +136,10 @@ class Core:
         index = self.hardware.index
         uncommanded = self.hardware.interfaces.keys() - self._commanded
         return max(
-            (abs(position[i] - initial[i]) for i in (index[name] for name in uncommanded)),
+            (
+                abs(position[i] - initial[i])
+                for i in (index[name] for name in uncommanded)
+            ),
             default=0.0,
         )
 

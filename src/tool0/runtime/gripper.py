@@ -107,9 +107,7 @@ class Gripper:
         return points
 
 
-def _ramped(
-    done: float, way: float, ramp: float, speed: float
-) -> tuple[float, float]:
+def _ramped(done: float, way: float, ramp: float, speed: float) -> tuple[float, float]:
     """Return when [s] ``done`` of ``way`` [m] is behind, and how fast then [m/s].
 
     Constant acceleration over ``ramp`` at both ends, reaching ``speed`` between.

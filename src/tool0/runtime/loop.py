@@ -71,6 +71,7 @@ class Loop:
         self._owner = threading.RLock()
         self._closing = False
         self._fault: Exception | None = None
+        self._look_at_state()
         self.steps = 0
         """Ticks since the start; unlike time, no reset sets it back."""
         self.max_drift = 0.0
@@ -119,31 +120,26 @@ class Loop:
                 if self._closing:
                     raise ControlError("the simulation was closed") from None
 
-    def run(
-        self, duration: float, until: Callable[[], bool] = lambda: False
-    ) -> None:
+    def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
         """Let ``duration`` simulated seconds pass, or fewer if ``until`` says so.
 
         Raises:
             EngineError: If the physics failed; a reset makes it run again.
             ControlError: If the loop is paused or closed meanwhile.
         """
-        end = self._core.time + duration - 0.5 * self._core.control_period
-        while self._core.time < end and not until():
+        end = self.steps + duration / self._core.control_period - 0.5
+        while self.steps < end and not until():
             self.check()
             if self._closing:
                 raise ControlError("the simulation was closed")
             if self._is_paused:
                 raise ControlError("the simulation is paused; resume it, or step it")
             if self._thread is not None or not self._owner.acquire(blocking=False):
-                time.sleep(min(_PATIENCE, max(end - self._core.time, 0.0005)))
+                left = (end - self.steps) * self._core.control_period
+                time.sleep(min(_PATIENCE, max(left / (self._speed or 1.0), 0.0005)))
                 continue
             try:
-                while (
-                    self._core.time < end
-                    and self._can_run()
-                    and not until()
-                ):
+                while self.steps < end and self._is_running and not until():
                     self._cycle()
                 self._publish()
             finally:
@@ -153,6 +149,7 @@ class Loop:
     def close(self) -> None:
         """End the loop, and answer what is still in the mailbox; then the engine."""
         self._closing = True
+        self._look_at_state()
         if self._thread is not None:
             self._thread.join()
         with self._owner:
@@ -161,8 +158,11 @@ class Loop:
             self._core.manager.stop_all(self._core.state)
             self._core.engine.close()
 
-    def _can_run(self) -> bool:
-        return not self._is_paused and self._fault is None and not self._closing
+    def _look_at_state(self) -> None:
+        """Note whether ticks may follow each other; the tick itself asks only that."""
+        self._is_running = not (
+            self._is_paused or self._closing or self._fault is not None
+        )
 
     def check(self) -> None:
         """Raise what made the simulation stand still, if it does."""
@@ -172,7 +172,7 @@ class Loop:
     def _run_forever(self) -> None:
         with self._owner:
             while not self._closing:
-                if not self._can_run():
+                if not self._is_running:
                     self._answer(self._mailbox.take(timeout=_PATIENCE))
                     continue
                 if (wait := self._pacer.wait_time()) > 0.0:
@@ -196,6 +196,7 @@ class Loop:
 
     def _stand_still(self, error: Exception) -> None:
         self._fault = error
+        self._look_at_state()
         self._bus.announce(Faulted(str(error), self._core.time))
         self._publish()
 
@@ -220,6 +221,7 @@ class Loop:
         match command:
             case ask.SetPaused(paused):
                 self._is_paused = paused
+                self._look_at_state()
                 self._restart_clock()
             case ask.SetSpeed(factor):
                 self._set_speed(factor)
@@ -228,6 +230,7 @@ class Loop:
             case ask.Reset():
                 self._core.apply(command)
                 self._fault = None
+                self._look_at_state()
                 self._restart_clock()
                 self._bus.announce(WasReset())
             case _:
@@ -291,5 +294,3 @@ class Loop:
             self._overruns_told = self._pacer.overruns
             self._bus.announce(Overran(count, self._core.time))
             logger.warning("%d ticks began late in the last second", count)
-
-

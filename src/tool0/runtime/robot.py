@@ -216,5 +216,3 @@ class Robot:
         traceback: TracebackType | None,
     ) -> None:
         self.close()
-
-

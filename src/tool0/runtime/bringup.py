@@ -1,0 +1,254 @@
+"""From options to a robot that stands there with its controllers running."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from tool0.control.config import ControllerConfig
+from tool0.control.lint import lint
+from tool0.control.manager import ControllerManager, Strictness
+from tool0.control.yaml_tree import ConfigWarning
+from tool0.description.catalogue import (
+    RobotDescription,
+    assemble,
+    default_controllers,
+    load_robot,
+    named_poses,
+)
+from tool0.description.model import RobotModel
+from tool0.errors import ConfigError, EngineUnavailableError, nearest_name
+from tool0.hardware.engine import Engine
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.runtime import commands as ask
+from tool0.runtime.bus import Bus
+from tool0.runtime.core import Core
+from tool0.runtime.initial_pose import joint_positions
+from tool0.runtime.loop import Loop
+from tool0.runtime.mailbox import Mailbox
+from tool0.runtime.robot import Robot
+
+DEFAULT_CONTROLLERS = (
+    "joint_state_controller",
+    "eff_joint_traj_controller",
+    "gripper_controller",
+)
+DEFAULT_STOPPED_CONTROLLERS = ("joint_group_eff_controller",)
+"""As the launch file ``ur5_bringup.launch`` has them; those that the YAML defines."""
+DEFAULT_POSE = "home"
+ENGINES = ("mujoco",)
+
+Names = str | Sequence[str]
+
+
+def bringup(
+    *,
+    arm: str = "ur5",
+    gripper: str | None = "2f85",
+    prefix: str = "",
+    robot: Path | str | None = None,
+    args: Mapping[str, str] | None = None,
+    joint_limit_params: Path | str | None = None,
+    kinematics_params: Path | str | None = None,
+    physical_params: Path | str | None = None,
+    visual_params: Path | str | None = None,
+    gripper_params: Path | str | None = None,
+    transmission_hw_interface: str | None = None,
+    safety_limits: bool | None = None,
+    safety_pos_margin: float | None = None,
+    safety_k_position: float | None = None,
+    tf_prefix: str | None = None,
+    mount_xyz: Sequence[float] | None = None,
+    mount_rpy: Sequence[float] | None = None,
+    meshes: str | None = None,
+    engine: str = "mujoco",
+    dt: float = 0.001,
+    control_period: float | None = None,
+    controllers_file: Path | str | Sequence[Path | str] | None = None,
+    controllers: Names | None = None,
+    stopped_controllers: Names | None = None,
+    initial_pose: str | Mapping[str, float] | None = None,
+    paused: bool = False,
+    realtime: bool = True,
+    speed: float = 1.0,
+) -> Robot:
+    """Bring a robot up: description, physics, drives, controllers.
+
+    Args:
+        arm: The arm; ``tool0.description.catalogue.arms()`` lists them.
+        gripper: The gripper on tool0; None or "none" for a bare arm.
+        prefix: Starts every link's and joint's name.
+        robot: A person's own URDF or xacro file, instead of arm and gripper.
+        args: xacro arguments of that file.
+        joint_limit_params: YAML that replaces the arm's joint limits.
+        kinematics_params: YAML that replaces the arm's kinematics.
+        physical_params: YAML that replaces the arm's masses and inertias.
+        visual_params: YAML that replaces the arm's shapes.
+        gripper_params: YAML that replaces the gripper's masses and drive.
+        transmission_hw_interface: ``hardware_interface/…JointInterface`` of all joints.
+        safety_limits: Whether the arm's joints get soft limits.
+        safety_pos_margin: Distance of the soft limits from the hard ones [rad].
+        safety_k_position: Gain of the soft limits [1/s].
+        tf_prefix: For publishers of transforms; the robot itself stays as it is.
+        mount_xyz: Where the gripper sits on tool0 [m].
+        mount_rpy: How it is turned there [rad].
+        meshes: "tool0" for ours, "upstream" for those of ur_description.
+        engine: The physics: "mujoco".
+        dt: Length of a physics step [s].
+        control_period: Time between controller updates [s]; ``dt`` if left out.
+        controllers_file: ros_control YAML, one or several; later ones override.
+        controllers: Names to load and start.
+        stopped_controllers: Names to load only.
+        initial_pose: A named pose, or positions by joint [rad | m] on top of the
+            default pose.
+        paused: Whether to begin paused.
+        realtime: Whether time passes by itself; otherwise only ``run`` and ``wait``
+            make it pass, as fast as possible.
+        speed: Simulated seconds per wall second in real time.
+
+    Returns:
+        The robot, holding its pose.
+
+    Raises:
+        Tool0Error: If anything about the options or the files is wrong.
+    """
+    if robot is None:
+        description = assemble(
+            arm,
+            gripper,
+            prefix=prefix,
+            joint_limit_params=_path(joint_limit_params),
+            kinematics_params=_path(kinematics_params),
+            physical_params=_path(physical_params),
+            visual_params=_path(visual_params),
+            gripper_params=_path(gripper_params),
+            transmission_hw_interface=transmission_hw_interface,
+            safety_limits=safety_limits,
+            safety_pos_margin=safety_pos_margin,
+            safety_k_position=safety_k_position,
+            tf_prefix=tf_prefix,
+            mount_xyz=None if mount_xyz is None else tuple(mount_xyz),
+            mount_rpy=None if mount_rpy is None else tuple(mount_rpy),
+            meshes=meshes,
+        )
+    else:
+        description = load_robot(Path(robot), args or {})
+    model = description.model
+    config = _controller_config(description, controllers_file)
+    started, stopped = _controller_names(config, controllers, stopped_controllers)
+    position = _initial_position(description, initial_pose)
+    physics = _engine(engine, model, dt)
+    try:
+        core = _core(model, physics, config, position, control_period)
+        for name in (*started, *stopped):
+            core.apply(ask.LoadController(name))
+        core.apply(ask.SwitchControllers(start=started, strictness=Strictness.STRICT))
+        bus = Bus()
+        loop = Loop(
+            core, Mailbox(), bus, paused=paused, speed=speed if realtime else None
+        )
+    except BaseException:
+        physics.close()
+        raise
+    return Robot(
+        description=description,
+        engine_name=engine,
+        loop=loop,
+        bus=bus,
+        warnings=_warnings(config, model),
+    )
+
+
+def _path(path: Path | str | None) -> Path | None:
+    return None if path is None else Path(path)
+
+
+def _names(names: Names) -> tuple[str, ...]:
+    """Return names given as ROS gives them, separated by spaces, or one by one."""
+    return tuple(names.split()) if isinstance(names, str) else tuple(names)
+
+
+def _controller_config(
+    description: RobotDescription,
+    files: Path | str | Sequence[Path | str] | None,
+) -> ControllerConfig:
+    if files is None:
+        return ControllerConfig.from_text(*default_controllers(description))
+    given = [files] if isinstance(files, Path | str) else files
+    return ControllerConfig.from_files([Path(file).expanduser() for file in given])
+
+
+def _controller_names(
+    config: ControllerConfig, start: Names | None, stopped: Names | None
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the controllers to start and those to load only."""
+    defined = config.names
+    for name in (*_names(start or ()), *_names(stopped or ())):
+        if name not in defined:
+            raise ConfigError(
+                f"no controller '{name}' in the YAML{nearest_name(name, set(defined))}"
+            )
+    wanted = _names(start) if start is not None else DEFAULT_CONTROLLERS
+    started = tuple(name for name in wanted if name in defined)
+    kept = _names(stopped) if stopped is not None else DEFAULT_STOPPED_CONTROLLERS
+    return started, tuple(
+        name for name in kept if name in defined and name not in started
+    )
+
+
+def _initial_position(
+    description: RobotDescription, pose: str | Mapping[str, float] | None
+) -> list[float]:
+    """Return every movable joint's position, in the order of the model."""
+    model = description.model
+    poses = named_poses(description)
+    if isinstance(pose, str) and pose not in poses:
+        raise ConfigError(f"unknown pose '{pose}'{nearest_name(pose, set(poses))}")
+    nearest_to_zero = {
+        joint.name: joint.limits.clamp(0.0)
+        for joint in model.movable_joints
+        if joint.mimic is None
+    }
+    default = poses.get(DEFAULT_POSE, {})
+    given = poses[pose] if isinstance(pose, str) else (pose or {})
+    return joint_positions(
+        model,
+        {**nearest_to_zero, **default, **given},
+        [0.0] * len(model.movable_joints),
+    )
+
+
+def _engine(name: str, model: RobotModel, dt: float) -> Engine:
+    if name not in ENGINES:
+        hint = nearest_name(name, set(ENGINES))
+        raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
+    from tool0.engines.mujoco.engine import MujocoEngine
+
+    return MujocoEngine(model, dt)
+
+
+def _core(
+    model: RobotModel,
+    engine: Engine,
+    config: ControllerConfig,
+    position: list[float],
+    control_period: float | None,
+) -> Core:
+    overrides = {
+        name: limits.over(model.joint(name).limits)
+        for name, limits in config.joint_limits().items()
+    }
+    hardware = RobotHardware(model, engine.joint_names, engine.dt, overrides)
+    manager = ControllerManager(hardware, config, model.joint_by_name)
+    return Core(
+        model=model,
+        engine=engine,
+        hardware=hardware,
+        manager=manager,
+        initial_position=position,
+        control_period=control_period,
+    )
+
+
+def _warnings(config: ControllerConfig, model: RobotModel) -> tuple[ConfigWarning, ...]:
+    return lint(config, model)
