@@ -172,6 +172,8 @@ def _controller_config(
     description: RobotDescription,
     files: Path | str | Sequence[Path | str] | None,
 ) -> ControllerConfig:
+    if files is None and description.arm is None:
+        return ControllerConfig.from_text("")  # a person's robot: the brakes hold it
     if files is None:
         return ControllerConfig.from_text(*default_controllers(description))
     given = [files] if isinstance(files, Path | str) else files

@@ -170,7 +170,9 @@ class Core:
     def _cancel(self, goal: Goal) -> None:
         if goal.status.is_terminal:
             return
-        self.manager.running(goal.controller).cancel(goal, self.time)
+        controller = self.manager.running(goal.controller)
+        if isinstance(controller, JointTrajectoryController | GripperActionController):
+            controller.cancel(goal, self.time)
 
     def _cap_effort(self, joint: str, effort: float | None) -> None:
         if joint not in self.hardware.interfaces:

@@ -59,7 +59,7 @@ class GoalHandle:
 
     def cancel(self) -> None:
         """Stop as ROS does: ramp down, and the goal is PREEMPTED."""
-        self._loop.ask(ask.CancelGoal(self._goal))
+        self._loop.call(ask.CancelGoal(self._goal))
 
     def __repr__(self) -> str:
         return f"GoalHandle({self.controller!r}, {self.status!r})"
@@ -106,7 +106,7 @@ class ControllerHandle:
             goal_time_tolerance=goal_time_tolerance,
         )
         return GoalHandle(
-            self._loop.ask(ask.FollowTrajectory(controller=self.name, goal=goal)),
+            self._loop.call(ask.FollowTrajectory(controller=self.name, goal=goal)),
             self._loop,
         )
 
@@ -123,7 +123,7 @@ class ControllerHandle:
             joint_names=None if joint_names is None else tuple(joint_names),
             stamp=stamp,
         )
-        self._loop.ask(ask.CommandTrajectory(controller=self.name, goal=goal))
+        self._loop.call(ask.CommandTrajectory(controller=self.name, goal=goal))
 
     def command_gripper(
         self, position: float, max_effort: float | None = None
@@ -132,16 +132,16 @@ class ControllerHandle:
         command = ask.CommandGripper(
             controller=self.name, position=position, max_effort=max_effort
         )
-        return GoalHandle(self._loop.ask(command), self._loop)
+        return GoalHandle(self._loop.call(command), self._loop)
 
     def command(self, values: float | Sequence[float]) -> None:
         """Set the set-points of a forwarding controller, in its joints' order."""
         wanted = tuple(values) if isinstance(values, Sequence) else (values,)
-        self._loop.ask(ask.CommandJoints(controller=self.name, values=wanted))
+        self._loop.call(ask.CommandJoints(controller=self.name, values=wanted))
 
     def query_state(self, time: float) -> TrajectoryPoint:
         """Return what a trajectory controller wants at simulated ``time`` [s]."""
-        point: TrajectoryPoint = self._loop.ask(
+        point: TrajectoryPoint = self._loop.call(
             ask.QueryState(controller=self.name, time=time)
         )
         return point
@@ -149,7 +149,7 @@ class ControllerHandle:
     @property
     def state(self) -> TrajectoryState:
         """Desired, actual and error of a trajectory controller."""
-        state: TrajectoryState = self._loop.ask(ask.ReadController(self.name))
+        state: TrajectoryState = self._loop.call(ask.ReadController(self.name))
         return state
 
     def __repr__(self) -> str:

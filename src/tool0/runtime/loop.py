@@ -103,7 +103,7 @@ class Loop:
     def is_realtime(self) -> bool:
         return self._thread is not None
 
-    def ask(self, command: ask.Command) -> Any:  # the answer is the command's
+    def call(self, command: ask.Command) -> Any:  # the answer is the command's
         """Post ``command`` and return its answer, or raise what it raises."""
         if self._closing:
             raise ControlError("the simulation is closed")

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import final
 
-from tool0.control.config import ConfigWarning
 from tool0.control.manager import ControllerStatus, Strictness
+from tool0.control.yaml_tree import ConfigWarning
 from tool0.description.catalogue import RobotDescription
 from tool0.description.kinematics import Transform, link_pose
 from tool0.errors import ControlError, nearest_name
@@ -113,11 +113,11 @@ class Robot:
 
     def load(self, name: str) -> None:
         """Load a controller that the configuration defines."""
-        self._loop.ask(ask.LoadController(name))
+        self._loop.call(ask.LoadController(name))
 
     def unload(self, name: str) -> None:
         """Unload a controller that does not run."""
-        self._loop.ask(ask.UnloadController(name))
+        self._loop.call(ask.UnloadController(name))
 
     def switch(
         self,
@@ -137,7 +137,7 @@ class Robot:
             ControlError: If the manager refuses; nothing has changed then.
         """
         strictness = Strictness.STRICT if strict else Strictness.BEST_EFFORT
-        self._loop.ask(
+        self._loop.call(
             ask.SwitchControllers(
                 start=tuple(start), stop=tuple(stop), strictness=strictness
             )
@@ -160,7 +160,7 @@ class Robot:
 
     def cap_effort(self, joint: str, effort: float | None) -> None:
         """Bound a drive's effort [N·m | N] below its limit; None lifts the bound."""
-        self._loop.ask(ask.CapEffort(joint=joint, effort=effort))
+        self._loop.call(ask.CapEffort(joint=joint, effort=effort))
 
     def run(self, duration: float) -> None:
         """Let ``duration`` simulated seconds pass."""
@@ -169,32 +169,32 @@ class Robot:
         self._loop.run(duration)
 
     def pause(self) -> None:
-        self._loop.ask(ask.SetPaused(True))
+        self._loop.call(ask.SetPaused(True))
 
     def resume(self) -> None:
-        self._loop.ask(ask.SetPaused(False))
+        self._loop.call(ask.SetPaused(False))
 
     def step(self, ticks: int = 1) -> None:
         """Run ``ticks`` control periods while paused."""
-        self._loop.ask(ask.Step(ticks))
+        self._loop.call(ask.Step(ticks))
 
     def set_speed(self, factor: float) -> None:
         """Run at ``factor`` times real time."""
-        self._loop.ask(ask.SetSpeed(factor))
+        self._loop.call(ask.SetSpeed(factor))
 
     def reset(self, position: Mapping[str, float] | None = None) -> None:
         """Start again at time zero, in the initial pose changed by ``position``.
 
         Active goals are PREEMPTED; running controllers run on and hold the pose.
         """
-        self._loop.ask(ask.Reset(position=dict(position or {})))
+        self._loop.call(ask.Reset(position=dict(position or {})))
 
     def emergency_stop(self, engaged: bool = True) -> None:
         """Brake every joint at once, or release the brakes.
 
         Goals are PREEMPTED; after the release the controllers hold where they are.
         """
-        self._loop.ask(ask.EmergencyStop(engaged))
+        self._loop.call(ask.EmergencyStop(engaged))
 
     def summary(self) -> dict[str, object]:
         """Return the run so far as plain values that JSON can hold."""
