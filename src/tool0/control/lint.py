@@ -108,17 +108,12 @@ def _why_unread(
 ) -> str:
     kind = type_name.partition("/")[2]
     first, _, rest = path.partition("/")
-    if first in _JOINT_MAPPINGS and any(p.startswith(f"{first}/*") for p in patterns):
-        if rest and "/" not in rest and first != "constraints":
-            return _not_a_joint(rest, joints, known)
-        if rest and "/" not in rest:
-            keys = ["goal_time", "stopped_velocity_tolerance", *joints]
-            near = _nearest(rest, keys)
-            return (
-                f"nothing reads '{rest}' among the constraints{near}"
-                if near
-                else _not_a_joint(rest, joints, known)
-            )
+    is_by_joint = any(pattern.startswith(f"{first}/*") for pattern in patterns)
+    if first in _JOINT_MAPPINGS and is_by_joint and rest and "/" not in rest:
+        near = ""
+        if first == "constraints" and rest not in (known or ()):
+            near = _nearest(rest, ("goal_time", "stopped_velocity_tolerance"))
+        return f"nothing reads it{near}" if near else _not_a_joint(rest, joints, known)
     pattern = _pattern_of(path, joints)
     readers = [reader for reader in readers_of(pattern) if reader != kind]
     if readers:

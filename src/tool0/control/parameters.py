@@ -149,9 +149,10 @@ def controlled_joint(
         )
     has = robot.interfaces.get(name)
     if has is None:
+        why = f" and follows '{joint.mimic.joint}'" if joint.mimic is not None else ""
         raise ConfigError(
-            f"Could not find joint '{name}' in {wanted}: it has no <transmission>"
-            + nearest_name(name, list(robot.interfaces)),
+            f"Could not find joint '{name}' in {wanted}: it has no <transmission>{why}"
+            f"; joints with one: {', '.join(robot.interfaces) or '(none)'}",
             entry.location,
         )
     if interface is not None and has is not interface:

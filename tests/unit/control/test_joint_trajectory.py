@@ -124,7 +124,9 @@ def test_velocity_feed_forward_scales_the_desired_velocity() -> None:
         r.tick()
     difference = [
         a - b
-        for a, b in zip(robot.hardware.command, plain_robot.hardware.command, strict=True)
+        for a, b in zip(
+            robot.hardware.command, plain_robot.hardware.command, strict=True
+        )
     ]
     assert difference[1:] == pytest.approx([3.5, 0.0, 0.0])
 
@@ -241,7 +243,7 @@ def test_without_a_ramp_a_cancel_holds_the_measured_position() -> None:
 
 
 def test_cancelling_another_goal_changes_nothing() -> None:
-    robot, controller = arm()
+    _, controller = arm()
     old = controller.follow(goal(Point([2, 2, 2], time_from_start=2.0)), 0.0)
     new = controller.follow(goal(Point([1, 1, 1], time_from_start=2.0)), 0.0)
     controller.cancel(old, 0.0)
@@ -473,7 +475,11 @@ BAD_GOALS = {
     "no joint": (goal(ONE, joint_names=[]), -2, "lacks hip, slide, wheel"),
     "joint twice": (goal(ONE, joint_names=["hip", "hip", "wheel"]), -2, "'hip'.*twice"),
     "times equal": (goal(ONE, ONE), -1, "strictly increasing in time"),
-    "time NaN": (goal(Point([1, 1, 1], time_from_start=NAN)), -1, "time_from_start nan"),
+    "time NaN": (
+        goal(Point([1, 1, 1], time_from_start=NAN)),
+        -1,
+        "time_from_start nan",
+    ),
     "time zero": (goal(Point([1, 1, 1])), -1, "Dropping all 1 trajectory"),
     "time negative": (
         goal(Point([1, 1, 1], time_from_start=-1.0)),
@@ -488,7 +494,11 @@ BAD_GOALS = {
     "stamp NaN": (goal(ONE, stamp=NAN), -1, "stamp nan"),
     "no positions": (goal(Point([], time_from_start=1)), -1, "Size mismatch.*wrap"),
     "few positions": (goal(Point([1, 1], time_from_start=1)), -1, "2 positions"),
-    "many positions": (goal(Point([1] * 4, time_from_start=1)), -1, "4 positions for 3"),
+    "many positions": (
+        goal(Point([1] * 4, time_from_start=1)),
+        -1,
+        "4 positions for 3",
+    ),
     "few velocities": (
         goal(Point(REST, [0], time_from_start=1)),
         -1,

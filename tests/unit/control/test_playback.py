@@ -34,9 +34,22 @@ def merged(old: Track, now: float, start: float, new: list) -> Track:
     return splice(old, now, start, new, goal=None, tolerances=NO_TOLERANCES)
 
 
-@given(knots, knots, orders, orders, st.floats(0.0, 3.0), st.floats(-1.0, 3.0))
-def test_merging_keeps_the_old_motion_until_the_start_and_joins_without_a_jump(
-    old_rows: list, new_rows: list, old_order: int, order: int, now: float, wait: float
+@given(
+    old_rows=knots,
+    new_rows=knots,
+    old_order=orders,
+    order=orders,
+    now=st.floats(0.0, 3.0),
+    wait=st.floats(-1.0, 3.0),
+)
+def test_merging_keeps_the_old_motion_until_the_start_and_does_not_jump(
+    *,
+    old_rows: list,
+    new_rows: list,
+    old_order: int,
+    order: int,
+    now: float,
+    wait: float,
 ) -> None:
     old = merged(hold_track(0.0, 0.0), 0.0, 0.0, points(0.0, old_rows, old_order))
     start = now + wait

@@ -1,0 +1,169 @@
+import math
+
+import pytest
+from toy_robot import DT, ToyRobot
+
+from tool0.control.goal import GoalStatus
+from tool0.description.model import Interface
+from tool0.errors import GoalRejectedError
+
+GRIPPER = """
+hand:
+  type: effort_controllers/GripperActionController
+  joint: hip
+  gains: {hip: {p: 400, d: 40}}
+  goal_tolerance: 0.01
+  max_effort: 8
+  stall_velocity_threshold: 0.01
+  stall_timeout: 0.2
+"""
+
+
+def hand(yaml: str = GRIPPER, interface: Interface = Interface.EFFORT):
+    robot = ToyRobot(yaml, interface)
+    return robot, robot.start("hand")
+
+
+def test_succeeds_within_the_tolerance() -> None:
+    robot, controller = hand()
+    goal = controller.command(0.5, 8.0, robot.time)
+    while abs(0.5 - robot.position[1]) >= 0.01:
+        robot.tick()
+        assert goal.status is GoalStatus.ACTIVE
+    robot.tick()
+    assert goal.status is GoalStatus.SUCCEEDED
+    assert goal.result.reached_goal
+    assert not goal.result.stalled
+    assert goal.result.position == pytest.approx(0.5, abs=0.01)
+
+
+def test_succeeds_at_once_where_it_already_is() -> None:
+    robot, controller = hand()
+    goal = controller.command(0.0, 8.0, robot.time)
+    robot.tick()
+    assert goal.status is GoalStatus.SUCCEEDED
+
+
+def test_the_effort_is_bounded_by_the_goal() -> None:
+    robot, controller = hand()
+    robot.blocked = {"hip"}
+    for bound in (3.0, -2.0):
+        controller.command(0.5, bound, robot.time)
+        robot.tick()
+        assert robot.hardware.command[1] == abs(bound)
+    controller.command(-0.5, 3.0, robot.time)
+    robot.tick()
+    assert robot.hardware.command[1] == -3.0
+
+
+@pytest.mark.parametrize("effort", [0.0, None])
+def test_no_effort_in_the_goal_is_the_controllers_own_not_limp(effort) -> None:
+    robot, controller = hand()
+    robot.blocked = {"hip"}
+    controller.command(0.5, effort, robot.time)
+    robot.tick()
+    assert robot.hardware.command[1] == 8.0
+
+
+def test_without_the_parameter_the_joints_limit_bounds_the_effort() -> None:
+    robot, controller = hand(GRIPPER.replace("max_effort: 8", ""))
+    robot.blocked = {"hip"}
+    controller.command(0.5, None, robot.time)
+    robot.tick()
+    assert robot.hardware.command[1] == 50.0
+
+
+@pytest.mark.parametrize("allow", ["false", "true"])
+def test_a_stall_ends_the_goal_and_keeps_squeezing(allow: str) -> None:
+    robot, controller = hand(GRIPPER + f"  allow_stalling: {allow}\n")
+    robot.blocked = {"hip"}
+    goal = controller.command(0.5, 5.0, robot.time)
+    robot.run(0.199)
+    assert goal.status is GoalStatus.ACTIVE
+    robot.run(0.004)
+    wanted = GoalStatus.SUCCEEDED if allow == "true" else GoalStatus.ABORTED
+    assert goal.status is wanted
+    assert goal.result.stalled
+    assert not goal.result.reached_goal
+    assert goal.result.effort == 5.0
+    robot.run(0.1)
+    assert robot.hardware.command[1] == 5.0
+
+
+def test_chatter_in_the_grip_is_a_stall_all_the_same() -> None:
+    robot, controller = hand()
+    robot.blocked = {"hip"}
+    goal = controller.command(0.5, 5.0, robot.time)
+    for k in range(300):
+        robot.position[1] = 5e-4 * (-1) ** k
+        robot.velocity[1] = 1.0 * (-1) ** k
+        robot.tick()
+    assert goal.status is GoalStatus.ABORTED
+    assert goal.result.stalled
+
+
+@pytest.mark.parametrize(("speed", "stalls"), [(0.02, False), (0.005, True)])
+def test_a_slow_motion_is_a_stall_only_below_the_threshold(speed, stalls) -> None:
+    robot, controller = hand()
+    robot.blocked = {"hip"}
+    goal = controller.command(0.5, 5.0, robot.time)
+    for _ in range(1000):
+        robot.position[1] += speed * DT
+        robot.tick()
+    assert goal.status.is_terminal == stalls
+
+
+def test_a_new_goal_preempts_and_restarts_the_clock() -> None:
+    robot, controller = hand()
+    robot.blocked = {"hip"}
+    first = controller.command(0.5, 5.0, robot.time)
+    robot.run(0.15)
+    second = controller.command(0.6, 5.0, robot.time)
+    assert first.status is GoalStatus.PREEMPTED
+    robot.run(0.15)
+    assert second.status is GoalStatus.ACTIVE
+
+
+def test_a_cancel_holds_the_measured_position() -> None:
+    robot, controller = hand()
+    goal = controller.command(0.5, 2.0, robot.time)
+    robot.run(0.1)
+    controller.cancel(goal, robot.time)
+    assert goal.status is GoalStatus.PREEMPTED
+    assert 0.0 < controller.target < 0.5
+    controller.cancel(goal, robot.time)
+    robot.run(2.0)
+    assert robot.position[1] == pytest.approx(controller.target, abs=1e-3)
+
+
+def test_stopping_preempts() -> None:
+    robot, controller = hand()
+    goal = controller.command(0.5, 2.0, robot.time)
+    controller.stop()
+    assert goal.status is GoalStatus.PREEMPTED
+
+
+def test_the_position_variant_commands_the_position() -> None:
+    yaml = GRIPPER.replace("effort_controllers", "position_controllers")
+    robot, controller = hand(yaml, Interface.POSITION)
+    goal = controller.command(0.5, None, robot.time)
+    robot.run(0.003)
+    assert robot.position[1] == 0.5
+    assert goal.result.reached_goal
+
+
+@pytest.mark.parametrize(
+    ("position", "effort", "text"),
+    [
+        (math.nan, 1.0, "position nan"),
+        (0.5, math.inf, "max_effort inf"),
+        (6.5, 1.0, r"'hip' at 6.5.*\[-6, 6\]"),
+    ],
+)
+def test_bad_goals_are_rejected_and_the_old_one_goes_on(position, effort, text) -> None:
+    robot, controller = hand()
+    goal = controller.command(0.5, 2.0, robot.time)
+    with pytest.raises(GoalRejectedError, match=text):
+        controller.command(position, effort, robot.time)
+    assert goal.status is GoalStatus.ACTIVE
+    assert controller.target == 0.5

@@ -1,0 +1,77 @@
+from itertools import pairwise
+
+import pytest
+from toy_robot import DT, ToyRobot
+
+from tool0.control.publish_rate import PublishRate
+from tool0.errors import ConfigError
+
+TYPE = "type: joint_state_controller/JointStateController"
+
+
+def controller(options: str):
+    robot = ToyRobot(f"js: {{{TYPE}, {options}}}")
+    return robot, robot.start("js")
+
+
+def test_publishes_the_joints_with_a_transmission_and_claims_none() -> None:
+    robot, js = controller("publish_rate: 125")
+    robot.position = [9.0, 1.0, 2.0, 3.0]
+    message = js.message(robot.state)
+    assert message.names == ("hip", "slide", "wheel")
+    assert message.position == (1.0, 2.0, 3.0)
+    assert robot.manager.status("js").claimed == ()
+    robot.tick()
+    assert robot.hardware.command == [0.0] * 4
+
+
+def test_joints_choose_and_order() -> None:
+    robot, js = controller("publish_rate: 125, joints: [wheel, idle]")
+    robot.velocity = [9.0, 1.0, 2.0, 3.0]
+    assert js.message(robot.state).velocity == (3.0, 9.0)
+
+
+def test_extra_joints_follow_and_keep_their_values_even_as_integers() -> None:
+    robot, js = controller(
+        "publish_rate: 1, extra_joints: [{name: x, position: 1, effort: 2.5},"
+        " {name: hip, position: 7}]"
+    )
+    message = js.message(robot.state)
+    assert message.names == ("hip", "slide", "wheel", "x")
+    assert message.position[-1] == 1.0
+    assert message.velocity[-1] == 0.0
+    assert message.effort[-1] == 2.5
+
+
+def test_the_publish_rate_is_required() -> None:
+    with pytest.raises(ConfigError, match="lacks 'publish_rate'"):
+        controller("joints: [hip]")
+
+
+def test_an_unknown_joint_is_an_error_with_the_nearest() -> None:
+    with pytest.raises(
+        ConfigError, match="unknown joint 'wheal'; did you mean 'wheel'"
+    ):
+        controller("publish_rate: 1, joints: [wheal]")
+
+
+@pytest.mark.parametrize("rate", [125.0, 100.0, 30.0, 1000.0])
+def test_is_due_as_often_as_the_rate_says(rate: float) -> None:
+    gate = PublishRate(rate)
+    due = [k for k in range(3000) if gate.is_due(k * DT)]
+    assert due[0] == 0
+    assert len(due) == pytest.approx(3.0 * rate, abs=1)
+    gaps = [b - a for a, b in pairwise(due)]
+    assert max(gaps) - min(gaps) <= 1
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0])
+def test_without_a_rate_it_is_never_due(rate: float) -> None:
+    assert not any(PublishRate(rate).is_due(k * DT) for k in range(100))
+
+
+def test_is_due_again_when_time_starts_anew() -> None:
+    gate = PublishRate(1.0)
+    assert gate.is_due(10.0)
+    assert gate.is_due(0.0)
+    assert not gate.is_due(0.5)

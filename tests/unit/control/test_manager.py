@@ -1,0 +1,221 @@
+import pytest
+from toy_robot import ARM, ToyRobot
+
+from tool0.control.goal import GoalStatus
+from tool0.control.manager import ControllerStatus, Strictness
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.description.model import Interface
+from tool0.errors import ClaimError, ConfigError, ControlError, GoalRejectedError
+
+YAML = (
+    ARM
+    + """
+group: {type: effort_controllers/JointGroupEffortController, joints: [slide, wheel]}
+one: {type: effort_controllers/JointEffortController, joint: hip}
+js: {type: joint_state_controller/JointStateController, publish_rate: 100}
+typo: {type: effort_controllers/JointTrajectoryControler, joints: [hip]}
+bare: {joints: [hip]}
+"""
+)
+STRICT, BEST_EFFORT = Strictness.STRICT, Strictness.BEST_EFFORT
+EFFORT = "hardware_interface/EffortJointInterface"
+
+
+@pytest.fixture
+def robot() -> ToyRobot:
+    robot = ToyRobot(YAML)
+    for name in ("arm", "group", "one", "js"):
+        robot.manager.load(name)
+    return robot
+
+
+def switch(robot: ToyRobot, start=(), stop=(), strictness=STRICT):
+    return robot.manager.switch(start, stop, strictness, robot.state)
+
+
+def states(robot: ToyRobot) -> dict[str, str]:
+    return {item.name: item.state for item in robot.manager.list()}
+
+
+def running(robot: ToyRobot) -> set[str]:
+    return {name for name, state in states(robot).items() if state == "running"}
+
+
+def test_states_go_from_initialized_over_running_to_stopped(robot: ToyRobot) -> None:
+    assert states(robot)["one"] == "initialized"
+    switch(robot, ["one"])
+    assert states(robot)["one"] == "running"
+    switch(robot, [], ["one"])
+    assert states(robot)["one"] == "stopped"
+    switch(robot, ["one"])
+    assert states(robot)["one"] == "running"
+
+
+def test_list_is_in_load_order_with_types_and_claims(robot: ToyRobot) -> None:
+    status = robot.manager.list()
+    assert [item.name for item in status] == ["arm", "group", "one", "js"]
+    assert status[1] == ControllerStatus(
+        name="group",
+        type="effort_controllers/JointGroupEffortController",
+        state="initialized",
+        claimed=((EFFORT, ("slide", "wheel")),),
+    )
+    assert status[3].claimed == ()
+
+
+def test_starting_claims_and_stopping_releases(robot: ToyRobot) -> None:
+    switch(robot, ["one", "js"])
+    assert robot.hardware.claimed == ["hip"]
+    switch(robot, ["arm"], ["one"])
+    assert robot.hardware.claimed == ["hip", "slide", "wheel"]
+    robot.manager.stop_all(robot.state)
+    assert robot.hardware.claimed == []
+    assert running(robot) == set()
+
+
+def test_updates_write_the_commands_of_running_controllers_only(
+    robot: ToyRobot,
+) -> None:
+    switch(robot, ["one", "group"])
+    robot.manager.running("one").command(5.0)
+    robot.manager.running("group").command([6.0, 7.0])
+    robot.tick()
+    assert robot.hardware.command == [0.0, 5.0, 6.0, 7.0]
+    robot.manager.running("one").command(1.0)
+    switch(robot, [], ["one"])
+    robot.tick()
+    assert robot.hardware.command[1] == 5.0
+
+
+def test_two_controllers_on_one_joint_are_refused_by_name(robot: ToyRobot) -> None:
+    switch(robot, ["arm"])
+    for strictness in Strictness:
+        with pytest.raises(ClaimError, match="'arm' and 'one' both claim joint 'hip'"):
+            switch(robot, ["one"], [], strictness)
+    assert running(robot) == {"arm"}
+
+
+def test_one_switch_may_hand_a_joint_over(robot: ToyRobot) -> None:
+    switch(robot, ["one"])
+    switch(robot, ["arm"], ["one"])
+    assert running(robot) == {"arm"}
+
+
+def test_strict_changes_nothing_unless_everything_fits(robot: ToyRobot) -> None:
+    switch(robot, ["one"])
+    for start, stop, text in (
+        (["nobody", "group"], [], "'nobody'"),
+        (["group"], ["nobody"], "'nobody'"),
+        (["group"], ["arm"], "'arm' since it is not running"),
+        (["one", "group"], [], "'one' is already running"),
+    ):
+        with pytest.raises(ControlError, match=text):
+            switch(robot, start, stop)
+        assert running(robot) == {"one"}
+        assert robot.hardware.claimed == ["hip"]
+
+
+def test_best_effort_skips_what_does_not_fit_and_says_so(robot: ToyRobot) -> None:
+    switch(robot, ["one"])
+    skipped = switch(robot, ["nobody", "group", "one"], ["arm"], BEST_EFFORT)
+    assert running(robot) == {"one", "group"}
+    assert len(skipped) == 3
+    assert "nobody" in skipped[0]
+
+
+@pytest.mark.parametrize("strictness", list(Strictness))
+def test_a_switch_cannot_restart_a_running_controller(robot, strictness) -> None:
+    switch(robot, ["one"])
+    with pytest.raises(ControlError, match="both started and stopped"):
+        switch(robot, ["one"], ["one"], strictness)
+
+
+def test_best_effort_starts_a_stopped_controller_named_in_both_lists(robot) -> None:
+    switch(robot, ["one"], ["one"], BEST_EFFORT)
+    assert running(robot) == {"one"}
+
+
+def test_a_started_controller_holds_the_measured_position(robot: ToyRobot) -> None:
+    robot.position = [0.0, 0.3, 0.2, 0.1]
+    switch(robot, ["arm"])
+    robot.tick()
+    assert robot.hardware.command[1:] == pytest.approx([0.0] * 3)
+
+
+def test_loading_twice_and_unloading_while_running_are_refused(robot) -> None:
+    with pytest.raises(ControlError, match="already loaded"):
+        robot.manager.load("arm")
+    switch(robot, ["arm"])
+    with pytest.raises(ControlError, match="still running"):
+        robot.manager.unload("arm")
+    switch(robot, [], ["arm"])
+    robot.manager.unload("arm")
+    assert "arm" not in states(robot)
+    robot.manager.load("arm")
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("arms", "unknown controller 'arms'; did you mean 'arm'"),
+        ("typo", "did you mean 'effort_controllers/JointTrajectoryController'"),
+        ("bare", "type was not specified"),
+    ],
+)
+def test_what_cannot_be_loaded_says_why(robot: ToyRobot, name: str, text: str) -> None:
+    with pytest.raises(ConfigError, match=text):
+        robot.manager.load(name)
+    assert name not in states(robot)
+
+
+def test_an_unknown_type_lists_the_known_ones(robot: ToyRobot) -> None:
+    with pytest.raises(ConfigError, match="GripperActionController"):
+        robot.manager.load("typo")
+    assert "effort_controllers/GripperActionController" in robot.manager.list_types()
+
+
+@pytest.mark.parametrize(
+    ("joint", "text"),
+    [
+        (
+            "hep",
+            "'hep' in '.*EffortJointInterface': .*no such joint; did you mean 'hip'",
+        ),
+        ("idle", "'idle' in .* no <transmission>; joints with one: hip, slide"),
+    ],
+)
+def test_a_joint_that_cannot_be_claimed_fails_the_load(joint: str, text: str) -> None:
+    robot = ToyRobot(
+        f"c: {{type: effort_controllers/JointEffortController, joint: {joint}}}"
+    )
+    with pytest.raises(ConfigError, match=f"<string>:1: Could not find joint {text}"):
+        robot.manager.load("c")
+
+
+def test_a_joint_with_another_interface_fails_the_load() -> None:
+    robot = ToyRobot(ARM, Interface.POSITION)
+    with pytest.raises(ConfigError, match="offers 'hardware_interface/PositionJoint"):
+        robot.manager.load("arm")
+
+
+def test_only_a_running_controller_can_be_asked(robot: ToyRobot) -> None:
+    with pytest.raises(GoalRejectedError, match="'arm' is initialized, not running"):
+        robot.manager.running("arm")
+    with pytest.raises(ControlError, match="'typo' is not loaded"):
+        robot.manager.running("typo")
+    with pytest.raises(ControlError, match="unknown controller 'rm'"):
+        robot.manager.running("rm")
+
+
+def test_a_restart_ends_goals_and_holds_where_it_is(robot: ToyRobot) -> None:
+    switch(robot, ["arm", "js"])
+    point = TrajectoryPoint([1, 1, 1], time_from_start=1.0)
+    goal = robot.manager.running("arm").follow(TrajectoryGoal(points=[point]), 0.0)
+    robot.run(0.5)
+    robot.ticks, robot.position, robot.velocity = 0, [0.0, 0.2, 0.2, 0.2], [0.0] * 4
+    robot.manager.restart(robot.state)
+    assert goal.status is GoalStatus.PREEMPTED
+    robot.run(1.0)
+    assert robot.position[1:] == pytest.approx([0.2] * 3, abs=1e-6)
+    assert running(robot) == {"arm", "js"}
+    assert robot.hardware.claimed == ["hip", "slide", "wheel"]
