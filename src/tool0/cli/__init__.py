@@ -1,1 +1,91 @@
-"""The command line; one module a command."""
+"""The command line: finds the command, and imports that command alone.
+
+``tyro`` takes 60 ms to import, a third of MuJoCo; so the list of commands is a plain
+table here, and a command's module is imported only when it is called.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Final
+
+COMMANDS: Final[dict[str, tuple[str, str]]] = {
+    "bringup": ("bringup", "bring a robot up in simulation, its controllers running"),
+    "describe": ("describe", "write the robot as a tree, a table, URDF or MJCF"),
+    "controllers": ("controllers", "list, load, unload, start, stop or switch them"),
+    "move": ("move", "move joints along a trajectory"),
+    "grip": ("grip", "open or close the gripper"),
+    "state": ("state", "print time and joints"),
+    "pause": ("simulation", "hold simulated time"),
+    "resume": ("simulation", "let simulated time run on"),
+    "step": ("simulation", "advance a paused simulation by some ticks"),
+    "reset": ("simulation", "go back to time zero and the initial pose"),
+    "estop": ("simulation", "engage or release the emergency stop"),
+}
+"""Command → its module in this package, and what it does."""
+
+OK: Final = 0
+GOAL_FAILED: Final = 1
+"""A goal was accepted and did not succeed."""
+FAILED: Final = 2
+"""Bad arguments, or an error that is ours to report."""
+INTERRUPTED: Final = 130
+"""Ctrl-C, as shells count it: 128 + SIGINT."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit status of the process."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    command = arguments[0] if arguments else "--help"
+    if command in ("-h", "--help", "help"):
+        print(_help())
+        return OK
+    if command in ("-V", "--version"):
+        from importlib.metadata import version
+
+        print(f"tool0 {version('tool0')}")
+        return OK
+    if command not in COMMANDS:
+        from tool0.errors import nearest_name
+
+        hint = nearest_name(command, list(COMMANDS))
+        print(f"tool0: error: unknown command '{command}'{hint}", file=sys.stderr)
+        return FAILED
+    return _run(command, arguments[1:])
+
+
+def _run(command: str, arguments: list[str]) -> int:
+    from importlib import import_module
+
+    from tool0.errors import Tool0Error
+
+    module = import_module(f"tool0.cli.{COMMANDS[command][0]}")
+    try:
+        status: int = module.run(command, arguments)
+    except Tool0Error as error:
+        print(f"tool0: error: {error}", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:  # `tool0 describe tree | head`: what was read is enough
+        sys.stderr.close()  # or the interpreter complains once more at exit
+        return OK
+    return status
+
+
+def _help() -> str:
+    width = max(map(len, COMMANDS))
+    rows = [f"  {name:{width}}  {text}" for name, (_, text) in COMMANDS.items()]
+    return "\n".join(
+        [
+            "usage: tool0 COMMAND [OPTIONS]",
+            "",
+            "A robot arm with a gripper in simulation, driven by real controllers.",
+            "",
+            *rows,
+            "",
+            "`tool0 COMMAND --help` explains a command.  All but bringup and describe",
+            "talk to a running bringup, by --name if there are several.",
+        ]
+    )

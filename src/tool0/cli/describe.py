@@ -1,0 +1,120 @@
+"""``tool0 describe``: the robot as text for people, or as XML for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from tool0.cli.options import RobotOptions, robot_keywords
+from tool0.cli.parsing import parse
+from tool0.cli.text import columns
+from tool0.errors import ConfigError
+
+if TYPE_CHECKING:
+    from tool0.description.catalogue import RobotDescription
+    from tool0.description.model import Joint, RobotModel
+
+Form = Literal["tree", "table", "urdf", "mjcf"]
+
+
+def run(command: str, arguments: list[str]) -> int:
+    """Run the command and return its exit status."""
+    parse(describe, command, arguments)
+    return 0
+
+
+def describe(
+    form: Annotated[Form, tyro.conf.Positional],
+    description: RobotOptions = RobotOptions(),  # noqa: B008  # frozen
+    output: Path | None = None,
+) -> None:
+    """Write the robot as a tree, a table of joints, URDF or MJCF.
+
+    Args:
+        form: What to write.
+        description: Which robot.
+        output: The file to write; standard output if left out.
+    """
+    text = _render(_describe(description), form)
+    if output is None:
+        print(text, end="")
+    else:
+        try:
+            output.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise ConfigError(f"cannot write '{output}': {error.strerror}") from None
+
+
+def _describe(options: RobotOptions) -> RobotDescription:
+    from tool0.description.catalogue import assemble, load_robot
+
+    keywords = robot_keywords(options)
+    args = keywords.pop("args", {})
+    if options.robot is not None:
+        return load_robot(options.robot, args)  # type: ignore[arg-type]  # str → str
+    return assemble(**keywords)  # type: ignore[arg-type]  # one type for each option
+
+
+def _render(description: RobotDescription, form: Form) -> str:
+    match form:
+        case "tree":
+            return tree(description.model)
+        case "table":
+            return table(description.model)
+        case "urdf":
+            return description.urdf
+        case "mjcf":
+            from tool0.engines.mujoco.model import to_mjcf
+
+            return to_mjcf(description.model)
+
+
+def tree(model: RobotModel) -> str:
+    """Return every joint on a line with the link it carries, indented below its own."""
+    rows = [
+        (f"{branch}{joint.name}", joint.type.value, f"─> {joint.child}")
+        for branch, joint in _branches(model, model.root, "")
+    ]
+    return f"{model.root}\n{columns(rows)}"
+
+
+def _branches(model: RobotModel, link: str, indent: str) -> Iterator[tuple[str, Joint]]:
+    joints = model.child_joints[link]
+    for joint in joints:
+        is_last = joint is joints[-1]
+        yield indent + ("└─ " if is_last else "├─ "), joint
+        below = indent + ("   " if is_last else "│  ")
+        yield from _branches(model, joint.child, below)
+
+
+def table(model: RobotModel) -> str:
+    """Return the movable joints with type, axis, limits and what drives them."""
+    heads = ("joint", "type", "axis", "lower", "upper", "velocity", "effort", "driven")
+    units = ("", "", "", "rad|m", "rad|m", "/s", "N·m|N", "")
+    rows = [_row(model, joint) for joint in model.movable_joints]
+    return columns([heads, units, *rows])
+
+
+def _row(model: RobotModel, joint: Joint) -> Sequence[str]:
+    limits = joint.limits
+    bounds = (limits.lower, limits.upper, limits.velocity, limits.effort)
+    return (
+        joint.name,
+        joint.type.value,
+        " ".join(f"{value:g}" for value in joint.axis),
+        *(f"{value:.6g}" for value in bounds),
+        _drive(model, joint),
+    )
+
+
+def _drive(model: RobotModel, joint: Joint) -> str:
+    if joint.mimic is not None:
+        offset = f" {joint.mimic.offset:+g}" if joint.mimic.offset else ""
+        return f"{joint.mimic.multiplier:+g} · {joint.mimic.joint}{offset}"
+    transmission = model.transmission_by_joint.get(joint.name)
+    if transmission is None:
+        return "-"
+    return transmission.interface.value.partition("/")[2]

@@ -1,0 +1,53 @@
+"""Ctrl-C and SIGTERM as a wish that the main thread looks at between two ticks."""
+
+from __future__ import annotations
+
+import select
+import signal
+import socket
+from types import FrameType
+from typing import Any, final
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+@final
+class StopSignal:
+    """Catches the first signal; a second one ends the process as usual.
+
+    Not a ``threading.Event``: a handler that sets one deadlocks if it interrupts the
+    main thread inside the event's own lock.
+    """
+
+    def __init__(self) -> None:
+        self.is_set = False
+        self._before: dict[signal.Signals, Any] = {}  # what signal.signal returns
+
+    def __enter__(self) -> StopSignal:
+        """Take the signals over."""
+        self._read, self._write = socket.socketpair()
+        self._write.setblocking(False)
+        self._before = {item: signal.signal(item, self._note) for item in _SIGNALS}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Give the signals back."""
+        self._give_back()
+        self._read.close()
+        self._write.close()
+
+    def wait(self, timeout: float) -> bool:
+        """Wait at most ``timeout`` wall seconds; return whether a signal came."""
+        if not self.is_set:
+            select.select([self._read], [], [], max(timeout, 0.0))
+        return self.is_set
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self.is_set = True
+        self._write.send(b"x")
+        self._give_back()
+
+    def _give_back(self) -> None:
+        for item, handler in self._before.items():
+            signal.signal(item, handler)
+        self._before = {}
