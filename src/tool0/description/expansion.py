@@ -19,7 +19,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType, TracebackType
 from typing import Any, final
-from xml.dom.minidom import Document, Element
+from xml.dom.minidom import Document, Node
 
 from tool0.description.packages import find_package
 from tool0.description.xml_source import locate, parse_file
@@ -185,9 +185,9 @@ def _substituted(xacro: ModuleType, run: _Run) -> Iterator[None]:
         "load_yaml": run.load_yaml,
         "safe_eval": _safe_eval(xacro),
         "eval_text": _eval_text(xacro),
-        "warning": _log(logger.warning),
-        "error": _log(logger.error),
-        "message": _log(logger.info),
+        "warning": _log("warning", logger.warning),
+        "error": _log("error", logger.error),
+        "message": _log("message", logger.info),
         "print_location": lambda: None,
     }
     state = ("filestack", "macrostack", "all_includes", "verbosity", "_global_symbols")
@@ -206,10 +206,11 @@ def _substituted(xacro: ModuleType, run: _Run) -> Iterator[None]:
         xacro.substitution_args_context.update(context)
 
 
-def _log(write: Callable[..., None]) -> Callable[..., None]:
+def _log(name: str, write: Callable[..., None]) -> Callable[..., None]:
     def report(*args: object, **_: object) -> None:
         write("xacro: %s", " ".join(map(str, args)))
 
+    report.__name__ = name  # by which xacro offers it to expressions
     return report
 
 
@@ -241,10 +242,17 @@ def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
     """Return ``xacro.eval_text`` with a short cut past its lexer.
 
     Text without ``$``, or with nothing but plain ``${…}``, is evaluated here; all
-    else, and whatever fails, by xacro, which then tells why.
+    else by xacro.
     """
     original: Callable[[str, Any], Any] = xacro.eval_text
-    evaluate = _safe_eval(xacro)
+    compiled = _safe_eval(xacro)
+
+    def evaluate(expression: str, symbols: Any) -> Any:
+        try:
+            return compiled(expression, symbols)
+        except Exception as error:  # a person's Python raises anything
+            suffix = f"when evaluating expression '{expression}'"
+            raise xacro.XacroException(exc=error, suffix=suffix) from error
 
     def eval_text(text: str, symbols: Any) -> Any:
         if text and "$" not in text:
@@ -252,10 +260,7 @@ def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
         parts = _EXPRESSION.split(text)  # literals at even places, expressions at odd
         if len(parts) < 3 or any("$" in part for part in parts):
             return original(text, symbols)
-        try:
-            parts[1::2] = [evaluate(part, symbols) for part in parts[1::2]]
-        except Exception:
-            return original(text, symbols)
+        parts[1::2] = [evaluate(part, symbols) for part in parts[1::2]]
         if len(parts) == 3 and not parts[0] and not parts[2]:
             return parts[1]  # with its type
         return "".join(map(str, parts))
@@ -275,6 +280,7 @@ def _describe(xacro: ModuleType, error: Exception) -> DescriptionError:
         message = "a macro or property calls itself without end"
     else:
         message = " ".join(str(error).split()) or repr(error)
+        message = message.replace(" (<expression>, line 1)", "")
     if location is None:
         location = SourceLocation(Path(xacro.filestack[-1]))
     return DescriptionError(message + _stacks(xacro), location)
@@ -290,7 +296,7 @@ def _failing_line(
         if frame.f_globals is vars(xacro):
             for name in ("node", "elt"):
                 node = frame.f_locals.get(name)
-                if isinstance(node, Element):
+                if isinstance(node, Node):
                     found = locate(node) or found
         traceback = traceback.tb_next
     return found

@@ -1,0 +1,78 @@
+import os
+from pathlib import Path
+
+import pytest
+
+from tool0.description.packages import find_package, has_package, resolve_uri
+from tool0.errors import DescriptionError, SourceLocation
+
+
+def make_package(folder: Path, name: str) -> Path:
+    folder.mkdir(parents=True)
+    text = f"<package format='3'>\n  <name> {name} </name>\n</package>"
+    (folder / "package.xml").write_text(text)
+    return folder
+
+
+def test_finds_the_bundled_package_without_any_environment(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    assert (find_package("tool0_description") / "package.xml").is_file()
+
+
+def test_finds_packages_at_and_below_each_entry_by_their_name_not_their_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    itself = make_package(tmp_path / "a", "alone")
+    deep = make_package(tmp_path / "src" / "group" / "folder", "deep_one")
+    entries = (tmp_path / "missing", itself, tmp_path / "src")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", os.pathsep.join(map(str, entries)))
+    assert find_package("alone") == itself
+    assert find_package("deep_one") == deep
+    assert not has_package("folder")
+
+
+def test_bundled_packages_come_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make_package(tmp_path / "x", "tool0_description")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    assert tmp_path not in find_package("tool0_description").parents
+
+
+def test_folders_marked_to_be_ignored_are_ignored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make_package(tmp_path / "old" / "p", "shadow")
+    (tmp_path / "old" / "CATKIN_IGNORE").touch()
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    assert not has_package("shadow")
+
+
+def test_a_missing_package_says_where_it_was_sought_and_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make_package(tmp_path / "p", "ur_description")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    with pytest.raises(DescriptionError) as caught:
+        find_package("ur_descripton", SourceLocation(Path("cell.xacro"), 7))
+    text = str(caught.value)
+    assert text.startswith("cell.xacro:7: ")
+    assert str(tmp_path) in text
+    assert "did you mean 'ur_description'?" in text
+    assert "ROS_PACKAGE_PATH" in text
+
+
+def test_uris_resolve_to_paths(tmp_path: Path) -> None:
+    here = SourceLocation(tmp_path / "cell.urdf", 3)
+    assert resolve_uri("meshes/a.stl", here) == tmp_path / "meshes" / "a.stl"
+    assert resolve_uri("/a/b.stl", here) == Path("/a/b.stl")
+    assert resolve_uri("file:///a/b.stl", here) == Path("/a/b.stl")
+    package = find_package("tool0_description")
+    assert resolve_uri("package://tool0_description/m/a.stl") == package / "m" / "a.stl"
+
+
+def test_an_unknown_scheme_is_refused() -> None:
+    with pytest.raises(DescriptionError, match="package://PACKAGE/PATH"):
+        resolve_uri("http://example.org/a.stl")
