@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import final
 
 from tool0.control import goal_check
-from tool0.control.angles import shortest_turn, wrap_offset
+from tool0.control.angles import shortest_turn
 from tool0.control.goal import Goal, GoalResult, GoalStatus
 from tool0.control.joint_trajectory_spec import JointTrajectorySpec
+from tool0.control.merging import merged_tracks, stopping_tracks
 from tool0.control.pick import picker
 from tool0.control.pid import PidBank
 from tool0.control.playback import (
@@ -16,14 +17,10 @@ from tool0.control.playback import (
     Track,
     hold_track,
     sample_track,
-    splice,
-    stop_track,
 )
-from tool0.control.segment import Motion
 from tool0.control.trajectory import (
     JointsMotion,
     TrajectoryGoal,
-    TrajectoryPoint,
     TrajectoryState,
 )
 from tool0.description.model import JointType
@@ -63,7 +60,6 @@ class JointTrajectoryController:
         self._law = PidBank(spec.gains) if spec.gains else None
         self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
         self._tolerances = spec.tolerances
-        self._stop_duration = spec.stop_trajectory_duration
         self._goal: Goal | None = None
         self._done: set[int] = set()
         self._goal_time = 0.0
@@ -218,7 +214,9 @@ class JointTrajectoryController:
             allow_partial=self.spec.allow_partial_joints_goal,
         )
         if goal.points:
-            tracks = self._merge(goal, names, now, handle)
+            tracks = merged_tracks(
+                self.spec, self._playback.tracks, goal, names, now=now, handle=handle
+            )
         else:
             tracks = self._stop_tracks(now, handle)
         self._end_goal(GoalStatus.PREEMPTED)
@@ -227,50 +225,9 @@ class JointTrajectoryController:
         self._goal_time = self._tolerances.goal_time_with(goal.goal_time_tolerance)
         self._play(tracks, now)
 
-    def _merge(
-        self,
-        goal: TrajectoryGoal,
-        names: tuple[str, ...],
-        now: float,
-        handle: Goal | None,
-    ) -> list[Track]:
-        goal_check.check_points(goal.points, names)
-        start = goal_check.start_time(goal, now)
-        points = goal_check.points_ahead(goal.points, start, now)
-        models = {joint.name: joint for joint in self.spec.joint_models}
-        goal_check.check_limits(points, [models[name] for name in names])
-        tracks = []
-        for k, (name, old) in enumerate(
-            zip(self.spec.joints, self._playback.tracks, strict=True)
-        ):
-            if name not in names:
-                tracks.append(tuple(piece._replace(goal=handle) for piece in old))
-                continue
-            motions = _motions_of(points, names.index(name), start)
-            if k in self._wrapping:
-                motions = _unwrap(motions, sample_track(old, max(now, start)).position)
-            tolerances = self._tolerances.of(
-                name, goal.path_tolerance.get(name), goal.goal_tolerance.get(name)
-            )
-            tracks.append(
-                splice(old, now, start, motions, goal=handle, tolerances=tolerances)
-            )
-        return tracks
-
     def _stop_tracks(self, now: float, handle: Goal | None) -> list[Track]:
-        """Return the way to rest: at the measured position, or by a ramp."""
-        duration = self._stop_duration
-        if duration <= 0.0:
-            position = self._pick(self._state.position)
-            return [hold_track(now, q, handle) for q in position]
-        clamps: list[Callable[[float], float]] = [
-            float if joint.type is JointType.CONTINUOUS else joint.limits.clamp
-            for joint in self.spec.joint_models
-        ]
-        return [
-            stop_track(now, sample_track(track, now), duration, clamp, handle)
-            for track, clamp in zip(self._playback.tracks, clamps, strict=True)
-        ]
+        measured = self._pick(self._state.position)
+        return stopping_tracks(self.spec, self._playback.tracks, measured, now, handle)
 
     def _play(self, tracks: list[Track], time: float) -> None:
         self._playback = Playback(tracks, time)
@@ -321,31 +278,3 @@ class JointTrajectoryController:
                 time_from_start=piece.time_from_start - since,
             ),
         )
-
-
-def _motions_of(
-    points: Sequence[TrajectoryPoint], column: int, start: float
-) -> list[tuple[float, Motion]]:
-    """Return absolute times and motions of one of the points' joints."""
-    return [
-        (
-            start + point.time_from_start,
-            Motion(
-                point.positions[column],
-                point.velocities[column] if point.velocities else None,
-                point.accelerations[column] if point.accelerations else None,
-            ),
-        )
-        for point in points
-    ]
-
-
-def _unwrap(
-    motions: list[tuple[float, Motion]], previous: float
-) -> list[tuple[float, Motion]]:
-    """Turn all motions by the same whole turns, so that the first is the nearest."""
-    offset = wrap_offset(previous, motions[0][1].position)
-    return [
-        (time, motion._replace(position=motion.position + offset))
-        for time, motion in motions
-    ]

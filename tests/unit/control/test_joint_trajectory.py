@@ -204,6 +204,19 @@ def test_a_first_point_at_the_start_is_dropped_without_a_word(caplog) -> None:
     assert not caplog.text
 
 
+def test_a_point_at_the_start_of_a_future_goal_is_no_jump() -> None:
+    robot, controller = position_arm()
+    first = Point([1, 1, 1], time_from_start=0.0)
+    last = Point([2, 2, 2], time_from_start=1.0)
+    controller.follow(goal(first, last, stamp=0.5), 0.0)
+    assert desired(controller, 0.5) == (0.0, 0.0, 0.0)
+    assert desired(controller, 1.0) == pytest.approx((1.0, 1.0, 1.0))
+    with pytest.raises(GoalRejectedError, match="Dropping all 1"):
+        controller.follow(goal(first, stamp=0.5), 0.0)
+    robot.run(1.501)
+    assert robot.position[1:] == [2.0, 2.0, 2.0]
+
+
 def test_a_topic_command_preempts_and_checks_no_tolerance() -> None:
     robot, controller = arm()
     handle = controller.follow(goal(Point([1, 1, 1], time_from_start=1.0)), 0.0)
