@@ -222,6 +222,9 @@ class Transmission:
     mechanical_reduction: float = 1.0
     rotor_inertia: float = 0.0
     """Inertia of the motor's rotor, at the motor [kg·m²]."""
+    gravity_compensation: bool = False
+    """Whether the drive itself carries the weight of what it moves, so that effort is
+    what is applied beyond it.  True of drives too firmly geared for it to matter."""
 
     @property
     def armature(self) -> float:

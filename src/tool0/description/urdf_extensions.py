@@ -13,6 +13,7 @@ from xml.dom.minidom import Element
 
 from tool0.description.attributes import (
     child_number,
+    choice,
     number,
     only_child,
     positive,
@@ -31,6 +32,7 @@ from tool0.description.xml_source import children, locate
 from tool0.errors import DescriptionError, LimitsError, ModelError, nearest_name
 
 _PREFIX = "hardware_interface/"
+_BOOLEANS = ("true", "false")
 
 
 def read_transmissions(
@@ -62,7 +64,11 @@ def _read_transmission(element: Element) -> Transmission:
     joint = required_child(element, "joint")
     actuator = only_child(element, "actuator")
     reduction = inertia = None
+    carries_weight = False
     if actuator is not None:
+        flag = only_child(actuator, "gravityCompensation")
+        if flag is not None:
+            carries_weight = choice(text_of(flag), _BOOLEANS, flag, "boolean") == "true"
         reduction = child_number(actuator, "mechanicalReduction")
         inertia = child_number(actuator, "rotorInertia")
     if reduction == 0 or (inertia is not None and not inertia >= 0):
@@ -77,6 +83,7 @@ def _read_transmission(element: Element) -> Transmission:
         interface=_read_interface(element, joint, actuator),
         mechanical_reduction=1.0 if reduction is None else reduction,
         rotor_inertia=0.0 if inertia is None else inertia,
+        gravity_compensation=carries_weight,
     )
 
 
