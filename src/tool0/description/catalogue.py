@@ -6,6 +6,7 @@ What there is follows from the folders in ``tool0_description/config``: an arm h
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 NO_GRIPPER = "none"
 MESHES = ("tool0", "upstream")
+
+_PREFIX = re.compile(r"\w*")
 
 Argument = str | bool | int | float | Path | tuple[float, ...] | list[float] | None
 
@@ -82,6 +85,11 @@ def assemble(
     gripper = gripper or NO_GRIPPER
     _check("arm", arm, arms())
     _check("gripper", gripper, (*grippers(), NO_GRIPPER))
+    if not _PREFIX.fullmatch(prefix):
+        raise DescriptionError(
+            f"the prefix '{prefix}' has characters that no name may have; "
+            "use letters, digits and underscores, such as left_"
+        )
     _check("meshes", str(args.get("meshes") or MESHES[0]), MESHES)
     path = _package() / "urdf" / "ur_robotiq.urdf.xacro"
     given = {

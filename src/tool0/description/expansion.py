@@ -22,6 +22,7 @@ from typing import Any, final
 from xml.dom.minidom import Document, Node
 
 from tool0.description.packages import find_package
+from tool0.description.parameters import load_parameters
 from tool0.description.xml_source import locate, parse_file
 from tool0.errors import DescriptionError, SourceLocation, nearest_name
 
@@ -134,24 +135,12 @@ class _Run:
 
     def load_yaml(self, filename: str) -> Any:  # what YAML holds is any's guess
         """Stand in for ``xacro.load_yaml``, with the C loader where there is one."""
-        import yaml
-
-        path = Path(self._xacro.abs_filename_spec(str(filename)))
-        try:
-            with path.open(encoding="utf-8") as stream:
-                data = yaml.load(stream, _yaml_loader(self._xacro))
-        except OSError as error:
-            raise DescriptionError(
-                f"cannot read the parameters '{path}': {error.strerror}; check the path"
-            ) from error
-        except yaml.YAMLError as error:
-            mark = getattr(error, "problem_mark", None)
-            line = None if mark is None else mark.line + 1
-            problem = getattr(error, "problem", None) or error
-            raise DescriptionError(
-                f"not valid YAML: {problem}", SourceLocation(path, line)
-            ) from error
-        return self._xacro.YamlListWrapper.wrap(data)
+        units = {
+            unit.value.tag: unit.constructor for unit in self._xacro.ConstructUnits
+        }
+        return load_parameters(
+            Path(self._xacro.abs_filename_spec(str(filename))), units
+        )
 
 
 def _environment(name: str) -> str:
@@ -162,18 +151,6 @@ def _environment(name: str) -> str:
             f"the environment variable '{name}' is not set; "
             f"set it, or write $(optenv {name} DEFAULT)"
         ) from None
-
-
-@functools.cache
-def _yaml_loader(xacro: ModuleType) -> Any:  # a class that exists only at run time
-    """Return a safe YAML loader that knows xacro's units, such as ``!degrees``."""
-    import yaml
-
-    base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    loader = type("Loader", (base,), {})
-    for unit in xacro.ConstructUnits:
-        loader.add_constructor(unit.value.tag, unit.constructor)  # type: ignore[attr-defined]
-    return loader
 
 
 @contextmanager

@@ -336,6 +336,7 @@ def test_another_arm_is_only_yaml() -> None:
         ({"arm": "ur55"}, "unknown arm 'ur55'; did you mean 'ur5'.*there are: .*ur5"),
         ({"arm": "kuka"}, "unknown arm 'kuka'; valid: .*ur5"),
         ({"gripper": "2f140x"}, "unknown gripper '2f140x'.*2f85"),
+        ({"prefix": "left arm"}, "the prefix 'left arm' has characters"),
         ({"meshes": "fancy"}, "unknown meshes 'fancy'; valid: tool0, upstream"),
         ({"saftey_limits": True}, "'saftey_limits'; did you mean 'safety_limits'"),
         ({"kinematics_params": "no.yaml"}, "cannot read the parameters '.*no.yaml'"),
@@ -365,8 +366,15 @@ def test_wrong_parameters_of_a_person_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ModelError, match="link 'forearm_link' has mass -1 kg"):
         assemble(physical_params=light)
     typo = edited(tmp_path, masses, "forearm_mass", "forarm_mass")
-    with pytest.raises(DescriptionError, match="no key 'forearm_mass'"):
+    with pytest.raises(
+        DescriptionError,
+        match=r"'inertia_parameters' in .*has no key 'forearm_mass'; did you mean",
+    ):
         assemble(physical_params=typo)
+    empty = tmp_path / "empty.yaml"
+    empty.write_text("# nothing yet")
+    with pytest.raises(DescriptionError, match=r"empty.yaml: holds no parameters"):
+        assemble(joint_limit_params=empty)
     turned = edited(tmp_path, limits, "max_position: 0.8,", "max_position: -0.8,")
     with pytest.raises(LimitsError, match="joint 'finger_joint': lower limit 0"):
         assemble(gripper_joint_limit_params=turned)
