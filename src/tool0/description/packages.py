@@ -42,15 +42,6 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
     )
 
 
-def has_package(name: str) -> bool:
-    """Return whether ``find_package`` would find ``name``."""
-    try:
-        find_package(name)
-    except DescriptionError:
-        return False
-    return True
-
-
 def search_path() -> tuple[Path, ...]:
     """Return the entries of ``ROS_PACKAGE_PATH`` that exist."""
     entries = os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)

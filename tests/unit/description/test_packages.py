@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from tool0.description.packages import find_package, has_package, resolve_uri
+from tool0.description.packages import find_package, resolve_uri
 from tool0.errors import DescriptionError, SourceLocation
 
 
@@ -30,7 +30,8 @@ def test_finds_packages_at_and_below_each_entry_by_their_name_not_their_folder(
     monkeypatch.setenv("ROS_PACKAGE_PATH", os.pathsep.join(map(str, entries)))
     assert find_package("alone") == itself
     assert find_package("deep_one") == deep
-    assert not has_package("folder")
+    with pytest.raises(DescriptionError, match="no ROS package 'folder'"):
+        find_package("folder")
 
 
 def test_bundled_packages_come_first(
@@ -47,7 +48,8 @@ def test_folders_marked_to_be_ignored_are_ignored(
     make_package(tmp_path / "old" / "p", "shadow")
     (tmp_path / "old" / "CATKIN_IGNORE").touch()
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
-    assert not has_package("shadow")
+    with pytest.raises(DescriptionError, match="no ROS package 'shadow'"):
+        find_package("shadow")
 
 
 def test_a_missing_package_says_where_it_was_sought_and_what_to_do(
