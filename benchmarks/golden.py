@@ -61,6 +61,7 @@ def compare(name: str) -> Comparison:
         realtime=False,
         physical_params=DATA / "ur5_physical_parameters.yaml",
         gripper_params=DATA / "2f85_physical_parameters.yaml",
+        gripper_joint_limit_params=DATA / "2f85_joint_limits.yaml",
         controllers_file=DATA.parent / "controllers" / "ur5_controllers.yaml",
         initial_pose={**start, "finger_joint": script["start_gripper"]},
     ) as robot:

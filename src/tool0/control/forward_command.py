@@ -16,7 +16,7 @@ from tool0.control.parameters import (
     read_gains,
     single_joint,
 )
-from tool0.control.pick import picker
+from tool0.hardware.pick import picker
 from tool0.control.pid import Gains
 from tool0.description.model import Interface, Joint
 from tool0.errors import ControlError

@@ -12,7 +12,7 @@ from tool0.control.controller import Controller, ControllerSpec
 from tool0.control.controller_types import TYPES
 from tool0.control.hardware_port import HardwarePort
 from tool0.control.parameters import Robot
-from tool0.control.pick import as_slice
+from tool0.hardware.pick import as_slice
 from tool0.description.model import Joint
 from tool0.errors import ClaimError, ControlError, GoalRejectedError, nearest_name
 from tool0.hardware.joint_state import JointState
@@ -80,6 +80,7 @@ class ControllerManager:
         self._robot = Robot(joints, hardware.interfaces)
         self._loaded: dict[str, _Loaded] = {}
         self._updates: list[tuple[Controller, slice | None, tuple[int, ...]]] = []
+        self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
 
@@ -101,6 +102,7 @@ class ControllerManager:
             if item.controller is not None
             for claims in [item.indices if item.claims else ()]
         ]
+        self._statuses = tuple(map(self.status, self._loaded))
 
     # ---- loading ------------------------------------------------------------------
 
@@ -118,6 +120,7 @@ class ControllerManager:
         spec = self._config.spec(name, self._robot)
         indices = tuple(self._hardware.index[joint] for joint in spec.joints)
         self._loaded[name] = _Loaded(spec, indices)
+        self._refresh()
 
     def unload(self, name: str) -> None:
         """Forget a controller that is not running."""
@@ -127,6 +130,7 @@ class ControllerManager:
                 "stop it first"
             )
         del self._loaded[name]
+        self._refresh()
 
     # ---- switching ----------------------------------------------------------------
 
@@ -285,7 +289,7 @@ class ControllerManager:
 
     def list(self) -> tuple[ControllerStatus, ...]:
         """Return every loaded controller, in load order."""
-        return tuple(map(self.status, self._loaded))
+        return self._statuses
 
     def spec(self, name: str) -> ControllerSpec:
         """Return the parameters of a loaded controller."""

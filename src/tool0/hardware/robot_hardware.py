@@ -16,9 +16,9 @@ from tool0.hardware.joint_state import JointState
 from tool0.hardware.limits import DriveLimits, EffortLimiter
 from tool0.hardware.servo import Brake, PositionServo, Servo, VelocityServo
 
-INERTIA_PERIOD = 64
-"""Steps after which the servos' gains follow the arm's pose: within 64 ms the fastest
-joint of an arm turns 0.2 rad."""
+POSE_PERIOD = 64
+"""Steps after which what hangs on the pose alone and need not be exact is renewed: the
+servos' gains, and the weight of fingers.  In 64 ms the fastest wrist turns 0.2 rad."""
 
 
 @final
@@ -83,6 +83,13 @@ class RobotHardware:
         self._steps = 0
         self._inertia: list[float] = []
         self._servos: dict[int, Servo] = {}
+        self._carrying = [
+            self.index[name]
+            for name, interface in self.interfaces.items()
+            if interface is Interface.EFFORT
+            and model.transmission_by_joint[name].gravity_compensation
+        ]
+        self._weights: list[tuple[int, float]] = []
         self._claimed: set[str] = set()
         for name in self.interfaces:
             self._engage(name, 0.0)
@@ -130,8 +137,11 @@ class RobotHardware:
     def efforts(self, state: JointState) -> list[float]:
         """Return what the drives apply during the next step [N·m | N]."""
         effort = self.command.copy()
+        if self._carrying:
+            self._carry(effort, state)
         if self._servos:
             self._serve(effort, state)
+        self._steps += 1
         self._limiter.saturate(effort, state.position, state.velocity)
         return effort
 
@@ -139,7 +149,7 @@ class RobotHardware:
         """Put the joint into the hands that its claim and its interface call for."""
         i, interface = self.index[name], self.interfaces[name]
         self._servos.pop(i, None)
-        self._inertia = []
+        self._inertia, self._weights = [], []
         if name not in self._claimed or self._is_stopped:
             self._servos[i] = Brake()
         elif interface is Interface.POSITION:
@@ -149,19 +159,32 @@ class RobotHardware:
         elif interface is Interface.VELOCITY:
             self._servos[i] = VelocityServo(self.limits[name], self._soft[name])
 
-    def _serve(self, effort: list[float], state: JointState) -> None:
+    def _carry(self, effort: list[float], state: JointState) -> None:
+        """Add the weight to the efforts of the drives that carry it themselves."""
+        if not self._weights or self._steps % POSE_PERIOD == 0:
+            gravity = self._gravity(state)
+            self._weights = [(i, gravity[i]) for i in self._carrying]
+        for i, weight in self._weights:
+            effort[i] += weight
+
+    def _gravity(self, state: JointState) -> list[float]:
+        """Return the effort that balances gravity [N·m | N], shape (n_joints,)."""
         position = [state.position[i] for i in self._to_model]
-        if not self._inertia or self._steps % INERTIA_PERIOD == 0:
-            inertia = self._dynamics.inertia(position)
-            self._inertia = [0.0] * len(effort)
-            for i, value in zip(self._to_model, inertia, strict=True):
-                self._inertia[i] = value
-        self._steps += 1
-        gravity = self._dynamics.gravity_effort(position)
-        for i, load in zip(self._to_model, gravity, strict=True):
-            servo = self._servos.get(i)
-            if servo is not None:
-                wanted = servo.acceleration(
-                    self.command[i], state.position[i], state.velocity[i], self._dt
-                )
-                effort[i] = load + self._inertia[i] * wanted
+        return self._in_engine_order(self._dynamics.gravity_effort(position))
+
+    def _in_engine_order(self, values: list[float]) -> list[float]:
+        ordered = [0.0] * len(values)
+        for i, value in zip(self._to_model, values, strict=True):
+            ordered[i] = value
+        return ordered
+
+    def _serve(self, effort: list[float], state: JointState) -> None:
+        if not self._inertia or self._steps % POSE_PERIOD == 0:
+            position = [state.position[i] for i in self._to_model]
+            self._inertia = self._in_engine_order(self._dynamics.inertia(position))
+        gravity = self._gravity(state)
+        for i, servo in self._servos.items():
+            wanted = servo.acceleration(
+                self.command[i], state.position[i], state.velocity[i], self._dt
+            )
+            effort[i] = gravity[i] + self._inertia[i] * wanted

@@ -53,6 +53,7 @@ def bringup(
     physical_params: Path | str | None = None,
     visual_params: Path | str | None = None,
     gripper_params: Path | str | None = None,
+    gripper_joint_limit_params: Path | str | None = None,
     transmission_hw_interface: str | None = None,
     safety_limits: bool | None = None,
     safety_pos_margin: float | None = None,
@@ -62,6 +63,7 @@ def bringup(
     mount_rpy: Sequence[float] | None = None,
     meshes: str | None = None,
     engine: str = "mujoco",
+    spawn_z: float = 0.1,
     dt: float = 0.001,
     control_period: float | None = None,
     controllers_file: Path | str | Sequence[Path | str] | None = None,
@@ -85,6 +87,7 @@ def bringup(
         physical_params: YAML that replaces the arm's masses and inertias.
         visual_params: YAML that replaces the arm's shapes.
         gripper_params: YAML that replaces the gripper's masses and drive.
+        gripper_joint_limit_params: YAML that replaces the gripper's joint limits.
         transmission_hw_interface: ``hardware_interface/…JointInterface`` of all joints.
         safety_limits: Whether the arm's joints get soft limits.
         safety_pos_margin: Distance of the soft limits from the hard ones [rad].
@@ -94,6 +97,8 @@ def bringup(
         mount_rpy: How it is turned there [rad].
         meshes: "tool0" for ours, "upstream" for those of ur_description.
         engine: The physics: "mujoco".
+        spawn_z: Height of the robot's root above the ground [m], as in the launch
+            files of ur_gazebo: the outstretched arm must clear the ground.
         dt: Length of a physics step [s].
         control_period: Time between controller updates [s]; ``dt`` if left out.
         controllers_file: ros_control YAML, one or several; later ones override.
@@ -122,6 +127,7 @@ def bringup(
             physical_params=_path(physical_params),
             visual_params=_path(visual_params),
             gripper_params=_path(gripper_params),
+            gripper_joint_limit_params=_path(gripper_joint_limit_params),
             transmission_hw_interface=transmission_hw_interface,
             safety_limits=safety_limits,
             safety_pos_margin=safety_pos_margin,
@@ -137,7 +143,7 @@ def bringup(
     config = _controller_config(description, controllers_file)
     started, stopped = _controller_names(config, controllers, stopped_controllers)
     position = _initial_position(description, initial_pose)
-    physics = _engine(engine, model, dt)
+    physics = _engine(engine, model, dt, spawn_z)
     try:
         core = _core(model, physics, config, position, control_period)
         for name in (*started, *stopped):
@@ -220,13 +226,13 @@ def _initial_position(
     )
 
 
-def _engine(name: str, model: RobotModel, dt: float) -> Engine:
+def _engine(name: str, model: RobotModel, dt: float, spawn_z: float) -> Engine:
     if name not in ENGINES:
         hint = nearest_name(name, set(ENGINES))
         raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
     from tool0.engines.mujoco.engine import MujocoEngine
 
-    return MujocoEngine(model, dt)
+    return MujocoEngine(model, dt, ground=-spawn_z)
 
 
 def _core(

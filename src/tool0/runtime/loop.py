@@ -182,16 +182,17 @@ class Loop:
 
     def _cycle(self) -> None:
         """Drain, tick, publish."""
-        if not self._mailbox.is_empty:
+        core = self._core
+        if self._mailbox:
             self._drain()
         try:
-            self._core.tick()
+            core.tick()
         except Exception as error:  # a bug in a controller must not lose the robot
             if not isinstance(error, EngineError):
                 logger.exception("the control tick failed")
             self._stand_still(error)
         self.steps += 1
-        if self._core.ticks % self._snapshot_ticks == 0:
+        if core.ticks % self._snapshot_ticks == 0:
             self._publish()
 
     def _stand_still(self, error: Exception) -> None:

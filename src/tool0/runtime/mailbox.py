@@ -33,6 +33,6 @@ class Mailbox:
         except queue.Empty:
             return None
 
-    @property
-    def is_empty(self) -> bool:
-        return self._queue.empty()
+    def __bool__(self) -> bool:
+        """Return whether there is a letter."""
+        return not self._queue.empty()

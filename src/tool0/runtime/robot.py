@@ -1,4 +1,4 @@
-"""The facade that every edge uses: the robot, its controllers, its gripper, its time."""
+"""The facade that every edge uses: a robot with controllers, gripper and time."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ class Robot:
 
     def run(self, duration: float) -> None:
         """Let ``duration`` simulated seconds pass."""
-        if not 0.0 <= duration:
+        if not duration >= 0.0:
             raise ControlError(f"duration must be at least 0 s, got {duration}")
         self._loop.run(duration)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import struct
 from collections.abc import Sequence
@@ -14,6 +15,12 @@ from tool0.description.model import RobotModel
 from tool0.engines.mujoco.model import build_spec
 from tool0.errors import DivergenceError, ModelError
 from tool0.hardware.joint_state import JointState
+from tool0.hardware.pick import picker
+
+logger = logging.getLogger(__name__)
+
+DEEP = 0.002
+"""Overlap of two shapes that is worth a warning [m]."""
 
 
 @final
@@ -22,8 +29,17 @@ class MujocoEngine:
 
     name = "mujoco"
 
-    def __init__(self, model: RobotModel, dt: float = 0.001) -> None:
-        spec = build_spec(model, dt=dt)
+    def __init__(
+        self, model: RobotModel, dt: float = 0.001, ground: float | None = 0.0
+    ) -> None:
+        """Compile the robot.
+
+        Args:
+            model: The robot.
+            dt: Length of a step [s].
+            ground: Height of the ground [m], in the robot's root; None for none.
+        """
+        spec = build_spec(model, dt=dt, ground=ground)
         try:
             self.model = spec.compile()
         except ValueError as error:
@@ -43,10 +59,12 @@ class MujocoEngine:
         # Packing plain floats costs a third of what assigning to the array does.
         self._ctrl = memoryview(self.data.ctrl)
         self._pack = struct.Struct(f"{self.model.nu}d").pack_into
-        self._motors = [
-            self._joint_names.index(self.model.actuator(i).name)
-            for i in range(self.model.nu)
-        ]
+        self._motors = picker(
+            [
+                self._joint_names.index(self.model.actuator(i).name)
+                for i in range(self.model.nu)
+            ]
+        )
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -62,6 +80,7 @@ class MujocoEngine:
         self._position[:] = position
         self._effort = [0.0] * len(self._joint_names)
         self._steps = 0
+        self._warn_of_overlaps()
 
     def read(self) -> JointState:
         """Return the measured state, or raise DivergenceError."""
@@ -73,8 +92,8 @@ class MujocoEngine:
 
     def write(self, effort: Sequence[float]) -> None:
         """Hold ``effort`` [N·m | N] until the next call."""
-        self._effort = list(effort)
-        self._pack(self._ctrl, 0, *[effort[i] for i in self._motors])
+        self._effort = held = list(effort)
+        self._pack(self._ctrl, 0, *self._motors(held))
 
     def step(self) -> None:
         """Advance simulated time by ``dt``."""
@@ -83,6 +102,20 @@ class MujocoEngine:
 
     def close(self) -> None:
         """Nothing to end: MuJoCo lives inside the process."""
+
+    def _warn_of_overlaps(self) -> None:
+        """Tell which shapes the pose puts into each other: they will be flung apart."""
+        mujoco.mj_forward(self.model, self.data)
+        for i in range(self.data.ncon):
+            contact = self.data.contact[i]
+            if contact.dist < -DEEP:
+                first, second = (self.model.geom(int(g)).name for g in contact.geom)
+                logger.warning(
+                    "the pose puts '%s' %.1f mm into '%s'; expect it to be pushed out",
+                    first.partition("/")[0],
+                    -1000.0 * contact.dist,
+                    second.partition("/")[0],
+                )
 
     def _first_not_finite(self) -> str:
         finite = np.isfinite(self._position) & np.isfinite(self._velocity)

@@ -52,7 +52,7 @@ _VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
 
 
 def build_spec(
-    model: RobotModel, *, dt: float, visuals: bool = False, ground: bool = True
+    model: RobotModel, *, dt: float, visuals: bool = False, ground: float | None = 0.0
 ) -> Any:  # MjSpec carries no types
     """Return a ``mujoco.MjSpec`` of the robot.
 
@@ -60,7 +60,7 @@ def build_spec(
         model: The robot.
         dt: Length of a step [s].
         visuals: Whether to add the visual meshes, which physics does not need.
-        ground: Whether to lay a plane at z = 0.
+        ground: Height of the ground plane [m], in the robot's root; None for none.
 
     Raises:
         ModelError: If MuJoCo cannot have such a robot.
@@ -75,9 +75,10 @@ def build_spec(
     spec.option.impratio = IMPRATIO
     # A diverged state must be reported, not silently reset.
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
-    if ground:
+    if ground is not None:
         spec.worldbody.add_geom(
             name="ground",
+            pos=[0.0, 0.0, ground],
             type=mujoco.mjtGeom.mjGEOM_PLANE,
             size=[0.0, 0.0, 0.05],
             rgba=[0.85, 0.86, 0.88, 1.0],
@@ -96,9 +97,9 @@ def build_spec(
     return spec
 
 
-def to_mjcf(model: RobotModel, *, dt: float = 0.001) -> str:
+def to_mjcf(model: RobotModel, *, dt: float = 0.001, ground: float = 0.0) -> str:
     """Return the robot as MJCF, with its visual meshes by absolute path."""
-    spec = build_spec(model, dt=dt, visuals=True)
+    spec = build_spec(model, dt=dt, visuals=True, ground=ground)
     spec.compile()
     return str(spec.to_xml())
 
