@@ -22,7 +22,7 @@ def greeting(robot: Robot, simulation: SimulationOptions) -> str:
     pace = "real time" if simulation.realtime else "as fast as possible"
     n_joints = len(description.model.transmissions)
     lines = [
-        f"{name} is up in {robot.engine_name}: {n_joints} driven joints, {pace}"
+        f"{name} is up in {robot.engine.name}: {n_joints} driven joints, {pace}"
         f"{', paused' if simulation.paused else ''}",
         *columns(
             [(f"  {row.name}", row.state, row.type) for row in robot.controllers()]

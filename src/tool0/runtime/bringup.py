@@ -158,7 +158,7 @@ def bringup(
         raise
     return Robot(
         description=description,
-        engine_name=engine,
+        engine=physics,
         loop=loop,
         bus=bus,
         warnings=_warnings(config, model),

@@ -13,6 +13,7 @@ from tool0.control.yaml_tree import ConfigWarning
 from tool0.description.catalogue import RobotDescription
 from tool0.description.kinematics import Transform, link_pose
 from tool0.errors import ControlError, nearest_name
+from tool0.hardware.engine import Engine
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Bus, Snapshot, Subscription
 from tool0.runtime.gripper import Gripper
@@ -44,13 +45,14 @@ class Robot:
         self,
         *,
         description: RobotDescription,
-        engine_name: str,
+        engine: Engine,
         loop: Loop,
         bus: Bus,
         warnings: Sequence[ConfigWarning] = (),
     ) -> None:
         self.description = description
-        self.engine_name = engine_name
+        self.engine = engine
+        """The physics itself, for scripts; touch it only between runs."""
         self.warnings = tuple(warnings)
         """What the controllers' YAML says that nothing reads."""
         self._loop = loop

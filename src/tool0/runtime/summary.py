@@ -21,7 +21,7 @@ def summarize(robot: Robot, loop: Loop, *, wall_time: float) -> dict[str, object
     snapshot = robot.snapshot
     sim_time = loop.steps * loop.control_period
     return {
-        "engine": robot.engine_name,
+        "engine": robot.engine.name,
         "sim_time": sim_time,
         "wall_time": wall_time,
         "real_time_factor": sim_time / wall_time,

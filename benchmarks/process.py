@@ -1,0 +1,51 @@
+"""What it costs to start: time against ``import mujoco`` alone, and memory."""
+
+from __future__ import annotations
+
+import os
+import statistics
+import sys
+import time
+from dataclasses import dataclass
+from subprocess import DEVNULL, Popen
+
+ROUNDS = 9
+BRINGUP = [
+    *(sys.executable, "-m", "tool0", "bringup", "--headless", "--duration", "0"),
+    *("--no-realtime", "--summary", "none", "--name", "benchmark"),
+]
+IMPORT = [sys.executable, "-c", "import mujoco"]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """One process, from its start to its end."""
+
+    seconds: float
+    megabytes: float
+    """Largest resident memory."""
+
+
+def cost(command: list[str]) -> Cost:
+    """Run ``command`` to its end."""
+    start = time.perf_counter()
+    with Popen(command, stdout=DEVNULL) as process:
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        raise RuntimeError(f"{' '.join(command)} ended with {process.returncode}")
+    return Cost(time.perf_counter() - start, usage.ru_maxrss / 1024)
+
+
+def start_ratio() -> float:
+    """Return bring-up to all controllers running, and out ÷ ``import mujoco``."""
+    cost(BRINGUP)  # byte-compiles
+    pairs = [(cost(BRINGUP), cost(IMPORT)) for _ in range(ROUNDS)]
+    return statistics.median(ours.seconds / bare.seconds for ours, bare in pairs)
+
+
+def memory() -> float:
+    """Return the resident memory of a headless run of ten seconds [MB]."""
+    command = [*BRINGUP]
+    command[command.index("0")] = "10"
+    return cost(command).megabytes

@@ -1,0 +1,68 @@
+"""Run every benchmark and print it beside what it must reach: ``make bench``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+
+from benchmarks import golden, process, rest, tick
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One measured number, with its bound and its aim."""
+
+    name: str
+    value: float
+    bound: float
+    aim: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the bound is kept; whether more or less is better tells the aim."""
+        if self.aim >= self.bound:
+            return self.value >= self.bound
+        return self.value <= self.bound
+
+    def __str__(self) -> str:
+        verdict = "ok" if self.holds else "MISSED"
+        numbers = f"{self.value:>10.3g} {self.bound:>10.3g} {self.aim:>10.3g}"
+        return f"{self.name:<58} {numbers}  {verdict}"
+
+
+def figures() -> Iterator[Figure]:
+    """Measure one after the other."""
+    yield Figure(
+        "steps/s ÷ raw mj_step, holding", tick.speed_ratio(moving=False), 0.45, 0.75
+    )
+    yield Figure(
+        "steps/s ÷ raw mj_step, moving", tick.speed_ratio(moving=True), 0.45, 0.75
+    )
+    for name in golden.SCENARIOS:
+        worst = golden.compare(name).worst
+        yield Figure(f"difference from {name} [mrad]", 1e3 * worst, 10.0, 3.0)
+    yield Figure(
+        "start to end of a bring-up ÷ import mujoco", process.start_ratio(), 3.0, 2.0
+    )
+    yield Figure("resident memory, headless [MB]", process.memory(), 220.0, 150.0)
+    for name, opening in rest.OPENINGS.items():
+        velocity = rest.rms_velocity(opening)
+        yield Figure(f"gripper at rest, {name}: rms [rad/s]", velocity, 1e-4, 1e-6)
+
+
+def main() -> int:
+    """Print a table; return 1 if a bound was missed."""
+    print(f"{'figure':<58} {'measured':>10} {'bound':>10} {'aim':>10}")
+    missed = 0
+    for figure in figures():
+        print(figure, flush=True)
+        missed += not figure.holds
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
