@@ -76,11 +76,11 @@ class EngineUnavailableError(EngineError):
 
 
 class DivergenceError(EngineError):
-    """The physics state is no longer finite."""
+    """The physics state, or what drives it, is no longer finite."""
 
-    def __init__(self, joint: str, time: float) -> None:
+    def __init__(self, joint: str, time: float, quantity: str = "state") -> None:
         super().__init__(
-            f"the state of joint '{joint}' is not finite at t = {time:.3f} s; "
+            f"the {quantity} of joint '{joint}' is not finite at t = {time:.3f} s; "
             "reset the simulation, and look for efforts or contacts without bound"
         )
         self.joint = joint

@@ -37,7 +37,11 @@ class Engine(Protocol):
         """
 
     def write(self, effort: Sequence[float]) -> None:
-        """Hold ``effort`` [N·m | N] until the next call."""
+        """Hold ``effort`` [N·m | N] until the next call.
+
+        Raises:
+            DivergenceError: If it is not finite.
+        """
 
     def step(self) -> None:
         """Advance simulated time by ``dt``."""

@@ -101,6 +101,7 @@ class RobotHardware:
 
     def restart(self, state: JointState) -> None:
         """Forget what servos and brakes learnt, and hold ``state`` from now on."""
+        self._steps = 0
         for name, interface in self.interfaces.items():
             i = self.index[name]
             if interface is Interface.POSITION:

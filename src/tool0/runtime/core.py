@@ -51,15 +51,9 @@ class Core:
         self.manager = manager
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
-        self._steps_per_tick = round(self.control_period / engine.dt)
-        if not math.isclose(
-            self._steps_per_tick * engine.dt, self.control_period, rel_tol=1e-9
-        ):
-            raise ConfigError(
-                f"control period {self.control_period} s is no whole multiple of the "
-                f"engine's step {engine.dt} s"
-            )
+        self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
         self._initial = list(initial_position)
+        self._start = self._initial
         self._commanded: set[str] = set()
         self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
         engine.reset(self._initial)
@@ -94,23 +88,26 @@ class Core:
                     command.start, command.stop, command.strictness, self.state
                 )
             case ask.FollowTrajectory():
-                trajectory = self._drivable(
-                    command.controller, JointTrajectoryController
-                )
-                return self._watch(trajectory.follow(command.goal, self.time))
+                name = command.controller
+                trajectory = self._drivable(name, JointTrajectoryController)
+                goal = trajectory.follow(command.goal, self.time)
+                return self._watch(goal)
             case ask.CommandTrajectory():
-                trajectory = self._drivable(
-                    command.controller, JointTrajectoryController
-                )
+                name = command.controller
+                trajectory = self._drivable(name, JointTrajectoryController)
                 trajectory.command(command.goal, self.time)
+                self._note_commanded(name)
             case ask.CommandGripper():
-                gripper = self._drivable(command.controller, GripperActionController)
-                return self._watch(
-                    gripper.command(command.position, command.max_effort, self.time)
-                )
+                name = command.controller
+                gripper = self._drivable(name, GripperActionController)
+                position, effort = command.position, command.max_effort
+                return self._watch(gripper.command(position, effort, self.time))
             case ask.CommandJoints():
-                forward = self._drivable(command.controller, ForwardCommandController)
+                name = command.controller
+                forward = self._drivable(name, ForwardCommandController)
                 forward.command(command.values)
+                self.manager.release_brakes(name, self.state)
+                self._note_commanded(name)
             case ask.CancelGoal(goal):
                 self._cancel(goal)
             case ask.QueryState():
@@ -128,11 +125,11 @@ class Core:
         return None
 
     def drift(self) -> float:
-        """Return how far uncommanded joints are from the initial pose, at most.
+        """Return how far uncommanded joints are from where they started, at most.
 
         [rad | m]; 0 if every joint was commanded.
         """
-        position, initial = self.state.position, self._initial
+        position, initial = self.state.position, self._start
         index = self.hardware.index
         uncommanded = self.hardware.interfaces.keys() - self._commanded
         return max(
@@ -153,17 +150,19 @@ class Core:
         return controller
 
     def _drivable(self, name: str, kind: type[Any]) -> Any:
-        """Return a controller that may move joints now, and note that it does."""
+        """Return a controller that may move joints now."""
         if self.hardware.is_stopped:
             raise ControlError(
                 "the emergency stop is engaged; release it before moving the robot"
             )
-        controller = self._running(name, kind)
-        for _, joints in self.manager.status(name).claimed:
+        return self._running(name, kind)
+
+    def _note_commanded(self, controller: str) -> None:
+        for _, joints in self.manager.status(controller).claimed:
             self._commanded.update(joints)
-        return controller
 
     def _watch(self, goal: Goal) -> Goal:
+        self._note_commanded(goal.controller)
         self.when_goal_starts(goal)
         return goal
 
@@ -184,7 +183,7 @@ class Core:
 
     def _reset(self, position: Mapping[str, float]) -> None:
         start = joint_positions(self._model, position, self._initial)
-        self._initial = start
+        self._start = start
         self.engine.reset(start)
         self.ticks = 0
         self.state = self.engine.read()
@@ -197,3 +196,14 @@ class Core:
             return
         self.hardware.emergency_stop(engaged, self.state)
         self.manager.restart(self.state)
+
+
+def _whole_multiple(period: float, dt: float) -> int:
+    """Return how many steps of ``dt`` make ``period``, or raise ConfigError."""
+    if 0.0 < period < math.inf:
+        n_steps = round(period / dt)
+        if n_steps and math.isclose(n_steps * dt, period, rel_tol=1e-9):
+            return n_steps
+    raise ConfigError(
+        f"control period {period} s is no whole multiple of the engine's step {dt} s"
+    )

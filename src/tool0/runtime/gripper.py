@@ -71,8 +71,10 @@ class Gripper:
                 return controller.command_gripper(target, effort)
             if status.type.endswith("/JointTrajectoryController"):
                 points = self._plan(opening, self._speed(speed))
-                self._robot.cap_effort(joint, effort)
-                return controller.follow(points, joint_names=[joint])
+                _check_effort(effort)
+                goal = controller.follow(points, joint_names=[joint])
+                self._robot.cap_effort(joint, effort)  # not for a goal that is refused
+                return goal
         raise ControlError(
             f"no running controller drives '{joint}'; start a JointTrajectory"
             "Controller or a GripperActionController that claims it"
@@ -96,6 +98,7 @@ class Gripper:
         start = min(self.opening, self.geometry.max_opening)
         way = opening - start
         ramp = min(RAMP, abs(way) / 2.0)
+        speed *= math.sqrt(ramp / RAMP)  # a short way ends before full speed
         n_points = max(2, math.ceil(abs(way) / SPACING))
         points = []
         for k in range(1, n_points + 1):
@@ -105,6 +108,11 @@ class Gripper:
             qd = -math.copysign(rate, way) / self.geometry.lever(q)
             points.append(TrajectoryPoint([q], [qd], time_from_start=max(at, 1e-3 * k)))
         return points
+
+
+def _check_effort(effort: float | None) -> None:
+    if effort is not None and not 0.0 < effort < math.inf:
+        raise ControlError(f"effort must be above 0 and finite, got {effort}")
 
 
 def _ramped(done: float, way: float, ramp: float, speed: float) -> tuple[float, float]:

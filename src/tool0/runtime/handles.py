@@ -43,9 +43,10 @@ class GoalHandle:
         Raises:
             GoalTimeoutError: If the goal is still active then.
         """
+        if self._goal.result is not None:
+            return self._goal.result
         if self._loop.is_realtime:
-            self._goal.wait(timeout)
-            self._loop.check()
+            self._loop.wait_for(self._goal, timeout)
         else:
             self._loop.run(
                 float("inf") if timeout is None else timeout,

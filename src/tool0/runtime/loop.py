@@ -7,6 +7,7 @@ for life; otherwise the thread that asks for progress takes it for as long as it
 from __future__ import annotations
 
 import logging
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -63,7 +64,7 @@ class Loop:
         self._mailbox = mailbox
         self._bus = bus
         self._is_paused = paused
-        self._speed = speed
+        self._speed = None if speed is None else _checked_speed(speed)
         self._pacer = Pacer(core.control_period, speed or 1.0)
         self._meter = SpeedMeter()
         self._overruns_told = 0
@@ -146,6 +147,18 @@ class Loop:
                 self._owner.release()
         self.check()
 
+    def wait_for(self, goal: Goal, timeout: float | None) -> None:
+        """Wait until ``goal`` ends, at most ``timeout`` wall seconds, in real time.
+
+        Raises:
+            EngineError: If the physics failed: the goal would never end.
+        """
+        end = time.monotonic() + (math.inf if timeout is None else timeout)
+        while not goal.wait(min(_PATIENCE, max(0.0, end - time.monotonic()))):
+            self.check()
+            if not time.monotonic() < end:
+                return
+
     def close(self) -> None:
         """End the loop, and answer what is still in the mailbox; then the engine."""
         self._closing = True
@@ -153,8 +166,7 @@ class Loop:
         if self._thread is not None:
             self._thread.join()
         with self._owner:
-            while (letter := self._mailbox.take()) is not None:
-                letter[1].set_exception(ControlError("the simulation was closed"))
+            self._drain()
             self._core.manager.stop_all(self._core.state)
             self._core.engine.close()
 
@@ -176,15 +188,22 @@ class Loop:
                     self._answer(self._mailbox.take(timeout=_PATIENCE))
                     continue
                 if (wait := self._pacer.wait_time()) > 0.0:
-                    time.sleep(wait)
+                    self._answer(self._mailbox.take(timeout=min(wait, _PATIENCE)))
+                    continue
                 self._pacer.tick()
                 self._cycle()
 
     def _cycle(self) -> None:
-        """Drain, tick, publish."""
-        core = self._core
+        """Drain; then tick, unless a letter said to stand still."""
         if self._mailbox:
             self._drain()
+            if not self._is_running:
+                return
+        self._tick()
+
+    def _tick(self) -> None:
+        """Tick, and publish when it is time to."""
+        core = self._core
         try:
             core.tick()
         except Exception as error:  # a bug in a controller must not lose the robot
@@ -211,6 +230,9 @@ class Loop:
         command, future = letter
         if not future.set_running_or_notify_cancel():
             return
+        if self._closing:
+            future.set_exception(ControlError("the simulation was closed"))
+            return
         try:
             answer = self._apply(command)
         except Exception as error:  # the asker's affair, whatever it is
@@ -234,17 +256,19 @@ class Loop:
                 self._look_at_state()
                 self._restart_clock()
                 self._bus.announce(WasReset())
-            case _:
+            case ask.QueryState() | ask.ReadController():
                 return self._core.apply(command)
+            case _:
+                answer = self._core.apply(command)
+                self._publish()
+                return answer
         self._publish()
         return None
 
     def _set_speed(self, factor: float) -> None:
         if self._speed is None:
             raise ControlError("this simulation does not run in real time")
-        if not 0.0 < factor <= 1000.0:
-            raise ControlError(f"speed must be in (0, 1000], got {factor}")
-        self._speed = factor
+        self._speed = _checked_speed(factor)
         self._restart_clock()
 
     def _step(self, ticks: int) -> None:
@@ -254,8 +278,10 @@ class Loop:
             raise ControlError(f"ticks must be in 1 … 1000000, got {ticks}")
         self.check()
         for _ in range(ticks):
-            if self._fault is None:
-                self._cycle()
+            self._drain()
+            if self._closing or self._fault is not None:
+                break
+            self._tick()
         self.check()
 
     def _restart_clock(self) -> None:
@@ -295,3 +321,9 @@ class Loop:
             self._overruns_told = self._pacer.overruns
             self._bus.announce(Overran(count, self._core.time))
             logger.warning("%d ticks began late in the last second", count)
+
+
+def _checked_speed(factor: float) -> float:
+    if not 0.0 < factor <= 1000.0:
+        raise ControlError(f"speed must be in (0, 1000], got {factor}")
+    return factor

@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 
 from tool0.description.model import RobotModel
-from tool0.engines.mujoco.model import build_spec
-from tool0.errors import DivergenceError, ModelError
+from tool0.engines.mujoco.model import build_spec, compile_spec
+from tool0.errors import ConfigError, DivergenceError, ModelError
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.pick import picker
 
@@ -39,11 +39,11 @@ class MujocoEngine:
             dt: Length of a step [s].
             ground: Height of the ground [m], in the robot's root; None for none.
         """
-        spec = build_spec(model, dt=dt, ground=ground)
-        try:
-            self.model = spec.compile()
-        except ValueError as error:
-            raise ModelError(f"MuJoCo refuses the robot: {error}") from error
+        if not 0.0 < dt < math.inf:
+            raise ConfigError(f"the step must be above 0 s and finite, got {dt}")
+        if ground is not None and not math.isfinite(ground):
+            raise ConfigError(f"the height of the ground must be finite, got {ground}")
+        self.model = compile_spec(build_spec(model, dt=dt, ground=ground))
         self.data = mujoco.MjData(self.model)
         self._joint_names = tuple(joint.name for joint in model.movable_joints)
         self._dt = dt
@@ -91,8 +91,13 @@ class MujocoEngine:
         return JointState(time, position, velocity, self._effort)
 
     def write(self, effort: Sequence[float]) -> None:
-        """Hold ``effort`` [N·m | N] until the next call."""
-        self._effort = held = list(effort)
+        """Hold ``effort`` [N·m | N] until the next call, or raise DivergenceError."""
+        held = list(effort)
+        if not math.isfinite(sum(held)):  # MuJoCo would go limp, and only log it
+            worst = next((i for i, u in enumerate(held) if not math.isfinite(u)), 0)
+            name = self._joint_names[worst]
+            raise DivergenceError(name, self._steps * self._dt, "effort")
+        self._effort = held
         self._pack(self._ctrl, 0, *self._motors(held))
 
     def step(self) -> None:

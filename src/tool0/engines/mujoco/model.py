@@ -100,8 +100,16 @@ def build_spec(
 def to_mjcf(model: RobotModel, *, dt: float = 0.001, ground: float = 0.0) -> str:
     """Return the robot as MJCF, with its visual meshes by absolute path."""
     spec = build_spec(model, dt=dt, visuals=True, ground=ground)
-    spec.compile()
+    compile_spec(spec)
     return str(spec.to_xml())
+
+
+def compile_spec(spec: Any) -> Any:  # MjSpec and MjModel carry no types
+    """Return the ``mujoco.MjModel`` of ``spec``, or raise ModelError."""
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise ModelError(f"MuJoCo refuses the robot: {error}") from error
 
 
 def _add_body(
