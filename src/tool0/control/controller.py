@@ -42,6 +42,10 @@ class ControllerSpec(Protocol):
     def interface(self) -> Interface | None:
         """The command interface it claims; None if it only reads."""
 
+    @property
+    def waits_for_command(self) -> bool:
+        """Whether the brakes stay on from its start to its first command."""
+
     def start(self, indices: Sequence[int], state: JointState) -> Controller:
         """Return a running controller that holds the measured ``state``.
 

@@ -42,6 +42,11 @@ class ForwardCommandSpec:
         """The joints it claims."""
         return tuple(joint.name for joint in self.joint_models)
 
+    @property
+    def waits_for_command(self) -> bool:
+        """True for raw effort, whose first command, 0, would drop the arm."""
+        return self.interface is Interface.EFFORT and not self.gains
+
     def start(
         self, indices: Sequence[int], state: JointState
     ) -> ForwardCommandController:
@@ -53,7 +58,8 @@ class ForwardCommandSpec:
 class ForwardCommandController:
     """Pass commands on to the joints, or follow them with a PID per joint.
 
-    A fresh effort command is 0, as in ROS: the joints are limp until told otherwise.
+    ROS starts effort controllers with a command of 0, which drops the arm.  Here the
+    brakes hold until the first command comes; from then on effort is what was said.
     """
 
     def __init__(

@@ -46,6 +46,11 @@ class GripperActionSpec:
     """[Hz], for the edges."""
 
     @property
+    def waits_for_command(self) -> bool:
+        """It holds by itself."""
+        return False
+
+    @property
     def joints(self) -> tuple[str, ...]:
         """The joint it claims."""
         return (self.joint.name,)

@@ -39,6 +39,11 @@ class JointStateSpec:
     extra_joints: tuple[ExtraJoint, ...] = ()
 
     @property
+    def waits_for_command(self) -> bool:
+        """It holds by itself."""
+        return False
+
+    @property
     def interface(self) -> Interface | None:
         """No command interface: it only reads."""
         return None

@@ -51,6 +51,11 @@ class JointTrajectorySpec:
     """[Hz], for the edges that publish feedback."""
 
     @property
+    def waits_for_command(self) -> bool:
+        """It holds by itself."""
+        return False
+
+    @property
     def joints(self) -> tuple[str, ...]:
         """The joints it claims."""
         return tuple(joint.name for joint in self.joint_models)

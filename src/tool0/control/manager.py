@@ -49,6 +49,8 @@ class _Loaded:
         self.indices = indices
         self.controller: Controller | None = None
         self.state = "initialized"
+        self.is_waiting = False
+        """Whether the brakes hold its joints until its first command."""
 
     @property
     def claims(self) -> tuple[str, ...]:
@@ -170,8 +172,7 @@ class ControllerManager:
             item = self._loaded[name]
             item.controller = controller
             item.state = "running"
-            if item.claims:
-                self._hardware.claim(item.claims, state)
+            self._engage(item, state)
         self._refresh()
         return tuple(skipped)
 
@@ -233,8 +234,25 @@ class ControllerManager:
             item.state = "stopped"
             if controller is not None:
                 controller.stop()
-            if item.claims:
-                self._hardware.release(item.claims, state)
+            self._disengage(item, state)
+
+    def _engage(self, item: _Loaded, state: JointState) -> None:
+        """Hand a started controller its joints, unless it waits for a command."""
+        item.is_waiting = item.spec.waits_for_command
+        if item.claims and not item.is_waiting:
+            self._hardware.claim(item.claims, state)
+
+    def _disengage(self, item: _Loaded, state: JointState) -> None:
+        """Take a stopped controller's joints back."""
+        if item.claims and not item.is_waiting:
+            self._hardware.release(item.claims, state)
+
+    def release_brakes(self, name: str, state: JointState) -> None:
+        """Hand a running controller its joints: its first command has come."""
+        item = self._find(name)
+        if item.is_waiting and item.controller is not None:
+            item.is_waiting = False
+            self._hardware.claim(item.claims, state)
 
     def restart(self, state: JointState) -> None:
         """Stop every running controller and start it anew, holding ``state``.
@@ -247,9 +265,8 @@ class ControllerManager:
             old = item.controller
             item.controller = item.spec.start(item.indices, state)
             old.stop()
-            if item.claims:
-                self._hardware.release(item.claims, state)
-                self._hardware.claim(item.claims, state)
+            self._disengage(item, state)
+            self._engage(item, state)
         self._refresh()
 
     def stop_all(self, state: JointState) -> None:

@@ -33,6 +33,11 @@ def switch(robot: ToyRobot, start=(), stop=(), strictness=STRICT):
     return robot.manager.switch(start, stop, strictness, robot.state)
 
 
+def command(robot: ToyRobot, name: str, *values: float) -> None:
+    robot.manager.running(name).command(values)
+    robot.manager.release_brakes(name, robot.state)
+
+
 def states(robot: ToyRobot) -> dict[str, str]:
     return {item.name: item.state for item in robot.manager.list()}
 
@@ -65,6 +70,8 @@ def test_list_is_in_load_order_with_types_and_claims(robot: ToyRobot) -> None:
 
 def test_starting_claims_and_stopping_releases(robot: ToyRobot) -> None:
     switch(robot, ["one", "js"])
+    assert robot.hardware.claimed == []  # limp by ROS's rules; the brake holds it
+    command(robot, "one", 0.0)
     assert robot.hardware.claimed == ["hip"]
     switch(robot, ["arm"], ["one"])
     assert robot.hardware.claimed == ["hip", "slide", "wheel"]
@@ -87,6 +94,17 @@ def test_updates_write_the_commands_of_running_controllers_only(
     assert robot.hardware.command[1] == 5.0
 
 
+def test_after_a_restart_the_brakes_hold_until_the_next_command(
+    robot: ToyRobot,
+) -> None:
+    switch(robot, ["one"])
+    command(robot, "one", 3.0)
+    robot.manager.restart(robot.state)
+    assert robot.hardware.claimed == []
+    command(robot, "one", 3.0)
+    assert robot.hardware.claimed == ["hip"]
+
+
 def test_two_controllers_on_one_joint_are_refused_by_name(robot: ToyRobot) -> None:
     switch(robot, ["arm"])
     for strictness in Strictness:
@@ -103,6 +121,7 @@ def test_one_switch_may_hand_a_joint_over(robot: ToyRobot) -> None:
 
 def test_strict_changes_nothing_unless_everything_fits(robot: ToyRobot) -> None:
     switch(robot, ["one"])
+    command(robot, "one", 0.0)
     for start, stop, text in (
         (["nobody", "group"], [], "'nobody'"),
         (["group"], ["nobody"], "'nobody'"),
