@@ -16,11 +16,11 @@ from tool0.control.parameters import (
     read_gains,
     single_joint,
 )
-from tool0.hardware.pick import picker
 from tool0.control.pid import Gains
 from tool0.description.model import Interface, Joint
 from tool0.errors import ControlError
 from tool0.hardware.joint_state import JointState
+from tool0.hardware.pick import picker
 
 
 @final

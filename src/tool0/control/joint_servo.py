@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import final
 
 from tool0.control.angles import shortest_turn
-from tool0.hardware.pick import picker
 from tool0.control.pid import Gains, Pid
 from tool0.description.model import Joint, JointType
 from tool0.hardware.joint_state import JointState
+from tool0.hardware.pick import picker
 
 
 class Quantity(enum.Enum):

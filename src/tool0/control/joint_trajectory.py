@@ -10,7 +10,6 @@ from tool0.control.angles import shortest_turn
 from tool0.control.goal import Goal, GoalResult, GoalStatus
 from tool0.control.joint_trajectory_spec import JointTrajectorySpec
 from tool0.control.merging import merged_tracks, stopping_tracks
-from tool0.hardware.pick import picker
 from tool0.control.pid import PidBank
 from tool0.control.playback import (
     Playback,
@@ -25,6 +24,7 @@ from tool0.control.trajectory import (
 )
 from tool0.description.model import JointType
 from tool0.hardware.joint_state import JointState
+from tool0.hardware.pick import picker
 
 
 @final

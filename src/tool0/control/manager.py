@@ -12,10 +12,10 @@ from tool0.control.controller import Controller, ControllerSpec
 from tool0.control.controller_types import TYPES
 from tool0.control.hardware_port import HardwarePort
 from tool0.control.parameters import Robot
-from tool0.hardware.pick import as_slice
 from tool0.description.model import Joint
 from tool0.errors import ClaimError, ControlError, GoalRejectedError, nearest_name
 from tool0.hardware.joint_state import JointState
+from tool0.hardware.pick import as_slice
 
 
 class Strictness(enum.Enum):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from tool0.control.config import ControllerConfig
@@ -247,7 +248,11 @@ def _core(
         for name, limits in config.joint_limits().items()
     }
     hardware = RobotHardware(model, engine.joint_names, engine.dt, overrides)
-    manager = ControllerManager(hardware, config, model.joint_by_name)
+    joints = {
+        name: replace(joint, limits=hardware.limits.get(name, joint.limits))
+        for name, joint in model.joint_by_name.items()
+    }
+    manager = ControllerManager(hardware, config, joints)
     return Core(
         model=model,
         engine=engine,
