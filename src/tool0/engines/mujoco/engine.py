@@ -111,16 +111,22 @@ class MujocoEngine:
     def _warn_of_overlaps(self) -> None:
         """Tell which shapes the pose puts into each other: they will be flung apart."""
         mujoco.mj_forward(self.model, self.data)
-        for i in range(self.data.ncon):
-            contact = self.data.contact[i]
+        deepest: dict[tuple[str, str], float] = {}
+        for contact in self.data.contact[: self.data.ncon]:
             if contact.dist < -DEEP:
-                first, second = (self.model.geom(int(g)).name for g in contact.geom)
-                logger.warning(
-                    "the pose puts '%s' %.1f mm into '%s'; expect it to be pushed out",
-                    first.partition("/")[0],
-                    -1000.0 * contact.dist,
-                    second.partition("/")[0],
-                )
+                # What stands still was there first: the rest is put into it.
+                geoms = [self.model.geom(int(geom)) for geom in contact.geom]
+                geoms.sort(key=lambda geom: int(geom.bodyid[0]), reverse=True)
+                first, second = (geom.name.partition("/")[0] for geom in geoms)
+                depth = max(-contact.dist, deepest.get((first, second), 0.0))
+                deepest[first, second] = depth
+        for (first, second), depth in deepest.items():
+            logger.warning(
+                "the pose puts '%s' %.1f mm into '%s'; expect it to be pushed out",
+                first,
+                1000.0 * depth,
+                second,
+            )
 
     def _first_not_finite(self) -> str:
         finite = np.isfinite(self._position) & np.isfinite(self._velocity)

@@ -1,0 +1,224 @@
+"""MuJoCo behind the port: the laws of read, write, step and reset."""
+
+from __future__ import annotations
+
+import logging
+import math
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from conftest import build_model
+from tool0.description.catalogue import arms, assemble, grippers, named_poses
+from tool0.description.model import RobotModel
+from tool0.engines.mujoco.engine import MujocoEngine
+from tool0.errors import ConfigError, DivergenceError
+from tool0.hardware.engine import Engine
+
+CATALOGUE = [(arm, gripper) for arm in arms() for gripper in (*grippers(), None)]
+MIMIC_ERROR = 3e-4  # [rad]
+
+
+def home(arm: str, gripper: str | None) -> tuple[RobotModel, list[float]]:
+    description = assemble(arm, gripper)
+    pose = named_poses(description)["home"]
+    return description.model, [
+        pose.get(joint.name, 0.0) for joint in description.model.movable_joints
+    ]
+
+
+def test_what_is_reset_is_read_at_rest_at_time_zero(skew_model: RobotModel) -> None:
+    engine: Engine = MujocoEngine(skew_model)
+    for seed in range(3):
+        pose = np.random.default_rng(seed).uniform(-0.2, 0.2, 4).tolist()
+        engine.write([5.0, 5.0, 5.0, 0.0])
+        engine.step()
+        engine.reset(pose)
+        state = engine.read()
+        assert state.position == pose
+        assert state.velocity == [0.0] * 4
+        assert state.effort == [0.0] * 4
+        assert state.time == 0.0
+
+
+def test_time_is_the_number_of_steps(skew_model: RobotModel) -> None:
+    engine: Engine = MujocoEngine(skew_model, dt=0.002)
+    engine.reset([0.0, 0.0, 0.0, 0.2])
+    for _ in range(1500):
+        engine.step()
+    assert engine.read().time == 1500 * 0.002
+    assert engine.dt == 0.002
+
+
+def test_a_state_is_a_copy_that_later_steps_leave_alone(skew_model: RobotModel) -> None:
+    engine: Engine = MujocoEngine(skew_model)
+    engine.reset([0.5, 0.0, 0.0, 0.2])
+    effort = [1.0, 2.0, 3.0, 0.0]
+    engine.write(effort)
+    before = engine.read()
+    kept = list(before.position)
+    effort[0] = 99.0
+    engine.step()
+    assert before.position == kept
+    assert engine.read().effort == [1.0, 2.0, 3.0, 0.0]
+
+
+def test_two_runs_are_identical_to_the_bit_after_a_reset_too() -> None:
+    model, pose = home("ur5", "2f85")
+
+    def run(engine: Engine) -> list[float]:
+        rng = np.random.default_rng(7)
+        engine.reset(pose)
+        for _ in range(300):
+            engine.write(rng.normal(0.0, 5.0, len(pose)).tolist())
+            engine.step()
+        return engine.read().position
+
+    first, second = MujocoEngine(model), MujocoEngine(model)
+    once = run(first)
+    assert run(second) == once
+    assert run(first) == once
+
+
+def test_a_free_fall_keeps_its_energy(skew_model: RobotModel) -> None:
+    engine = MujocoEngine(skew_model, dt=1e-4, ground=None)
+    engine.model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+    engine.reset([0.4, -0.3, 0.0, 0.35])
+    mujoco.mj_forward(engine.model, engine.data)
+    start = engine.data.energy.sum()
+    kinetic = 0.0
+    for _ in range(1500):  # 0.15 s: long before the slide meets its stop
+        engine.step()
+        kinetic = max(kinetic, engine.data.energy[1])
+    assert kinetic > 1.0  # [J]; it did fall
+    assert abs(engine.data.energy.sum() - start) < 0.01 * kinetic
+
+
+@pytest.mark.parametrize(("arm", "gripper"), CATALOGUE)
+def test_every_robot_steps_for_a_second_under_noise_without_a_warning(
+    arm: str, gripper: str | None
+) -> None:
+    model, pose = home(arm, gripper)
+    engine = MujocoEngine(model)
+    engine.reset(pose)
+    rng = np.random.default_rng(3)
+    effort = np.array(
+        [
+            joint.limits.effort if joint.name in model.transmission_by_joint else 0.0
+            for joint in model.movable_joints
+        ]
+    )
+    for _ in range(1000):
+        engine.write((effort * rng.uniform(-1.0, 1.0, len(pose))).tolist())
+        engine.step()
+        engine.read()  # raises if not finite
+    counts = [warning.number for warning in engine.data.warning]
+    assert counts == [0] * len(counts)
+
+
+def test_mimic_joints_follow_in_motion_and_at_rest() -> None:
+    model, pose = home("ur5", "2f85")
+    engine = MujocoEngine(model, ground=None)
+    engine.model.opt.gravity[:] = 0.0  # nobody holds the arm here
+    engine.reset(pose)
+    finger = engine.joint_names.index("finger_joint")
+    followers = [
+        (engine.joint_names.index(joint.name), joint.mimic.multiplier)
+        for joint in model.movable_joints
+        if joint.mimic is not None
+    ]
+    worst, way = 0.0, 0.0
+    for step in range(2000):
+        effort = [0.0] * len(pose)
+        # At the 2F-85's full speed, 1.3 rad/s, then held.
+        wanted = min(1.3 * step * engine.dt, 0.7)
+        state = engine.read()
+        effort[finger] = 60.0 * (wanted - state.position[finger])
+        effort[finger] -= 1.5 * state.velocity[finger]
+        engine.write(effort)
+        engine.step()
+        position = engine.read().position
+        way = max(way, position[finger])
+        for index, multiplier in followers:
+            worst = max(worst, abs(position[index] - multiplier * position[finger]))
+    assert way > 0.5
+    assert worst <= MIMIC_ERROR
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_an_effort_that_is_not_finite_is_an_error_that_names_joint_and_time(
+    skew_model: RobotModel, bad: float
+) -> None:
+    engine = MujocoEngine(skew_model)
+    engine.reset([0.0, 0.0, 0.0, 0.2])
+    for _ in range(5):
+        engine.step()
+    with pytest.raises(
+        DivergenceError, match=r"effort of joint 'bend'.* 0\.005 s"
+    ) as e:
+        engine.write([0.0, bad, 0.0, 0.0])
+    assert (e.value.joint, e.value.time) == ("bend", 0.005)
+    engine.step()
+    assert engine.read().effort == [0.0] * 4
+
+
+def test_a_state_that_is_not_finite_is_an_error_that_names_joint_and_time(
+    skew_model: RobotModel,
+) -> None:
+    engine = MujocoEngine(skew_model)
+    engine.reset([0.0, 0.0, 0.0, 0.2])
+    engine.step()
+    engine.data.qvel[2] = math.nan
+    with pytest.raises(DivergenceError, match=r"state of joint 'slide'.* 0\.001 s"):
+        engine.read()
+    engine.reset([0.0, 0.0, 0.0, 0.2])
+    assert engine.read().velocity == [0.0] * 4
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.001, math.nan, math.inf])
+def test_a_step_without_a_positive_length_is_refused(
+    skew_model: RobotModel, dt: float
+) -> None:
+    with pytest.raises(ConfigError, match="step must be above 0"):
+        MujocoEngine(skew_model, dt=dt)
+
+
+@pytest.mark.parametrize("height", [0.0, -0.35])
+def test_the_ground_lies_where_it_is_put(skew_model: RobotModel, height: float) -> None:
+    engine = MujocoEngine(skew_model, ground=height)
+    mujoco.mj_forward(engine.model, engine.data)
+    assert engine.data.geom("ground").xpos[2] == height
+
+
+def test_there_may_be_no_ground(skew_model: RobotModel) -> None:
+    engine = MujocoEngine(skew_model, ground=None)
+    assert engine.model.ngeom == 0
+
+
+def test_a_pose_that_puts_shapes_into_each_other_is_a_warning(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    model, pose = home("ur5", None)
+    engine = MujocoEngine(model, ground=0.0)
+    with caplog.at_level(logging.WARNING):
+        engine.reset(pose)
+        assert caplog.records == []
+        low = list(pose)
+        low[1] = 0.6  # the upper arm points below the horizon
+        engine.reset(low)
+    messages = [record.getMessage() for record in caplog.records]
+    assert any(
+        message.endswith("into 'ground'; expect it to be pushed out")
+        for message in messages
+    )
+    assert len(messages) == len(set(messages))
+    assert all(message.startswith("the pose puts '") for message in messages)
+    assert not any(message.startswith("the pose puts 'ground'") for message in messages)
+
+
+def test_closing_twice_is_allowed() -> None:
+    engine: Engine = MujocoEngine(replace(build_model(), name="again"))
+    engine.close()
+    engine.close()

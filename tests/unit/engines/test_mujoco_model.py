@@ -1,0 +1,222 @@
+"""What MuJoCo makes of a robot model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from tool0.description.catalogue import arms, assemble, grippers, load_robot
+from tool0.description.kinematics import transforms
+from tool0.description.model import (
+    Collision,
+    Inertial,
+    Interface,
+    Joint,
+    JointLimits,
+    JointType,
+    Link,
+    Mesh,
+    RobotModel,
+    Sphere,
+    Transmission,
+)
+from tool0.engines.mujoco.engine import MujocoEngine
+from tool0.engines.mujoco.model import to_mjcf
+from tool0.errors import ModelError, SourceLocation
+
+TWO_ROBOTS = Path("tests/data/description/two_robots.urdf.xacro")
+CATALOGUE = [(arm, gripper) for arm in arms() for gripper in (*grippers(), None)]
+
+
+def random_position(model: RobotModel, seed: int) -> dict[str, float]:
+    """Every movable joint somewhere, mimic joints where their masters put them."""
+    rng = np.random.default_rng(seed)
+    position = {
+        joint.name: rng.uniform(
+            max(joint.limits.lower, -3.0), min(joint.limits.upper, 3.0)
+        )
+        for joint in model.movable_joints
+        if joint.mimic is None
+    }
+    for joint in model.movable_joints:
+        if joint.mimic is not None:
+            master = position[joint.mimic.joint]
+            position[joint.name] = joint.mimic.multiplier * master + joint.mimic.offset
+    return position
+
+
+def robots() -> dict[str, RobotModel]:
+    models = {f"{a}_{g}": assemble(a, g).model for a, g in CATALOGUE}
+    return {**models, "two_robots": load_robot(TWO_ROBOTS).model}
+
+
+@pytest.fixture(scope="module", params=["ur5_2f85", "ur5_None", "two_robots"])
+def robot(request: pytest.FixtureRequest) -> RobotModel:
+    return robots()[request.param]
+
+
+def placed(model: RobotModel, seed: int) -> tuple[MujocoEngine, dict[str, float]]:
+    engine = MujocoEngine(model, ground=None)
+    position = random_position(model, seed)
+    engine.data.qpos[:] = [position[name] for name in engine.joint_names]
+    mujoco.mj_forward(engine.model, engine.data)
+    return engine, position
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_link_is_where_our_kinematics_puts_it(
+    robot: RobotModel, seed: int
+) -> None:
+    engine, position = placed(robot, seed)
+    for link, pose in transforms(robot, position).items():
+        site = engine.data.site(link)
+        np.testing.assert_allclose(site.xpos, pose.position, atol=1e-9)
+        np.testing.assert_allclose(
+            site.xmat.reshape(3, 3), np.array(pose.rotation), atol=1e-9
+        )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_merged_links_keep_mass_and_centre_of_mass(
+    robot: RobotModel, seed: int
+) -> None:
+    engine, position = placed(robot, seed)
+    frames = transforms(robot, position)
+    moving = {joint.child for joint in robot.movable_joints}
+    mass, moment = 0.0, np.zeros(3)
+    for link in robot.links:
+        above = link.name
+        while above != robot.root and above not in moving:
+            above = robot.parent_joint[above].parent
+        if above == robot.root or link.inertial is None:
+            continue  # what never moves has no mass in MuJoCo
+        inertial = link.inertial
+        center = frames[link.name].apply(inertial.origin.xyz)
+        mass += inertial.mass
+        moment += inertial.mass * np.array(center)
+    assert engine.model.body_mass[1:].sum() == pytest.approx(mass, rel=1e-12)
+    center = (engine.model.body_mass[1:] @ engine.data.xipos[1:]) / mass
+    np.testing.assert_allclose(center, moment / mass, atol=1e-9)
+
+
+def test_motors_limits_and_rotors_are_those_of_the_description(
+    robot: RobotModel,
+) -> None:
+    engine = MujocoEngine(robot)
+    motors = [engine.model.actuator(i).name for i in range(engine.model.nu)]
+    assert sorted(motors) == sorted(robot.transmission_by_joint)
+    for joint in robot.movable_joints:
+        compiled = engine.model.joint(joint.name)
+        np.testing.assert_allclose(
+            compiled.range, [joint.limits.lower, joint.limits.upper]
+        )
+        drive = robot.transmission_by_joint.get(joint.name)
+        armature = engine.model.dof_armature[compiled.dofadr[0]]
+        assert armature == pytest.approx(drive.armature if drive else 0.0)
+
+
+@pytest.mark.parametrize("name", ["ur5_2f85", "two_robots"])
+def test_the_written_mjcf_is_the_same_robot(name: str) -> None:
+    model = robots()[name]
+    ours = MujocoEngine(model).model
+    again = mujoco.MjModel.from_xml_string(to_mjcf(model))
+    assert (again.nq, again.nu, again.neq) == (ours.nq, ours.nu, ours.neq)
+    assert again.nmesh > 0
+    np.testing.assert_allclose(
+        again.body_mass.sum(), ours.body_mass.sum(), rtol=1e-5
+    )  # to_xml writes six digits
+
+
+def test_a_moving_link_without_mass_is_refused_by_name(skew_model: RobotModel) -> None:
+    links = tuple(
+        Link(name="rod") if link.name == "rod" else link for link in skew_model.links
+    )
+    model = replace(
+        skew_model,
+        links=links,
+        locations={"link:rod": SourceLocation(Path("cell.urdf"), 7)},
+    )
+    with pytest.raises(ModelError, match=r"cell\.urdf:7: link 'rod' .*'slide'.* mass"):
+        MujocoEngine(model)
+
+
+def test_floating_joints_are_refused_by_name(skew_model: RobotModel) -> None:
+    joints = tuple(
+        replace(joint, type=JointType.FLOATING) if joint.name == "slide" else joint
+        for joint in skew_model.joints
+    )
+    with pytest.raises(ModelError, match=r"'slide' is floating"):
+        MujocoEngine(replace(skew_model, joints=joints, transmissions=()))
+
+
+def with_mesh(model: RobotModel, path: Path) -> RobotModel:
+    shape = Collision(geometry=Mesh(uri=str(path), path=path))
+    links = tuple(
+        replace(link, collisions=(shape,)) if link.name == "rod" else link
+        for link in model.links
+    )
+    return replace(model, links=links)
+
+
+def test_a_mesh_of_a_kind_that_mujoco_lacks_is_refused_by_name(
+    skew_model: RobotModel, tmp_path: Path
+) -> None:
+    path = tmp_path / "rod.dae"
+    path.write_text("<COLLADA/>")
+    with pytest.raises(ModelError, match=r"rod\.dae; convert it to STL or OBJ"):
+        MujocoEngine(with_mesh(skew_model, path))
+
+
+def test_a_corrupt_mesh_is_refused_by_name(
+    skew_model: RobotModel, tmp_path: Path
+) -> None:
+    path = tmp_path / "rod.stl"
+    path.write_bytes(b"this is no mesh" * 20)
+    model = with_mesh(skew_model, path)
+    for attempt in (MujocoEngine, to_mjcf):
+        with pytest.raises(ModelError, match=r"rod\.stl"):
+            attempt(model)
+
+
+def test_a_robot_may_have_no_motor_and_even_no_joint() -> None:
+    rooted = Link(name="world", collisions=(Collision(geometry=Sphere(radius=0.1)),))
+    engine = MujocoEngine(
+        RobotModel(name="stone", root="world", links=(rooted,), joints=())
+    )
+    engine.reset([])
+    engine.write([])
+    engine.step()
+    assert engine.read().position == []
+
+
+def test_a_wheel_without_limits_turns_freely() -> None:
+    wheel = Joint(
+        name="wheel",
+        type=JointType.CONTINUOUS,
+        parent="world",
+        child="rim",
+        limits=JointLimits(effort=2.0),
+        axis=(0.0, 0.0, 1.0),
+    )
+    rim = Link(name="rim", inertial=Inertial(mass=1.0, ixx=0.1, iyy=0.1, izz=0.1))
+    drive = Transmission(name="drive", joint="wheel", interface=Interface.EFFORT)
+    engine = MujocoEngine(
+        RobotModel(
+            name="wheel",
+            root="world",
+            links=(Link(name="world"), rim),
+            joints=(wheel,),
+            transmissions=(drive,),
+        )
+    )
+    engine.reset([0.0])
+    for _ in range(1000):
+        engine.write([2.0])
+        engine.step()
+    state = engine.read()
+    assert state.velocity[0] == pytest.approx(20.0, rel=1e-6)  # 2 N·m on 0.1 kg·m²
+    assert state.position[0] == pytest.approx(10.0, rel=1e-2)
