@@ -1,0 +1,68 @@
+"""A small robot with controllers, as core and as loop, for tests of the runtime."""
+
+from __future__ import annotations
+
+from conftest import build_model
+from tool0.control.config import ControllerConfig
+from tool0.control.manager import ControllerManager, Strictness
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.description.model import Interface
+from tool0.engines.mujoco.engine import MujocoEngine
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.runtime import commands as ask
+from tool0.runtime.bus import Bus
+from tool0.runtime.core import Core
+from tool0.runtime.loop import Loop
+from tool0.runtime.mailbox import Mailbox
+
+START = [0.3, -0.2, 0.05, -0.5 * -0.2 + 0.2]
+YAML = """
+arm:
+  type: position_controllers/JointTrajectoryController
+  joints: [lift, bend]
+slider:
+  type: position_controllers/JointPositionController
+  joint: slide
+group:
+  type: position_controllers/JointGroupPositionController
+  joints: [lift, bend]
+states:
+  type: joint_state_controller/JointStateController
+  publish_rate: 100
+"""
+
+
+def build_core(
+    control_period: float | None = None, started: tuple[str, ...] = ("arm",)
+) -> Core:
+    """Return a core whose controllers are loaded, and ``started`` running."""
+    model = build_model(Interface.POSITION)
+    engine = MujocoEngine(model, ground=None)
+    hardware = RobotHardware(model, engine.joint_names, engine.dt)
+    manager = ControllerManager(
+        hardware, ControllerConfig.from_text(YAML), model.joint_by_name
+    )
+    core = Core(
+        model=model,
+        engine=engine,
+        hardware=hardware,
+        manager=manager,
+        initial_position=START,
+        control_period=control_period,
+    )
+    for name in ("arm", "slider", "group", "states"):
+        core.apply(ask.LoadController(name))
+    core.apply(ask.SwitchControllers(start=started, strictness=Strictness.STRICT))
+    return core
+
+
+def build_loop(core: Core, **options: object) -> tuple[Loop, Bus]:
+    """Return a loop over ``core`` that runs only when asked, and its bus."""
+    bus = Bus()
+    return Loop(core, Mailbox(), bus, **options), bus  # type: ignore[arg-type]
+
+
+def follow(positions: list[float], duration: float) -> ask.FollowTrajectory:
+    """Return the command that sends the arm to ``positions``."""
+    point = TrajectoryPoint(positions, time_from_start=duration)
+    return ask.FollowTrajectory(controller="arm", goal=TrajectoryGoal(points=[point]))

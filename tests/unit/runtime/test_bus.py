@@ -1,0 +1,95 @@
+from __future__ import annotations
+
+import threading
+
+from tool0.runtime.bus import EVENTS_KEPT, Bus, Overran, Snapshot, WasReset
+
+
+def snapshot(tick: int) -> Snapshot:
+    return Snapshot(
+        time=tick * 0.001,
+        tick=tick,
+        joint_names=(),
+        position=(),
+        velocity=(),
+        effort=(),
+        controllers=(),
+        is_paused=False,
+        is_stopped=False,
+        real_time_factor=1.0,
+        overruns=0,
+    )
+
+
+def test_a_new_bus_has_nothing_to_tell() -> None:
+    bus = Bus()
+    assert bus.latest is None
+    assert bus.subscribe().next(timeout=0.0) is None
+
+
+def test_a_slow_reader_skips_to_the_latest() -> None:
+    bus = Bus()
+    reader = bus.subscribe()
+    for tick in range(10):
+        bus.publish(snapshot(tick))
+    assert reader.next(timeout=0.0) == snapshot(9)
+    assert bus.latest == snapshot(9)
+
+
+def test_a_reader_sees_no_snapshot_twice() -> None:
+    bus = Bus()
+    reader = bus.subscribe()
+    bus.publish(snapshot(1))
+    assert reader.next() is not None
+    assert reader.next(timeout=0.0) is None
+    bus.publish(snapshot(2))
+    assert reader.next(timeout=0.0) == snapshot(2)
+
+
+def test_readers_do_not_disturb_each_other() -> None:
+    bus = Bus()
+    first, second = bus.subscribe(), bus.subscribe()
+    bus.publish(snapshot(1))
+    assert first.next(timeout=0.0) == second.next(timeout=0.0) == snapshot(1)
+
+
+def test_a_reader_that_waits_is_woken() -> None:
+    bus = Bus()
+    reader = bus.subscribe()
+    got: list[Snapshot | None] = []
+    thread = threading.Thread(target=lambda: got.append(reader.next(timeout=30.0)))
+    thread.start()
+    bus.publish(snapshot(1))
+    thread.join(30.0)
+    assert got == [snapshot(1)]
+
+
+def test_events_are_kept_in_order_until_they_are_read() -> None:
+    bus = Bus()
+    bus.announce(WasReset())  # nobody listens yet
+    reader = bus.subscribe()
+    events = [Overran(n, 0.1 * n) for n in range(5)]
+    for event in events:
+        bus.announce(event)
+    for tick in range(3):
+        bus.publish(snapshot(tick))
+    assert list(reader.events) == events
+
+
+def test_a_reader_that_never_reads_costs_bounded_memory() -> None:
+    bus = Bus()
+    reader = bus.subscribe()
+    for n in range(EVENTS_KEPT + 10):
+        bus.announce(Overran(n, 0.0))
+    assert len(reader.events) == EVENTS_KEPT
+    assert reader.events[-1] == Overran(EVENTS_KEPT + 9, 0.0)
+
+
+def test_a_closed_subscription_hears_nothing_more() -> None:
+    bus = Bus()
+    reader, other = bus.subscribe(), bus.subscribe()
+    reader.close()
+    reader.close()
+    bus.announce(WasReset())
+    assert not reader.events
+    assert list(other.events) == [WasReset()]

@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+import pytest
+
+from tool0.runtime.clock import CATCH_UP, Pacer, SpeedMeter
+
+
+class WallClock:
+    """A wall clock that a test turns by hand."""
+
+    def __init__(self) -> None:
+        self.time = 100.0
+
+    def __call__(self) -> float:
+        return self.time
+
+
+def ticks_until_caught_up(pacer: Pacer) -> int:
+    n_ticks = 0
+    while pacer.wait_time() <= 0.0:
+        pacer.tick()
+        n_ticks += 1
+    return n_ticks
+
+
+def test_the_first_tick_is_due_at_once() -> None:
+    assert Pacer(0.001, now=WallClock()).wait_time() == 0.0
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0, 4.0])
+def test_ticks_are_due_a_period_apart_at_the_speed(speed: float) -> None:
+    wall = WallClock()
+    pacer = Pacer(0.01, speed, wall)
+    for n_ticks in range(1, 50):
+        pacer.tick()
+        expected = n_ticks * 0.01 / speed - (wall.time - 100.0)
+        assert pacer.wait_time() == pytest.approx(expected, abs=1e-12)
+        wall.time += pacer.wait_time()
+    assert pacer.overruns == 0
+
+
+def test_waiting_too_long_does_not_make_later_ticks_late() -> None:
+    wall = WallClock()
+    pacer = Pacer(0.001, now=wall)
+    for _ in range(1000):
+        pacer.tick()
+        wall.time += pacer.wait_time() + 0.0004  # a sleep always lasts a little longer
+    assert wall.time - 100.0 == pytest.approx(1.0004)
+    assert pacer.overruns == 0
+
+
+def test_what_was_missed_is_caught_up_and_counted() -> None:
+    wall = WallClock()
+    pacer = Pacer(0.001, now=wall)
+    wall.time += 0.0505  # 50 ticks and a half
+    assert ticks_until_caught_up(pacer) == 51
+    assert pacer.overruns == 50  # the last one was half a period late
+
+
+def test_what_was_missed_beyond_the_catch_up_is_given_up() -> None:
+    wall = WallClock()
+    pacer = Pacer(0.001, now=wall)
+    wall.time += 3600.0
+    n_ticks = ticks_until_caught_up(pacer)
+    assert n_ticks == pytest.approx(CATCH_UP / 0.001, abs=2)
+
+
+def test_the_speed_meter_measures_over_its_window() -> None:
+    wall = WallClock()
+    meter = SpeedMeter(wall)
+    assert not meter.measure(0.3)
+    wall.time += 0.5
+    assert not meter.measure(1.0)
+    assert meter.factor == 0.0
+    wall.time += 0.5
+    assert meter.measure(2.5)
+    assert meter.factor == pytest.approx(2.5)
+
+
+def test_the_speed_meter_begins_anew_when_time_was_reset() -> None:
+    wall = WallClock()
+    meter = SpeedMeter(wall)
+    wall.time += 2.0
+    meter.measure(10.0)
+    wall.time += 0.5
+    assert not meter.measure(0.0)
+    wall.time += 1.0
+    assert meter.measure(1.0)
+    assert meter.factor == pytest.approx(1.0)

@@ -1,0 +1,189 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+from skew_rig import START, build_core, follow
+
+from tool0.control.goal import GoalStatus
+from tool0.errors import (
+    ClaimError,
+    ConfigError,
+    ControlError,
+    LimitsError,
+    ModelError,
+)
+from tool0.runtime import commands as ask
+from tool0.runtime.core import Core
+
+
+def ticks(core: Core, n: int) -> None:
+    for _ in range(n):
+        core.tick()
+
+
+def test_time_is_the_number_of_ticks_times_the_control_period() -> None:
+    core = build_core(control_period=0.004)
+    ticks(core, 250)
+    assert core.time == 250 * 0.004
+    assert core.state.time == pytest.approx(1.0)  # the engine made four steps a tick
+
+
+@pytest.mark.parametrize(
+    "period", [0.0015, 0.0, -0.001, 0.0004, math.nan, math.inf, -math.inf]
+)
+def test_the_control_period_must_be_a_whole_multiple_of_the_step(period: float) -> None:
+    with pytest.raises(ConfigError, match="no whole multiple of the engine's step"):
+        build_core(control_period=period)
+
+
+@pytest.mark.parametrize("period", [0.001, 0.003, 0.008, 1.0])
+def test_whole_multiples_are_accepted(period: float) -> None:
+    assert build_core(control_period=period).control_period == period
+
+
+def test_it_starts_in_its_initial_pose_and_holds_it() -> None:
+    core = build_core(started=())
+    assert core.state.position == START
+    ticks(core, 2000)
+    assert core.drift() < 1e-3
+
+
+def test_drift_leaves_out_what_was_commanded_and_nothing_else() -> None:
+    core = build_core()
+    core.apply(follow([0.5, -0.4], 0.3))
+    ticks(core, 500)
+    assert core.state.position[0] == pytest.approx(0.5, abs=1e-3)
+    assert core.drift() < 1e-3  # the slide's
+
+
+def test_a_rejected_command_does_not_hide_drift() -> None:
+    core = build_core(started=("group",))
+    with pytest.raises(ControlError):
+        core.apply(ask.CommandJoints(controller="group", values=(math.nan, 0.0)))
+    core.apply(ask.SwitchControllers(stop=("group",)))
+    core.engine.reset([0.4, -0.2, 0.05, 0.3])  # somebody pushed it
+    core.state = core.engine.read()
+    assert core.drift() == pytest.approx(0.1)
+
+
+def test_a_capped_drive_gives_no_more_and_the_cap_can_be_lifted() -> None:
+    core = build_core(started=())
+    ticks(core, 200)
+    held = abs(core.state.effort[0])
+    core.apply(ask.CapEffort(joint="lift", effort=held / 2.0))
+    ticks(core, 50)
+    assert abs(core.state.effort[0]) <= held / 2.0
+    assert core.drift() > 1e-3  # it sinks
+    core.apply(ask.CapEffort(joint="lift", effort=None))
+    ticks(core, 50)
+    assert abs(core.state.effort[0]) > held / 2.0
+
+
+@pytest.mark.parametrize("effort", [0.0, -1.0, math.nan, math.inf])
+def test_a_cap_must_be_positive_and_finite(effort: float) -> None:
+    with pytest.raises(ControlError, match="above 0 and finite"):
+        build_core().apply(ask.CapEffort(joint="lift", effort=effort))
+
+
+@pytest.mark.parametrize("joint", ["lfit", "follower", "base"])
+def test_only_driven_joints_can_be_capped(joint: str) -> None:
+    with pytest.raises(ModelError, match=f"'{joint}'"):
+        build_core().apply(ask.CapEffort(joint=joint, effort=1.0))
+
+
+def test_a_command_for_another_kind_of_controller_says_which_it_needs() -> None:
+    core = build_core(started=("arm", "slider"))
+    with pytest.raises(ControlError, match="'arm' is a JointTrajectoryController; "):
+        core.apply(ask.CommandJoints(controller="arm", values=(0.0, 0.0)))
+    with pytest.raises(ControlError, match="needs a GripperActionController"):
+        core.apply(ask.CommandGripper(controller="slider", position=0.0))
+
+
+def test_two_controllers_never_get_one_joint() -> None:
+    core = build_core()
+    with pytest.raises(ClaimError, match="'arm' and 'group' both claim joint 'lift'"):
+        core.apply(ask.SwitchControllers(start=("group",)))
+    assert core.manager.status("arm").state == "running"
+
+
+def test_one_switch_hands_joints_over() -> None:
+    core = build_core()
+    core.apply(ask.SwitchControllers(start=("group",), stop=("arm",)))
+    core.apply(ask.CommandJoints(controller="group", values=(0.5, 0.0)))
+    ticks(core, 1000)
+    assert core.state.position[:2] == pytest.approx([0.5, 0.0], abs=1e-3)
+
+
+def test_a_reset_begins_anew_and_preempts() -> None:
+    core = build_core()
+    goal = core.apply(follow([1.5, 1.5], 2.0))
+    ticks(core, 500)
+    core.apply(ask.Reset())
+    assert goal.status is GoalStatus.PREEMPTED
+    assert (core.time, core.ticks, core.state.position) == (0.0, 0, START)
+    assert core.manager.status("arm").state == "running"
+    ticks(core, 1000)
+    assert core.drift() < 1e-3
+
+
+def test_a_reset_may_place_joints_for_this_once() -> None:
+    core = build_core()
+    core.apply(ask.Reset(position={"bend": 1.0}))
+    assert core.state.position == pytest.approx([0.3, 1.0, 0.05, -0.3])
+    ticks(core, 100)
+    assert core.drift() < 1e-3  # from where it was put
+    core.apply(ask.Reset())
+    assert core.state.position == START
+
+
+def test_a_reset_to_an_impossible_pose_changes_nothing() -> None:
+    core = build_core()
+    goal = core.apply(follow([1.5, 1.5], 2.0))
+    ticks(core, 100)
+    before = core.state
+    with pytest.raises(LimitsError):
+        core.apply(ask.Reset(position={"bend": 99.0}))
+    assert core.state is before
+    assert goal.status is GoalStatus.ACTIVE
+
+
+def test_a_run_after_a_reset_is_the_first_run_again() -> None:
+    core = build_core()
+
+    def run() -> list[float]:
+        core.apply(follow([0.7, -0.9], 0.4))
+        ticks(core, 333)  # no multiple of any period inside
+        return core.state.position
+
+    first = run()
+    core.apply(ask.Reset())
+    assert run() == first
+
+
+def test_the_emergency_stop_holds_refuses_and_lets_go() -> None:
+    core = build_core()
+    goal = core.apply(follow([1.5, 1.5], 1.0))
+    ticks(core, 300)
+    core.apply(ask.EmergencyStop(True))
+    assert goal.status is GoalStatus.PREEMPTED
+    ticks(core, 500)
+    rest = core.state.position
+    with pytest.raises(ControlError, match="emergency stop is engaged; release it"):
+        core.apply(follow([0.0, 0.0], 1.0))
+    ticks(core, 1000)
+    assert core.state.position == pytest.approx(rest, abs=1e-3)
+    core.apply(ask.EmergencyStop(False))
+    ticks(core, 500)
+    assert core.state.position == pytest.approx(rest, abs=1e-3)
+    core.apply(follow([0.0, 0.0], 1.0))
+    ticks(core, 1500)
+    assert core.state.position[:2] == pytest.approx([0.0, 0.0], abs=1e-3)
+
+
+def test_cancelling_a_goal_that_ended_does_nothing() -> None:
+    core = build_core()
+    goal = core.apply(follow([0.4, -0.2], 0.1))
+    core.apply(ask.SwitchControllers(stop=("arm",)))
+    assert goal.status is GoalStatus.PREEMPTED
+    core.apply(ask.CancelGoal(goal))

@@ -1,0 +1,415 @@
+"""Time, threads and faults.  Nothing here sleeps: tests wait on goals and the bus."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+from skew_rig import START, build_core, build_loop, follow
+
+from tool0.control.goal import GoalStatus
+from tool0.errors import ControlError, DivergenceError
+from tool0.runtime import commands as ask
+from tool0.runtime.bus import Bus, Faulted, GoalFinished, Snapshot, WasReset
+from tool0.runtime.core import Core
+from tool0.runtime.handles import GoalHandle
+from tool0.runtime.loop import Loop
+
+Starter = Callable[..., tuple[Loop, Bus, Core]]
+LONG = 30.0  # [wall s]; only a failing test waits so long
+
+
+@pytest.fixture
+def start() -> Iterator[Starter]:
+    """Start loops that are closed when the test ends."""
+    loops = []
+
+    def start_one(**options: object) -> tuple[Loop, Bus, Core]:
+        core = build_core()
+        loop, bus = build_loop(core, **options)
+        loops.append(loop)
+        return loop, bus, core
+
+    yield start_one
+    for loop in loops:
+        loop.close()
+
+
+def break_physics(core: Core) -> None:
+    core.engine.data.qvel[0] = math.nan  # type: ignore[attr-defined]
+
+
+def wait_until(bus: Bus, holds: Callable[[Snapshot], bool]) -> Snapshot:
+    reader = bus.subscribe()
+    deadline = time.monotonic() + LONG
+    while time.monotonic() < deadline:
+        snapshot = reader.next(timeout=LONG)
+        assert snapshot is not None
+        if holds(snapshot):
+            return snapshot
+    raise AssertionError("it never held")
+
+
+# ---- as fast as possible, in the caller's thread -------------------------------------
+
+
+def test_a_first_snapshot_is_there_before_anything_runs(start: Starter) -> None:
+    _, bus, _ = start()
+    assert bus.latest is not None
+    assert (bus.latest.time, list(bus.latest.position)) == (0.0, START)
+    assert [c.name for c in bus.latest.controllers if c.state == "running"] == ["arm"]
+
+
+@pytest.mark.parametrize("duration", [0.0, 0.001, 0.0104, 0.3, 1.0])
+def test_a_run_takes_the_simulated_time_that_was_asked_for(
+    start: Starter, duration: float
+) -> None:
+    loop, bus, _ = start()
+    loop.run(duration)
+    assert loop.steps == round(duration / 0.001)
+    assert loop.time == pytest.approx(duration, abs=0.0005)
+    assert bus.latest is not None
+    assert bus.latest.time == loop.time
+
+
+def test_many_short_runs_are_one_long_one(start: Starter) -> None:
+    loop, _, core = start()
+    for _ in range(100):
+        loop.run(0.003)
+    other, _, same = start()
+    other.run(0.3)
+    assert loop.time == other.time
+    assert core.state == same.state
+
+
+def test_a_run_ends_early_when_its_condition_holds(start: Starter) -> None:
+    loop, _, _ = start()
+    loop.run(math.inf, until=lambda: loop.steps >= 17)
+    assert loop.steps == 17
+
+
+def test_a_command_is_answered_without_time_passing(start: Starter) -> None:
+    loop, bus, _ = start()
+    goal = loop.call(follow([0.5, 0.5], 0.2))
+    assert goal.status is GoalStatus.ACTIVE
+    assert loop.time == 0.0
+    loop.call(ask.SwitchControllers(stop=("arm",)))
+    assert bus.latest is not None
+    states = {status.name: status.state for status in bus.latest.controllers}
+    assert states["arm"] == "stopped"  # not only after the next tick
+
+
+def test_what_a_command_raises_its_sender_gets(start: Starter) -> None:
+    loop, _, _ = start()
+    with pytest.raises(ControlError, match="unknown controller 'nobody'"):
+        loop.call(ask.UnloadController("nobody"))
+    loop.run(0.01)
+
+
+def test_a_goal_that_ends_is_an_event(start: Starter) -> None:
+    loop, bus, _ = start()
+    reader = bus.subscribe()
+    goal = loop.call(follow([0.4, -0.2], 0.1))
+    assert not reader.events
+    loop.run(1.0)
+    assert list(reader.events) == [GoalFinished(goal)]
+
+
+def test_a_paused_loop_does_not_run_but_answers(start: Starter) -> None:
+    loop, bus, _ = start(paused=True)
+    assert bus.latest is not None
+    assert bus.latest.is_paused
+    with pytest.raises(ControlError, match="paused; resume it, or step it"):
+        loop.run(0.1)
+    loop.call(follow([0.5, 0.5], 0.2))
+    assert loop.time == 0.0
+    loop.call(ask.SetPaused(False))
+    loop.run(0.1)
+    assert loop.time == pytest.approx(0.1)
+
+
+def test_steps_pass_only_while_paused_and_publish(start: Starter) -> None:
+    loop, bus, _ = start()
+    with pytest.raises(ControlError, match="pause the simulation"):
+        loop.call(ask.Step(1))
+    loop.call(ask.SetPaused(True))
+    for n_ticks in (1, 5, 37):
+        before = loop.steps
+        loop.call(ask.Step(n_ticks))
+        assert loop.steps == before + n_ticks
+        assert bus.latest is not None
+        assert bus.latest.tick == loop.steps
+
+
+@pytest.mark.parametrize("ticks", [0, -1, 1_000_001])
+def test_an_absurd_number_of_steps_is_refused(start: Starter, ticks: int) -> None:
+    loop, _, _ = start(paused=True)
+    with pytest.raises(ControlError, match="ticks must be in"):
+        loop.call(ask.Step(ticks))
+    assert loop.steps == 0
+
+
+def test_only_real_time_has_a_speed(start: Starter) -> None:
+    loop, _, _ = start()
+    with pytest.raises(ControlError, match="not run in real time"):
+        loop.call(ask.SetSpeed(2.0))
+
+
+def test_a_reset_is_an_event_and_steps_count_on(start: Starter) -> None:
+    loop, bus, _ = start()
+    reader = bus.subscribe()
+    loop.run(0.2)
+    loop.call(ask.Reset())
+    assert list(reader.events) == [WasReset()]
+    assert (loop.time, loop.steps) == (0.0, 200)
+    loop.run(0.1)
+    assert loop.time == pytest.approx(0.1)
+    assert loop.steps == 300
+
+
+def test_drift_is_remembered_and_commanded_joints_do_not_count(start: Starter) -> None:
+    loop, _, _ = start()
+    loop.call(follow([1.0, 1.0], 0.5))
+    loop.run(1.0)
+    assert 0.0 < loop.max_drift < 5e-3  # the slide's, while the arm swings it
+
+
+# ---- faults --------------------------------------------------------------------------
+
+
+def test_a_fault_stands_still_tells_and_is_mended_by_a_reset(start: Starter) -> None:
+    loop, bus, core = start()
+    reader = bus.subscribe()
+    goal = loop.call(follow([1.0, 1.0], 0.5))
+    loop.run(0.1)
+    break_physics(core)
+    with pytest.raises(DivergenceError, match="'lift'.* 0.101 s"):
+        loop.run(0.1)
+    with pytest.raises(DivergenceError):
+        loop.run(0.1)
+    with pytest.raises(DivergenceError):
+        GoalHandle(goal, loop).wait(1.0)
+    assert bus.latest is not None
+    assert "lift" in str(bus.latest.fault)
+    assert math.isfinite(sum(bus.latest.position))  # the last state that was sound
+    assert [type(event) for event in reader.events] == [Faulted]
+    loop.call(ask.Reset())
+    assert goal.status is GoalStatus.PREEMPTED
+    assert bus.latest.fault is None
+    assert GoalHandle(goal, loop).wait().status is GoalStatus.PREEMPTED
+    loop.run(1.0)
+    assert core.state.position == pytest.approx(START, abs=1e-3)
+
+
+def test_a_fault_while_stepping_is_raised_there(start: Starter) -> None:
+    loop, _, core = start(paused=True)
+    break_physics(core)
+    with pytest.raises(DivergenceError):
+        loop.call(ask.Step(10))
+
+
+def test_a_bug_in_the_tick_is_a_fault_too(
+    start: Starter, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loop, bus, core = start()
+
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("a bug")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("tool0.control.manager.ControllerManager.update", fail)
+        with pytest.raises(ZeroDivisionError):
+            loop.run(0.1)
+    assert bus.latest is not None
+    assert bus.latest.fault == "a bug"
+    loop.call(ask.Reset())
+    loop.run(0.1)
+    assert core.time == pytest.approx(0.1)
+
+
+# ---- closing -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("speed", [None, 1.0])
+def test_closing_ends_goals_and_refuses_what_comes_later(
+    start: Starter, speed: float | None
+) -> None:
+    loop, _, _ = start(speed=speed)
+    goal = loop.call(follow([1.0, 1.0], 20.0))
+    loop.close()
+    assert goal.status is GoalStatus.PREEMPTED
+    for late in (lambda: loop.call(ask.SetPaused(True)), lambda: loop.run(1.0)):
+        with pytest.raises(ControlError, match="closed"):
+            late()
+    loop.close()
+    assert GoalHandle(goal, loop).wait().status is GoalStatus.PREEMPTED
+
+
+def test_closing_ends_a_wait_as_fast_as_possible(start: Starter) -> None:
+    loop, bus, _ = start()
+    goal = loop.call(follow([1.0, 1.0], 1e6))
+    outcome: list[object] = []
+
+    def wait() -> None:
+        try:
+            outcome.append(GoalHandle(goal, loop).wait())
+        except ControlError as error:
+            outcome.append(error)
+
+    waiter = threading.Thread(target=wait)
+    waiter.start()
+    wait_until(bus, lambda snapshot: snapshot.time > 0.02)
+    loop.close()
+    waiter.join(LONG)
+    assert goal.status is GoalStatus.PREEMPTED
+    assert len(outcome) == 1
+    assert "closed" in str(outcome[0])
+
+
+def test_closing_ends_a_long_step(start: Starter) -> None:
+    loop, bus, _ = start(paused=True)
+    stepper = threading.Thread(target=lambda: loop.call(ask.Step(1_000_000)))
+    stepper.start()
+    wait_until(bus, lambda snapshot: snapshot.time > 0.02)
+    loop.close()
+    stepper.join(LONG)
+    assert not stepper.is_alive()
+    assert loop.steps < 1_000_000
+
+
+# ---- many threads --------------------------------------------------------------------
+
+
+def test_commands_of_many_threads_are_all_answered_while_it_runs(
+    start: Starter,
+) -> None:
+    loop, bus, core = start()
+    answers: list[object] = []
+    done = threading.Event()
+
+    def ask_much(number: int) -> None:
+        for n in range(20):
+            goal = loop.call(follow([0.01 * number, 0.01 * n], 0.1))
+            answers.append(goal)
+
+    def run() -> None:
+        loop.run(math.inf, until=done.is_set)
+
+    runner = threading.Thread(target=run)
+    runner.start()
+    wait_until(bus, lambda snapshot: snapshot.time > 0.0)
+    askers = [threading.Thread(target=ask_much, args=(k,)) for k in range(8)]
+    for asker in askers:
+        asker.start()
+    for asker in askers:
+        asker.join(LONG)
+    done.set()
+    runner.join(LONG)
+    assert len(answers) == 160
+    states = [goal.status for goal in answers]  # type: ignore[attr-defined]
+    assert GoalStatus.ABORTED not in states
+    assert states.count(GoalStatus.ACTIVE) <= 1
+    assert core.manager.status("arm").state == "running"
+
+
+def test_after_a_pause_not_one_tick_passes(start: Starter) -> None:
+    loop, bus, _ = start()
+    errors: list[ControlError] = []
+
+    def run() -> None:
+        try:
+            loop.run(math.inf)
+        except ControlError as error:
+            errors.append(error)
+
+    for _ in range(10):
+        runner = threading.Thread(target=run)
+        runner.start()
+        begun = loop.time
+        wait_until(bus, lambda snapshot, begun=begun: snapshot.time > begun)  # type: ignore[misc]
+        loop.call(ask.SetPaused(True))
+        paused_at = loop.steps
+        runner.join(LONG)
+        assert loop.steps == paused_at
+        loop.call(ask.SetPaused(False))
+    assert len(errors) == 10
+
+
+# ---- real time, in a thread of its own -----------------------------------------------
+
+
+def test_real_time_passes_by_itself_and_a_wait_ends(start: Starter) -> None:
+    loop, bus, _ = start(speed=20.0)
+    assert loop.is_realtime
+    goal = loop.call(follow([0.4, -0.3], 0.2))
+    result = GoalHandle(goal, loop).wait(LONG)
+    assert result.status is GoalStatus.SUCCEEDED
+    assert wait_until(bus, lambda snapshot: snapshot.time > 0.5).fault is None
+
+
+def test_real_time_does_not_run_ahead_of_the_wall_clock(start: Starter) -> None:
+    before = time.perf_counter()
+    loop, _, _ = start(speed=2.0)
+    loop.run(0.2)
+    assert time.perf_counter() - before >= 0.2 / 2.0 - 0.002
+
+
+def test_real_time_pauses_steps_and_resumes(start: Starter) -> None:
+    loop, bus, _ = start(speed=50.0)
+    wait_until(bus, lambda snapshot: snapshot.time > 0.01)
+    loop.call(ask.SetPaused(True))
+    stood = loop.steps
+    loop.call(ask.Step(5))
+    assert loop.steps == stood + 5
+    with pytest.raises(ControlError, match="paused"):
+        loop.run(1.0)
+    loop.call(ask.SetPaused(False))
+    wait_until(bus, lambda snapshot: snapshot.tick > stood + 5)
+
+
+@pytest.mark.parametrize("speed", [0.0, -1.0, 1001.0, math.nan])
+def test_an_impossible_speed_is_refused(start: Starter, speed: float) -> None:
+    with pytest.raises(ControlError, match="speed must be in"):
+        start(speed=speed)
+    loop, _, _ = start(speed=1.0)
+    with pytest.raises(ControlError, match="speed must be in"):
+        loop.call(ask.SetSpeed(speed))
+
+
+def test_a_very_slow_simulation_still_answers_and_closes_at_once(
+    start: Starter,
+) -> None:
+    loop, bus, _ = start(speed=1e-6)  # a tick takes a quarter of an hour
+    wait_until(bus, lambda snapshot: snapshot.tick >= 0)
+    before = time.perf_counter()
+    for _ in range(3):
+        loop.call(ask.SetPaused(False))
+    loop.call(ask.SetSpeed(100.0))
+    wait_until(bus, lambda snapshot: snapshot.time > 0.01)
+    loop.close()
+    assert time.perf_counter() - before < 5.0
+
+
+def test_a_fault_ends_a_wait_in_real_time(start: Starter) -> None:
+    loop, _, core = start(speed=1.0)
+    goal = loop.call(follow([1.0, 1.0], 500.0))
+    break_physics(core)
+    with pytest.raises(DivergenceError):
+        GoalHandle(goal, loop).wait()
+
+
+def test_closing_ends_a_wait_in_real_time(start: Starter) -> None:
+    loop, bus, _ = start(speed=1.0)
+    goal = loop.call(follow([1.0, 1.0], 500.0))
+    outcome: list[object] = []
+    waiter = threading.Thread(
+        target=lambda: outcome.append(GoalHandle(goal, loop).wait())
+    )
+    waiter.start()
+    wait_until(bus, lambda snapshot: snapshot.time > 0.01)
+    loop.close()
+    waiter.join(LONG)
+    assert [result.status for result in outcome] == [GoalStatus.PREEMPTED]  # type: ignore[attr-defined]
