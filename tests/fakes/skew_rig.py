@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from conftest import build_model
+from skew_robot import build_model
+
 from tool0.control.config import ControllerConfig
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint

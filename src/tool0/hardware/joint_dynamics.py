@@ -1,4 +1,4 @@
-"""Gravity load and inertia of the joints, from the robot model alone.
+"""Gravity load and mass matrix of the joints, from the robot model alone.
 
 Every joint is turned so that it acts along its own z axis; one pass from the root
 outwards places the bodies, and sums over what lies beyond a joint give its load.
@@ -23,7 +23,7 @@ STANDARD_GRAVITY = 9.81
 
 @final
 class JointDynamics:
-    """Gravity load and inertia of each joint, mimic joints counted to their master."""
+    """Gravity load and mass matrix, mimic joints counted to their master."""
 
     def __init__(self, model: RobotModel, gravity: float = STANDARD_GRAVITY) -> None:
         bodies = moving_bodies(model)
@@ -88,35 +88,33 @@ class JointDynamics:
                 moment_y[parent] += moment_y[i]
         return effort
 
-    def inertia(self, position: Sequence[float]) -> list[float]:
-        """Return the inertia that each joint feels alone [kg·m² | kg], (n_joints,).
+    def mass_matrix(self, position: Sequence[float]) -> Matrix:
+        """Return the mass matrix [kg·m² | kg], shape (n_joints, n_joints).
 
-        The diagonal of the mass matrix at ``position``, with the rotors' inertia.
+        At ``position``, with the rotors' inertia; rows of mimic joints are 0.
         """
         frames = np.array(self._frames(position)).reshape(-1, 12)
         axes, origins = frames[:, 6:9], frames[:, 9:12]
-        inertia = self._armature.copy()
+        matrix = np.diag(self._armature)
         for body in range(self._n):
             rotation = frames[body, :9].reshape(3, 3).T
             center = rotation @ np.array(self._center[body]) + origins[body]
-            tensor = rotation @ self._tensor[body] @ rotation.T
-            linear: dict[int, Matrix] = {}
-            angular: dict[int, Matrix] = {}
+            linear = np.zeros((self._n, 3))  # the body's motion per joint velocity
+            angular = np.zeros((self._n, 3))
             joint = body
             while joint >= 0:
                 master, multiplier = self._masters[joint]
                 axis = multiplier * axes[joint]
                 if self._prismatic[joint]:
-                    v, w = axis, np.zeros(3)
+                    linear[master] += axis
                 else:
-                    v, w = np.cross(axis, center - origins[joint]), axis
-                linear[master] = linear.get(master, 0.0) + v
-                angular[master] = angular.get(master, 0.0) + w
+                    linear[master] += np.cross(axis, center - origins[joint])
+                    angular[master] += axis
                 joint = self._parent[joint]
-            for master, v in linear.items():
-                w = angular[master]
-                inertia[master] += float(self._mass[body] * (v @ v) + w @ tensor @ w)
-        return inertia
+            tensor = rotation @ self._tensor[body] @ rotation.T
+            matrix += self._mass[body] * linear @ linear.T
+            matrix += angular @ tensor @ angular.T
+        return matrix
 
     def _frames(self, position: Sequence[float]) -> list[tuple[float, ...]]:
         """Return each body's axes x, y, z and origin in the world, 12 floats each."""

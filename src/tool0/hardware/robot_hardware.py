@@ -7,6 +7,7 @@ position or velocity through a servo; or the brake's, when nobody claims it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from operator import mul, truediv
 from typing import final
 
 from tool0.description.model import Interface, JointLimits, RobotModel
@@ -81,7 +82,10 @@ class RobotHardware:
         )
         self._is_stopped = False
         self._steps = 0
-        self._inertia: list[float] = []
+        self._masses: list[tuple[int, list[float]]] = []
+        """Of each joint with a servo, its row of those joints' mass matrix."""
+        self._fastest: list[float] = []
+        """Of each joint with a servo, the acceleration that its drive can give."""
         self._servos: dict[int, Servo] = {}
         self._carrying = [
             self.index[name]
@@ -150,7 +154,7 @@ class RobotHardware:
         """Put the joint into the hands that its claim and its interface call for."""
         i, interface = self.index[name], self.interfaces[name]
         self._servos.pop(i, None)
-        self._inertia, self._weights = [], []
+        self._masses, self._weights = [], []
         if name not in self._claimed or self._is_stopped:
             self._servos[i] = Brake()
         elif interface is Interface.POSITION:
@@ -171,21 +175,38 @@ class RobotHardware:
     def _gravity(self, state: JointState) -> list[float]:
         """Return the effort that balances gravity [N·m | N], shape (n_joints,)."""
         position = [state.position[i] for i in self._to_model]
-        return self._in_engine_order(self._dynamics.gravity_effort(position))
-
-    def _in_engine_order(self, values: list[float]) -> list[float]:
-        ordered = [0.0] * len(values)
-        for i, value in zip(self._to_model, values, strict=True):
-            ordered[i] = value
+        ordered = [0.0] * len(position)
+        loads = self._dynamics.gravity_effort(position)
+        for i, load in zip(self._to_model, loads, strict=True):
+            ordered[i] = load
         return ordered
 
     def _serve(self, effort: list[float], state: JointState) -> None:
-        if not self._inertia or self._steps % POSE_PERIOD == 0:
-            position = [state.position[i] for i in self._to_model]
-            self._inertia = self._in_engine_order(self._dynamics.inertia(position))
+        """Give the joints with servos the accelerations that their servos ask for.
+
+        All at once, by the mass matrix: in some poses (straight up) an arm's joints
+        are so coupled that servos which each see their own inertia alone would shake.
+        """
+        if not self._masses or self._steps % POSE_PERIOD == 0:
+            self._masses = self._servo_masses(state)
         gravity = self._gravity(state)
-        for i, servo in self._servos.items():
-            wanted = servo.acceleration(
-                self.command[i], state.position[i], state.velocity[i], self._dt
-            )
-            effort[i] = gravity[i] + self._inertia[i] * wanted
+        command, dt = self.command, self._dt
+        _, position, velocity, _ = state
+        wanted = []
+        for (i, servo), most in zip(self._servos.items(), self._fastest, strict=True):
+            a = servo.acceleration(command[i], position[i], velocity[i], dt)
+            wanted.append(-most if a < -most else min(a, most))
+        for i, masses in self._masses:
+            effort[i] = gravity[i] + sum(map(mul, masses, wanted))
+
+    def _servo_masses(self, state: JointState) -> list[tuple[int, list[float]]]:
+        matrix = self._dynamics.mass_matrix([state.position[i] for i in self._to_model])
+        rows = [self._to_model.index(i) for i in self._servos]
+        efforts = [self.limits[self.joint_names[i]].effort for i in self._servos]
+        inertia = matrix.diagonal()[rows].tolist()
+        # What a drive cannot do must not be made up for by the others.
+        self._fastest = list(map(truediv, efforts, inertia))
+        return [
+            (i, matrix[row, rows].tolist())
+            for i, row in zip(self._servos, rows, strict=True)
+        ]

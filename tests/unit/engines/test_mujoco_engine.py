@@ -9,8 +9,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from skew_robot import build_model
 
-from conftest import build_model
 from tool0.description.catalogue import arms, assemble, grippers, named_poses
 from tool0.description.model import RobotModel
 from tool0.engines.mujoco.engine import MujocoEngine

@@ -18,9 +18,7 @@ HARD = JointLimits(lower=-1.0, upper=1.0, velocity=2.0, effort=10.0)
 finite = st.floats(-100.0, 100.0)
 
 
-def saturate(
-    effort: float, position: float, velocity: float, **drive: object
-) -> float:
+def saturate(effort: float, position: float, velocity: float, **drive: object) -> float:
     limiter = EffortLimiter([0], [DriveLimits(hard=HARD, **drive)], 0.001)  # type: ignore[arg-type]
     efforts = [effort]
     limiter.saturate(efforts, [position], [velocity])

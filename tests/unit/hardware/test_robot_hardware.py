@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import build_model
+from skew_robot import build_model
 
 from tool0.description.model import Interface, JointLimits, RobotModel
 from tool0.engines.mujoco.engine import MujocoEngine

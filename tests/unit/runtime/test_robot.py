@@ -134,7 +134,7 @@ def test_a_wait_that_is_too_short_says_so_and_the_goal_goes_on(
     robot: tool0.Robot,
 ) -> None:
     goal = robot.controller(ARM).follow([point([0.1, *HOME[1:]], 1.0)])
-    with pytest.raises(GoalTimeoutError, match="still active after 0.25 s") as caught:
+    with pytest.raises(GoalTimeoutError, match=r"still active after 0\.25 s") as caught:
         goal.wait(timeout=0.25)
     assert isinstance(caught.value, TimeoutError)
     assert robot.time == pytest.approx(0.25)
