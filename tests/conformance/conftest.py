@@ -1,0 +1,41 @@
+"""One suite for every engine: what a person may rely on, whatever steps the physics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from conformance_types import BringUp
+
+import tool0
+from tool0.errors import EngineUnavailableError
+
+ENGINES = ("mujoco",)
+
+
+@pytest.fixture(scope="session", params=ENGINES)
+def engine(request: pytest.FixtureRequest) -> str:
+    """Name an engine, or skip visibly where it is not installed."""
+    name: str = request.param
+    try:
+        tool0.bringup(engine=name, gripper=None, realtime=False).close()
+    except (EngineUnavailableError, ImportError) as error:
+        pytest.skip(f"engine '{name}' is absent: {error}")
+    return name
+
+
+@pytest.fixture
+def bring_up(engine: str) -> Iterator[BringUp]:
+    """Bring robots up on the engine, as fast as possible; they are closed at the end."""
+    robots = []
+
+    def bring_one_up(**options: object) -> tool0.Robot:
+        robot = tool0.bringup(
+            **{"engine": engine, "realtime": False, **options}  # type: ignore[arg-type]
+        )
+        robots.append(robot)
+        return robot
+
+    yield bring_one_up
+    for robot in robots:
+        robot.close()
