@@ -1,6 +1,7 @@
 """A robot without physics: it notes what it is asked, and ends goals when told."""
 
 import math
+import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -124,6 +125,7 @@ class FakeRobot:
     time: float = 1.5
     calls: list[tuple[str, Any]] = field(default_factory=list)
     goals: list[FakeGoal] = field(default_factory=list)
+    has_begun: threading.Event = field(default_factory=threading.Event)
 
     @property
     def gripper(self) -> FakeGripper:
@@ -153,6 +155,7 @@ class FakeRobot:
         if self.outcome is not None:
             goal.goal.finish(self.outcome)
         self.goals.append(goal)
+        self.has_begun.set()
         return goal
 
     def controllers(self) -> tuple[FakeStatus, ...]:

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import math
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Final, final
 
 from tool0.remote.address import DEFAULT_NAME
 
 if TYPE_CHECKING:
     from tool0.control.goal import Result
     from tool0.remote.client import RemoteGoal, RemoteRobot
+
+_GLANCE: Final = 0.05
+"""Longest time between looks at the signals [wall s]; an outcome wakes at once."""
+_PATIENCE: Final = 10.0
+"""Longest wait for a canceled goal to end [wall s]."""
 
 
 @final
@@ -27,25 +35,30 @@ class Bringup:
         return RemoteRobot(self.name)
 
 
-def see_through(goal: RemoteGoal, timeout: float | None) -> int:
-    """Wait for ``goal``, tell how it ended, and return the exit status.
+def see_through(start: Callable[[], RemoteGoal], timeout: float | None) -> int:
+    """Start a goal, wait for it, tell how it ended, and return the exit status.
 
-    Ctrl-C cancels the goal: the robot stops as it does for a ROS client.
+    Ctrl-C and SIGTERM cancel the goal: the robot stops as it does for a ROS client.
+    They are caught before the goal starts, so that none can slip in between.
     """
     from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
+    from tool0.cli.stop_signal import StopSignal
     from tool0.control.goal import GoalStatus
     from tool0.errors import GoalTimeoutError
 
-    try:
-        result = goal.wait(timeout)
-    except KeyboardInterrupt:
-        goal.cancel()
-        print(f"canceled: {_told(goal.wait(10.0))}")
-        return INTERRUPTED
-    except GoalTimeoutError:
-        goal.cancel()
-        print(f"canceled after {timeout:g} s: {_told(goal.wait(10.0))}")
-        return GOAL_FAILED
+    end = math.inf if timeout is None else time.monotonic() + timeout
+    with StopSignal() as stop:
+        goal = start()
+        while True:
+            try:
+                result = goal.wait(_GLANCE)
+                break
+            except GoalTimeoutError:
+                if not stop.is_set and time.monotonic() < end:
+                    continue
+            goal.cancel()
+            print(f"canceled: {_told(goal.wait(_PATIENCE))}")
+            return INTERRUPTED if stop.is_set else GOAL_FAILED
     print(_told(result))
     return OK if result.status is GoalStatus.SUCCEEDED else GOAL_FAILED
 

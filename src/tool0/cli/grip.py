@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from tool0.cli.connection import Bringup, see_through
 from tool0.cli.parsing import parse
 from tool0.errors import ConfigError
@@ -36,7 +38,11 @@ def grip(
     if (opening is None) == (position is None):
         raise ConfigError("give either --opening [m] or --position [rad]")
     with bringup.connect() as robot:
-        goal = robot.gripper.move(
-            opening=opening, position=position, speed=speed, effort=effort
+        move = partial(
+            robot.gripper.move,
+            opening=opening,
+            position=position,
+            speed=speed,
+            effort=effort,
         )
-        return see_through(goal, timeout)
+        return see_through(move, timeout)

@@ -54,7 +54,7 @@ def move(
         # Velocities given make the motion a cubic: it starts and ends softly.
         point = TrajectoryPoint(positions, zeros, time_from_start=duration)
         handle = robot.controller(chosen.name)
-        return see_through(handle.follow([point], joint_names=names), timeout)
+        return see_through(lambda: handle.follow([point], joint_names=names), timeout)
 
 
 def find_controller(

@@ -46,7 +46,9 @@ class RobotOptions:
     visual_params: Path | None = None
     """YAML of the visual and collision shapes."""
     gripper_params: Path | None = None
-    """YAML of the gripper."""
+    """YAML of the gripper's masses and drive."""
+    gripper_joint_limit_params: Path | None = None
+    """YAML of the gripper's joint limits."""
     transmission_hw_interface: str | None = None
     """Command interface of the arm: hardware_interface/EffortJointInterface, …"""
     safety_limits: bool = False
@@ -57,6 +59,8 @@ class RobotOptions:
     """How firmly the soft limit holds [1/s]."""
     tf_prefix: str | None = None
     """Prefix of the frames, as in the original launch file."""
+    spawn_z: float | None = None
+    """Height of the robot's base above the ground [m]."""
 
 
 @final

@@ -44,7 +44,9 @@ def state(
 
 
 def _table(state: RemoteState) -> str:
-    marks = [f"t = {state.time:.3f} s", f"{state.real_time_factor:.2f} x real time"]
+    marks = [f"t = {state.time:.3f} s"]
+    if state.real_time_factor > 0.0:  # zero until it was measured for a second
+        marks.append(f"{state.real_time_factor:.2f} x real time")
     if state.is_paused:
         marks.append("paused")
     if state.is_stopped:

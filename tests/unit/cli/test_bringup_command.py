@@ -1,0 +1,180 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from served import use_folder
+
+from tool0.cli import FAILED, OK, main
+from tool0.cli.bringup_text import finite
+from tool0.remote.address import Claim
+
+FAST = "--headless --no-realtime --duration 0.1"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return use_folder(monkeypatch, tmp_path)
+
+
+def run(line: str) -> int:
+    return main(["bringup", *line.split()])
+
+
+@pytest.fixture
+def running() -> Iterator["subprocess.Popen[str]"]:
+    with subprocess.Popen(
+        [sys.executable, "-m", "tool0", "bringup"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as program:
+        assert program.stdout is not None
+        for line in program.stdout:
+            if line.startswith("Ctrl-C"):
+                break
+        yield program
+        program.kill()
+
+
+def test_json_summary_is_all_that_is_printed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run(f"{FAST} --summary json") == OK
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["engine"] == "mujoco"
+    assert summary["sim_time"] == pytest.approx(0.1)
+    assert summary["steps"] == 100
+    assert {"name", "type", "state", "claimed"} == set(summary["controllers"][0])
+    assert summary["joints"].keys() >= {"elbow_joint", "finger_joint"}
+
+
+def test_text_tells_what_came_up_and_how_to_move_it(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run(FAST) == OK
+    out, error = capsys.readouterr()
+    assert "ur5 + 2f85 is up in mujoco: 7 driven joints" in out
+    assert "  eff_joint_traj_controller   running" in out
+    assert "tool0 move --joints elbow_joint=" in out
+    assert "tool0 grip --opening 0.04" in out
+    assert "0.100 s simulated" in out
+    assert "\r" not in out
+    assert error == ""
+
+
+def test_summary_none_prints_none(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(f"{FAST} --summary none") == OK
+    assert "simulated" not in capsys.readouterr().out
+
+
+def test_nothing_is_left_behind(folder: Path) -> None:
+    assert run(FAST) == OK
+    assert list(folder.iterdir()) == []
+    assert run(f"{FAST} --no-remote") == OK
+
+
+def test_the_signals_are_given_back() -> None:
+    before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    assert run(FAST) == OK
+    after = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    assert before == after
+
+
+@pytest.mark.parametrize("duration", ["0", "0.0004", "0.0015", "0.25"])
+def test_any_duration_ends(duration: str, capsys: pytest.CaptureFixture[str]) -> None:
+    line = f"--no-realtime --summary json --duration {duration}"
+    assert run(line) == OK
+    time = json.loads(capsys.readouterr().out)["sim_time"]
+    assert abs(time - float(duration)) <= 0.0005 + 1e-9
+
+
+def test_real_time_ends_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("--duration 0.05 --speed 2 --summary json") == OK
+    assert json.loads(capsys.readouterr().out)["sim_time"] >= 0.05
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_with_its_summary(
+    number: signal.Signals, running: "subprocess.Popen[str]", folder: Path
+) -> None:
+    assert (folder / "tool0.sock").exists()
+    running.send_signal(number)
+    out, error = running.communicate(timeout=30.0)
+    assert "s simulated in" in out
+    assert error == ""
+    assert running.returncode == OK
+    assert list(folder.iterdir()) == []
+
+
+def test_another_process_drives_it(
+    running: "subprocess.Popen[str]", capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["move", "--joints", "elbow_joint=1.4", "--duration", "0.3"]) == OK
+    assert main(["grip", "--opening", "0.06"]) == OK
+    capsys.readouterr()
+    assert main(["state", "--json"]) == OK
+    position = json.loads(capsys.readouterr().out)["position"]
+    assert position["elbow_joint"] == pytest.approx(1.4, abs=0.03)
+
+
+def test_a_name_in_use_is_told_before_anything_starts(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    claim = Claim("tool0")
+    assert run(FAST) == FAILED
+    assert f"(pid {os.getpid()}); stop it or use --name" in capsys.readouterr().err
+    assert run(f"{FAST} --name other") == OK
+    claim.close()
+
+
+def test_a_warning_about_a_person_s_file_names_the_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text(
+        "joint_state_controller:\n"
+        "  type: joint_state_controller/JointStateController\n"
+        "  publish_rate: 50\n"
+        "  publish_rat: 50\n"
+    )
+    assert run(f"{FAST} --controllers-file {file} --summary json") == OK
+    out, error = capsys.readouterr()
+    (warning,) = json.loads(out)["warnings"]
+    assert (warning["line"], Path(warning["file"])) == (4, file)
+    assert error.startswith(f"tool0: warning: {file}:4: ")
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("--arm ur55", "did you mean 'ur5'"),
+        ("--robot nowhere.urdf", "nowhere.urdf"),
+        ("--controllers-file nowhere.yaml", "nowhere.yaml"),
+        ("--controllers eff_joint_trai_controller", "'eff_joint_traj_controller'"),
+        ("--initial-pose elbow=1", "did you mean 'elbow_joint'"),
+        ("--initial-pose nowhere", "nowhere"),
+        ("--initial-pose elbow_joint=99", "99"),
+        ("--duration -1", "--duration"),
+        ("--name ../up", "cannot be named"),
+    ],
+)
+def test_a_mistake_is_one_line_and_leaves_nothing(
+    line: str, message: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(f"--headless --no-realtime {line}") == FAILED
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.startswith("tool0: error: ")
+    assert error.count("\n") == 1
+    assert message in error
+    assert not folder.exists() or list(folder.iterdir()) == []
+
+
+def test_json_gets_null_for_what_is_not_a_number() -> None:
+    value = {"a": [1.0, float("nan")], "b": (float("inf"), "x"), "c": 3}
+    assert finite(value) == {"a": [1.0, None], "b": [None, "x"], "c": 3}
