@@ -26,7 +26,7 @@ def engine(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture
 def bring_up(engine: str) -> Iterator[BringUp]:
-    """Bring robots up on the engine, as fast as possible; they are closed at the end."""
+    """Bring robots up on the engine, as fast as possible, and close them."""
     robots = []
 
     def bring_one_up(**options: object) -> tool0.Robot:

@@ -1,0 +1,163 @@
+"""The gripper by both of its controllers, with the files that people have."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from conformance_types import BringUp
+from ur5_rig import ARM_JOINTS, GRIPPER, POST, POST_GRIPPER, point
+
+import tool0
+from tool0.errors import ControlError
+
+OPENINGS = {"open": 0.085, "half": 0.0425, "closed": 0.0}  # [m]
+CLOSED = 0.8133  # [rad]
+FILES = {
+    "ours": None,
+    "post, trajectory": [POST],
+    "post, action": [POST, POST_GRIPPER],
+}
+MIMIC_ERROR = 3e-4  # [rad]
+
+
+def random_targets(n: int) -> list[float]:
+    return np.random.default_rng(19).uniform(0.0, CLOSED, n).tolist()
+
+
+def finger(robot: tool0.Robot) -> float:
+    return robot.joint_state.position["finger_joint"]
+
+
+@pytest.mark.parametrize("files", FILES.values(), ids=FILES)
+@pytest.mark.parametrize("pose", OPENINGS)
+def test_at_rest_nothing_trembles(
+    bring_up: BringUp, pose: str, files: list[object] | None
+) -> None:
+    robot = bring_up(initial_pose=pose, controllers_file=files)
+    robot.gripper.move(opening=OPENINGS[pose])
+    robot.run(2.0)
+    squares = []
+    for _ in range(1000):
+        robot.run(0.01)
+        velocity = robot.joint_state.velocity
+        squares.append([velocity[j] ** 2 for j in velocity if j not in ARM_JOINTS])
+    rms = np.sqrt(np.mean(squares, axis=0))
+    assert len(rms) == 6
+    assert rms.max() <= 1e-4  # [rad/s]
+
+
+def test_every_goal_in_range_succeeds_with_the_post_s_trajectory_controller(
+    bring_up: BringUp,
+) -> None:
+    robot = bring_up(controllers_file=POST)
+    for target in random_targets(19):  # 6 of 19 were aborted by the original
+        goal = robot.controller(GRIPPER).follow([point([target], 1.0)])
+        assert goal.wait(10.0).status is tool0.GoalStatus.SUCCEEDED
+
+
+def test_every_goal_in_range_succeeds_with_the_post_s_action_controller(
+    bring_up: BringUp,
+) -> None:
+    robot = bring_up(controllers_file=[POST, POST_GRIPPER])
+    for target in random_targets(19):
+        goal = robot.controller(GRIPPER).command_gripper(target)
+        result = goal.wait(10.0)
+        assert result.status is tool0.GoalStatus.SUCCEEDED
+        assert isinstance(result, tool0.GripperResult)
+        assert result.reached_goal
+        assert result.position == pytest.approx(target, abs=0.002)
+
+
+@pytest.mark.parametrize("files", FILES.values(), ids=FILES)
+def test_it_opens_and_closes_to_the_millimetre(
+    bring_up: BringUp, files: list[object] | None
+) -> None:
+    robot = bring_up(controllers_file=files)
+    for opening in (0.0, 0.085, 0.04, 0.01, 0.06):
+        goal = robot.gripper.move(opening=opening)
+        assert goal.wait(10.0).status is tool0.GoalStatus.SUCCEEDED
+        robot.run(1.0)
+        assert robot.gripper.opening == pytest.approx(opening, abs=1e-3)
+
+
+def test_grasping_nothing_closes_all_the_way(bring_up: BringUp) -> None:
+    robot = bring_up(controllers_file=[POST, POST_GRIPPER])
+    result = robot.gripper.move(opening=0.0).wait(10.0)
+    assert result.status is tool0.GoalStatus.SUCCEEDED
+    assert isinstance(result, tool0.GripperResult)
+    assert (result.reached_goal, result.stalled) == (True, False)
+    robot.run(1.0)
+    assert robot.gripper.opening < 1e-3
+
+
+def test_cancelling_holds_the_fingers_where_they_are(bring_up: BringUp) -> None:
+    for files in FILES.values():
+        robot = bring_up(controllers_file=files)
+        goal = robot.gripper.move(opening=0.0)
+        robot.run(0.05)
+        goal.cancel()
+        assert goal.status is tool0.GoalStatus.PREEMPTED
+        robot.run(1.5)
+        rest = finger(robot)
+        assert 0.0 < rest < 0.7
+        robot.run(1.0)
+        assert finger(robot) == pytest.approx(rest, abs=1e-3)
+
+
+def test_mimic_joints_follow_in_motion_and_at_rest(bring_up: BringUp) -> None:
+    robot = bring_up()
+    followers = [
+        (joint.name, joint.mimic.multiplier)
+        for joint in robot.description.model.movable_joints
+        if joint.mimic is not None
+    ]
+    assert len(followers) == 5
+    worst = 0.0
+    for opening in (0.01, 0.08, 0.03):
+        robot.gripper.move(opening=opening)
+        for _ in range(400):
+            robot.run(0.002)
+            position = robot.joint_state.position
+            for name, multiplier in followers:
+                error = position[name] - multiplier * position["finger_joint"]
+                worst = max(worst, abs(error))
+    assert worst <= MIMIC_ERROR
+
+
+def test_the_fingers_are_never_faster_than_their_drive(bring_up: BringUp) -> None:
+    robot = bring_up(controllers_file=[POST, POST_GRIPPER])
+    limit = robot.description.model.joint("finger_joint").limits.velocity
+    fastest = 0.0
+    for target, _ in itertools.product((CLOSED - 1e-3, 0.0), range(2)):
+        robot.controller(GRIPPER).command_gripper(target)
+        for _ in range(300):
+            robot.run(0.002)
+            fastest = max(fastest, abs(robot.joint_state.velocity["finger_joint"]))
+    assert 0.5 * limit < fastest <= 1.1 * limit
+
+
+def strongest(robot: tool0.Robot, duration: float) -> float:
+    """Run, and return the largest effort of the drive [N·m]."""
+    most = 0.0
+    for _ in range(round(duration / 0.005)):
+        robot.run(0.005)
+        most = max(most, abs(robot.joint_state.effort["finger_joint"]))
+    return most
+
+
+def test_an_effort_bound_is_kept_and_lifted(bring_up: BringUp) -> None:
+    robot = bring_up()
+    bound = 0.2
+    robot.gripper.move(opening=0.0, effort=bound)
+    assert 0.5 * bound < strongest(robot, 1.5) <= bound
+    robot.gripper.move(opening=0.085).wait(10.0)
+    robot.gripper.move(opening=0.0)
+    assert strongest(robot, 1.5) > bound
+
+
+def test_an_action_controller_knows_no_speed(bring_up: BringUp) -> None:
+    robot = bring_up(controllers_file=[POST, POST_GRIPPER])
+    with pytest.raises(ControlError, match="knows no speed"):
+        robot.gripper.move(opening=0.0, speed=0.05)
