@@ -1,0 +1,78 @@
+"""What the README promises."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from tool0.cli import COMMANDS, FAILED, main
+from tool0.cli.quick import read_bringup
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.DOTALL | re.MULTILINE)
+
+
+def tool0_lines() -> list[list[str]]:
+    text = "\n".join(blocks("")).replace("\\\n", " ")
+    found = re.findall(r"^(?:\.venv/bin/)?tool0 (.*)$", text, re.MULTILINE)
+    return [shlex.split(line, comments=True) for line in found]
+
+
+def test_the_python_block_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    (program,) = blocks("python")
+    exec(compile(program, "README.md", "exec"), {})
+    printed = capsys.readouterr().out
+    assert "status=SUCCEEDED" in printed
+    time, elbow = map(float, printed.splitlines()[-1].split())
+    assert time > 3.0
+    assert elbow == pytest.approx(1.4, abs=0.02)
+
+
+@pytest.mark.parametrize("line", tool0_lines(), ids=" ".join)
+def test_every_command_line_is_understood(
+    line: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command, *arguments = line
+    if command == "bringup":
+        assert read_bringup(arguments) is not None
+        return
+    # Nobody serves this name, so a line that is understood ends right there.
+    assert main([command, *arguments, "--name", "readme-test"]) == FAILED
+    assert "no bringup named 'readme-test'" in capsys.readouterr().err
+
+
+def test_the_table_names_every_command() -> None:
+    for command in COMMANDS:
+        assert re.search(rf"`tool0 [^`]*\b{command}\b", README), command
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/conventions.md", "CHANGELOG.md"])
+def test_links_lead_somewhere(page: str) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^)#]+)\)", text):
+        if "://" not in target:
+            assert ((ROOT / page).parent / target).exists(), target
+
+
+def test_the_formula_of_the_conventions_is_the_gripper_s() -> None:
+    """docs/conventions.md writes numbers that live in the gripper's YAML."""
+    from tool0.description.catalogue import assemble
+
+    text = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
+    (gripper,) = assemble().model.grippers
+    assert f"{gripper.pad_offset:.10f}" in text
+    assert (
+        f"{gripper.pad_cos:.4f} · cos q \N{MINUS SIGN} {-gripper.pad_sin:.4f} · sin q"
+        in text
+    )
+    assert gripper.position(0.0) == pytest.approx(0.8133, abs=5e-5)
+    for q, lever in ((0.0, 0.086), (0.4374, 0.110), (0.8133, 0.114)):
+        assert gripper.lever(q) == pytest.approx(lever, abs=5e-4)
+    low, high = gripper.force
+    assert low * gripper.lever(0.0) == pytest.approx(1.7, abs=0.05)
+    assert high * gripper.lever(0.8133) == pytest.approx(26.7, abs=0.05)
