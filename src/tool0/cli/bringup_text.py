@@ -28,9 +28,9 @@ def greeting(robot: Robot, simulation: SimulationOptions) -> str:
             [(f"  {row.name}", row.state, row.type) for row in robot.controllers()]
         ).splitlines(),
     ]
-    if simulation.remote:
-        lines += ["From another terminal:", *_examples(robot, simulation.name)]
     if simulation.duration is None:
+        if simulation.remote:
+            lines += ["From another terminal:", *_examples(robot, simulation.name)]
         lines.append("Ctrl-C ends it.")
     return "\n".join(lines)
 

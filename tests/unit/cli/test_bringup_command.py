@@ -7,10 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from served import use_folder
+from served import serving, use_folder
 
+import tool0
 from tool0.cli import FAILED, OK, main
-from tool0.cli.bringup_text import finite
+from tool0.cli.bringup_text import finite, greeting
+from tool0.cli.options import SimulationOptions
 from tool0.remote.address import Claim
 
 FAST = "--headless --no-realtime --duration 0.1"
@@ -53,15 +55,28 @@ def test_json_summary_is_all_that_is_printed(
     assert summary["joints"].keys() >= {"elbow_joint", "finger_joint"}
 
 
-def test_text_tells_what_came_up_and_how_to_move_it(
-    capsys: pytest.CaptureFixture[str],
+def test_greeting_tells_how_to_move_it_with_lines_that_work(
+    folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    with tool0.bringup(speed=20.0) as robot, serving(robot, "left"):
+        text = greeting(robot, SimulationOptions(name="left"))
+        lines = [line for line in text.splitlines() if line.startswith("  tool0 ")]
+        commands = [line.split()[1:] for line in lines]
+        assert [line[0] for line in commands] == [
+            "move",
+            "grip",
+            "state",
+            "controllers",
+        ]
+        for line in commands:
+            assert main(line) == OK, capsys.readouterr()
+
+
+def test_text_tells_what_came_up(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(FAST) == OK
     out, error = capsys.readouterr()
     assert "ur5 + 2f85 is up in mujoco: 7 driven joints" in out
     assert "  eff_joint_traj_controller   running" in out
-    assert "tool0 move --joints elbow_joint=" in out
-    assert "tool0 grip --opening 0.04" in out
     assert "0.100 s simulated" in out
     assert "\r" not in out
     assert error == ""
