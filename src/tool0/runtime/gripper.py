@@ -95,7 +95,8 @@ class Gripper:
 
         The linkage turns a steady opening into an unsteady angle, so points lie close.
         """
-        start = min(self.opening, self.geometry.max_opening)
+        widest = self.geometry.max_opening
+        start = min(self.opening, widest)
         way = opening - start
         ramp = min(RAMP, abs(way) / 2.0)
         speed *= math.sqrt(ramp / RAMP)  # a short way ends before full speed
@@ -104,7 +105,8 @@ class Gripper:
         for k in range(1, n_points + 1):
             done = abs(way) * k / n_points
             at, rate = _ramped(done, abs(way), ramp, speed)
-            q = self.geometry.position(start + math.copysign(done, way))
+            reached = start + math.copysign(done, way)
+            q = self.geometry.position(min(max(0.0, reached), widest))  # rounding
             qd = -math.copysign(rate, way) / self.geometry.lever(q)
             points.append(TrajectoryPoint([q], [qd], time_from_start=max(at, 1e-3 * k)))
         return points

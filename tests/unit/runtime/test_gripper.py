@@ -108,6 +108,13 @@ def test_to_stay_where_it_is_takes_no_time_to_speak_of() -> None:
         assert point.velocities == pytest.approx((0.0,), abs=1e-6)
 
 
+def test_every_way_between_two_openings_can_be_planned() -> None:
+    openings = [k * 0.0005 for k in range(1, 170)] + [0.0, 0.085]
+    for start, end in itertools.product(openings[::7], openings):
+        for target in (end, 0.0, 0.085):
+            assert plan(start, target, 0.15)
+
+
 def test_times_always_increase() -> None:
     for (start, end), speed in itertools.product(WAYS, SPEEDS):
         times = [point.time_from_start for point in plan(start, end, speed)]

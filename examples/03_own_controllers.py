@@ -1,0 +1,27 @@
+"""Controllers from a file of your own: the gripper as a GripperActionController."""
+
+from pathlib import Path
+
+import tool0
+
+CONTROLLERS = Path(__file__).parent / "cell" / "gripper_action.yaml"
+
+with tool0.bringup(
+    realtime=False,
+    controllers_file=CONTROLLERS,
+    controllers="joint_state_controller gripper_controller",
+    stopped_controllers="arm_controller",
+) as robot:
+    for warning in robot.warnings:  # what the file says that nothing reads
+        print(f"{warning.file}:{warning.line}: {warning.message}")
+
+    # Nobody claims the arm yet: its brakes hold it.
+    robot.switch(start=["arm_controller"])
+    for status in robot.controllers():
+        print(f"{status.name:24} {status.state:12} {status.type}")
+
+    # A goal in the joint's own units, as ROS's action has it ...
+    goal = robot.controller("gripper_controller").command_gripper(0.5, max_effort=10.0)
+    print(goal.wait(timeout=5.0))
+    # ... or by the opening, whichever controller drives the gripper.
+    print(robot.gripper.move(opening=0.02).wait(timeout=5.0))

@@ -1,0 +1,42 @@
+"""Trajectories: several points, tolerances, replacement, cancel."""
+
+import tool0
+
+HOME = [0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0]
+LEFT = [0.8, -1.2, 1.3, -1.2, -1.2, 0.6]
+STILL = [0.0] * 6
+
+with tool0.bringup(realtime=False) as robot:
+    arm = robot.controller("eff_joint_traj_controller")
+
+    # With velocities the motion is smooth (cubic); without, it is linear, with jerks.
+    way = [
+        tool0.TrajectoryPoint(LEFT, STILL, time_from_start=2.0),
+        tool0.TrajectoryPoint(HOME, STILL, time_from_start=4.0),
+    ]
+    print("there and back:", arm.follow(way).wait(timeout=10.0))
+
+    # A joint that strays too far aborts the goal, and the arm stops.
+    goal = arm.follow(way, path_tolerance={"elbow_joint": 0.005})
+    print("too strict:", goal.wait(timeout=10.0))
+
+    # A new goal takes over from where the old one is at that moment.
+    first = arm.follow(way)
+    robot.run(1.0)
+    wanted = arm.query_state(robot.time).positions[0]
+    second = arm.follow([tool0.TrajectoryPoint(HOME, STILL, time_from_start=2.0)])
+    print(f"replaced at {wanted:.3f} rad:", first.result)
+    print("the new one:", second.wait(timeout=5.0))
+
+    # Cancelling slows down within stop_trajectory_duration, 0.5 s here.
+    goal = arm.follow(way)
+    robot.run(1.0)
+    goal.cancel()
+    robot.run(1.0)
+    speed = max(map(abs, arm.state.actual.velocities))
+    print(f"cancelled: {goal.result}, speed now {speed:.4f} rad/s")
+
+    try:
+        arm.follow([tool0.TrajectoryPoint([0.0] * 5, time_from_start=1.0)])
+    except tool0.GoalRejectedError as error:
+        print("rejected:", error.code, error)
