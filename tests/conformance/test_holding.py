@@ -5,7 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from conformance_types import BringUp
-from ur5_rig import ARM, ARM_JOINTS, AWAY, GRIPPER, point, positions, worst_departure
+from ur5_rig import (
+    ARM,
+    ARM_JOINTS,
+    AWAY,
+    GRIPPER,
+    HOME,
+    TWO_ROBOTS,
+    point,
+    positions,
+    worst_departure,
+)
 
 import tool0
 from tool0.errors import ControlError
@@ -41,6 +51,19 @@ def test_without_controllers_every_joint_stays_from_the_first_step_on(
 
 def test_a_bare_arm_holds_too(bring_up: BringUp) -> None:
     robot = bring_up(gripper=None, controllers=[], stopped_controllers=[])
+    assert worst_departure(robot, 10.0) <= ALLOWED
+
+
+def test_two_arms_in_one_scene_hold_both(bring_up: BringUp) -> None:
+    pose = dict(zip(ARM_JOINTS, HOME, strict=True))
+    robot = bring_up(
+        robot=TWO_ROBOTS,
+        initial_pose={
+            f"{s}_{j}": q for s in ("left", "right") for j, q in pose.items()
+        },
+    )
+    assert len(robot.joint_state.position) == 24
+    assert set(robot.grippers) == {"left_gripper", "right_gripper"}
     assert worst_departure(robot, 10.0) <= ALLOWED
 
 

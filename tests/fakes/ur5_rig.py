@@ -10,6 +10,7 @@ import numpy as np
 import tool0
 
 CONTROLLERS = Path(__file__).parent.parent / "data" / "controllers"
+TWO_ROBOTS = CONTROLLERS.parent / "description" / "two_robots.urdf.xacro"
 POST = CONTROLLERS / "ur5_controllers.yaml"
 POST_GRIPPER = CONTROLLERS / "robotiq_2f_85_gripper_controllers.yaml"
 

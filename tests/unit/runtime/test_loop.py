@@ -13,7 +13,15 @@ from skew_rig import START, build_core, build_loop, follow
 from tool0.control.goal import GoalStatus
 from tool0.errors import ControlError, DivergenceError
 from tool0.runtime import commands as ask
-from tool0.runtime.bus import Bus, Faulted, GoalFinished, Snapshot, WasReset
+from tool0.runtime.bus import (
+    Bus,
+    Faulted,
+    GoalFinished,
+    Overran,
+    Snapshot,
+    WasReset,
+)
+from tool0.runtime.clock import SpeedMeter
 from tool0.runtime.core import Core
 from tool0.runtime.handles import GoalHandle
 from tool0.runtime.loop import Loop
@@ -368,6 +376,23 @@ def test_real_time_pauses_steps_and_resumes(start: Starter) -> None:
         loop.run(1.0)
     loop.call(ask.SetPaused(False))
     wait_until(bus, lambda snapshot: snapshot.tick > stood + 5)
+
+
+def test_real_time_that_is_missed_is_told_once_a_window(
+    start: Starter, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setitem(SpeedMeter.measure.__kwdefaults__, "window", 0.02)
+    loop, bus, _ = start(speed=1000.0, paused=True)  # a tick cannot take 1 µs
+    reader = bus.subscribe()
+    loop.call(ask.SetPaused(False))
+    wait_until(bus, lambda snapshot: snapshot.overruns > 0 and bool(reader.events))
+    loop.close()
+    told = [event for event in reader.events if isinstance(event, Overran)]
+    assert told
+    assert sum(event.count for event in told) <= loop.overruns
+    assert all(event.count > 0 for event in told)
+    assert "ticks began late" in caplog.text
+    assert loop.time < 1000.0  # what cannot be caught up is given up
 
 
 @pytest.mark.parametrize("speed", [0.0, -1.0, 1001.0, math.nan])
