@@ -25,6 +25,7 @@ from tool0.runtime.clock import SpeedMeter
 from tool0.runtime.core import Core
 from tool0.runtime.handles import GoalHandle
 from tool0.runtime.loop import Loop
+from tool0.runtime.mailbox import Mailbox
 
 Starter = Callable[..., tuple[Loop, Bus, Core]]
 LONG = 30.0  # [wall s]; only a failing test waits so long
@@ -254,6 +255,16 @@ def test_closing_ends_goals_and_refuses_what_comes_later(
             late()
     loop.close()
     assert GoalHandle(goal, loop).wait().status is GoalStatus.PREEMPTED
+
+
+def test_letters_that_are_still_in_the_box_are_answered_with_the_closing() -> None:
+    core, mailbox = build_core(), Mailbox()
+    loop = Loop(core, mailbox, Bus())
+    future = mailbox.post(ask.Reset(position={"bend": 1.0}))
+    loop.close()
+    with pytest.raises(ControlError, match="closed"):
+        future.result(0.0)
+    assert core.state.position == START
 
 
 def test_closing_ends_a_wait_as_fast_as_possible(start: Starter) -> None:
