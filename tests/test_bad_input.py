@@ -415,3 +415,9 @@ def test_the_robot_holds_after_a_storm_of_nonsense(robot: tool0.Robot) -> None:
             n_refused += 1
     assert n_refused == 200
     assert worst_departure(robot, 1.0, before) <= 1e-3
+
+
+def test_catalogue_options_are_refused_for_a_robot_of_ones_own() -> None:
+    cell = Path(__file__).parent.parent / "examples" / "cell" / "two_arms.urdf.xacro"
+    with pytest.raises(ConfigError, match="mount_xyz: not for a robot of your own"):
+        tool0.bringup(robot=cell, mount_xyz=(0.0, 0.0, 0.1), realtime=False)

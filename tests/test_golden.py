@@ -7,8 +7,7 @@ import json
 import pytest
 from benchmarks.golden import DATA, SCENARIOS, compare
 
-ALLOWED = 0.010  # [rad]
-ALLOWED_ARM = 0.003  # [rad]; 2.6 mrad were measured
+ALLOWED = 0.003  # [rad]; 2.6 mrad were measured
 
 
 def recorded_statuses(name: str) -> tuple[str, ...]:
@@ -30,5 +29,5 @@ def test_there_are_recordings() -> None:
 def test_a_replay_stays_with_the_recording_and_ends_as_it_did(name: str) -> None:
     comparison = compare(name)
     assert comparison.simulated.shape == comparison.recorded.shape
-    assert comparison.worst <= (ALLOWED if "gripper" in name else ALLOWED_ARM)
+    assert comparison.worst <= ALLOWED
     assert comparison.statuses == recorded_statuses(name)

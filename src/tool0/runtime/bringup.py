@@ -82,7 +82,7 @@ def bringup(
         gripper: The gripper on tool0; None or "none" for a bare arm.
         prefix: Starts every link's and joint's name.
         robot: A person's own URDF or xacro file, instead of arm and gripper.
-        args: xacro arguments of that file.
+        args: xacro arguments of that file, or further ones of ours, as ``base_xyz``.
         joint_limit_params: YAML that replaces the arm's joint limits.
         kinematics_params: YAML that replaces the arm's kinematics.
         physical_params: YAML that replaces the arm's masses and inertias.
@@ -118,27 +118,26 @@ def bringup(
     Raises:
         Tool0Error: If anything about the options or the files is wrong.
     """
+    options = {
+        "joint_limit_params": _path(joint_limit_params),
+        "kinematics_params": _path(kinematics_params),
+        "physical_params": _path(physical_params),
+        "visual_params": _path(visual_params),
+        "gripper_params": _path(gripper_params),
+        "gripper_joint_limit_params": _path(gripper_joint_limit_params),
+        "transmission_hw_interface": transmission_hw_interface,
+        "safety_limits": safety_limits,
+        "safety_pos_margin": safety_pos_margin,
+        "safety_k_position": safety_k_position,
+        "tf_prefix": tf_prefix,
+        "mount_xyz": None if mount_xyz is None else tuple(mount_xyz),
+        "mount_rpy": None if mount_rpy is None else tuple(mount_rpy),
+        "meshes": meshes,
+    }
     if robot is None:
-        description = assemble(
-            arm,
-            gripper,
-            prefix=prefix,
-            joint_limit_params=_path(joint_limit_params),
-            kinematics_params=_path(kinematics_params),
-            physical_params=_path(physical_params),
-            visual_params=_path(visual_params),
-            gripper_params=_path(gripper_params),
-            gripper_joint_limit_params=_path(gripper_joint_limit_params),
-            transmission_hw_interface=transmission_hw_interface,
-            safety_limits=safety_limits,
-            safety_pos_margin=safety_pos_margin,
-            safety_k_position=safety_k_position,
-            tf_prefix=tf_prefix,
-            mount_xyz=None if mount_xyz is None else tuple(mount_xyz),
-            mount_rpy=None if mount_rpy is None else tuple(mount_rpy),
-            meshes=meshes,
-        )
+        description = assemble(arm, gripper, prefix=prefix, **options, **(args or {}))
     else:
+        _refuse_catalogue_options(robot, {"prefix": prefix, **options})
         description = load_robot(Path(robot), args or {})
     model = description.model
     config = _controller_config(description, controllers_file)
@@ -164,6 +163,20 @@ def bringup(
         bus=bus,
         warnings=_warnings(config, model),
     )
+
+
+def _refuse_catalogue_options(robot: Path | str, options: dict[str, object]) -> None:
+    """Raise if options are given that only a robot of the catalogue can heed."""
+    given = [
+        name
+        for name, value in options.items()
+        if value not in (None, False, "", "tool0")  # as if left out
+    ]
+    if given:
+        raise ConfigError(
+            f"{', '.join(given)}: not for a robot of your own; '{robot}' takes what "
+            "it declares with <xacro:arg>, by args"
+        )
 
 
 def _path(path: Path | str | None) -> Path | None:
