@@ -40,13 +40,11 @@ def bring_up(options: BringupOptions) -> int:
     """Bring the robot up, let it run, and return the exit status."""
     from tool0.cli.stop_signal import StopSignal
 
-    # The status line and the summary tell the overruns; a line each second would spam.
-    logging.getLogger("tool0.runtime.loop").setLevel(logging.ERROR)
-
     simulation = options.simulation
     # One JSON object is all that may stand on standard output then.
     console = sys.stderr if simulation.summary == "json" else sys.stdout
     with contextlib.ExitStack() as exits:
+        exits.enter_context(_quiet_overruns())
         # The name first: if it is taken, it should not take seconds to find out.
         claim = _claim(simulation)
         if claim is not None:
@@ -64,6 +62,18 @@ def bring_up(options: BringupOptions) -> int:
             status.end()
             _summarize(robot, simulation)
     return 0
+
+
+@contextlib.contextmanager
+def _quiet_overruns() -> Iterator[None]:
+    """Keep the loop from logging them: the status line and the summary tell them."""
+    loop = logging.getLogger("tool0.runtime.loop")
+    level = loop.level
+    loop.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        loop.setLevel(level)
 
 
 def _claim(simulation: SimulationOptions) -> Claim | None:
