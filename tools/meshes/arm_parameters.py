@@ -42,8 +42,8 @@ class ArmParameters:
 
 
 # Kinematics and offsets: config/<model>/*.yaml of ur_description,
-# https://github.com/ros-industrial/universal_robot at a7a2c54. The foot and the tool
-# flange are in the data sheets (UR5: 149 mm, 75 mm); other radii are read off pictures.
+# https://github.com/ros-industrial/universal_robot at a7a2c54. The radii are estimates:
+# they shape what a person sees, and the collision primitives, but no mass.
 UR3 = ArmParameters(
     name="ur3",
     d1=0.1519,
