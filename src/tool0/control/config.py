@@ -27,7 +27,6 @@ class LimitOverrides:
     position: tuple[float, float] | None = None
     velocity: float | None = None
     effort: float | None = None
-    acceleration: float | None = None
 
     def over(self, limits: JointLimits) -> JointLimits:
         """Return ``limits`` with these put in their place."""
@@ -163,5 +162,4 @@ def _limits(limits: Namespace) -> LimitOverrides:
         position=position,
         velocity=largest("velocity"),
         effort=largest("effort"),
-        acceleration=largest("acceleration"),
     )

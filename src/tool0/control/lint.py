@@ -16,6 +16,7 @@ from tool0.control.yaml_tree import ConfigWarning, Entry, warning_at
 from tool0.description.model import RobotModel
 
 _GAZEBO_GAINS = "gazebo_ros_control/pid_gains"
+_NOT_ENFORCED = ("max_acceleration", "max_jerk")
 _JOINT_MAPPINGS = ("gains", "constraints", "velocity_ff")
 
 
@@ -237,3 +238,5 @@ def _lint_limits(
             flag = f"has_{kind}_limits"
             if name.startswith(("min_", "max_")) and flag not in keys:
                 yield warning_at(entry, f"ignored, as in ROS, without '{flag}: true'")
+            elif name in _NOT_ENFORCED and keys[flag].scalar is not False:
+                yield warning_at(entry, "no drive of tool0 enforces it")

@@ -190,7 +190,7 @@ def test_joint_limits_count_beside_their_flags() -> None:
 joint_limits:
   hip: {has_velocity_limits: true, max_velocity: 2, max_effort: 5}
   slide: {has_position_limits: true, min_position: -1, max_position: 2}
-  wheel: {has_effort_limits: false, has_acceleration_limits: true, max_acceleration: 9}
+  wheel: {has_effort_limits: false}
 """
     ).joint_limits()
     urdf = JointLimits(lower=-6.0, upper=6.0, velocity=3.0, effort=50.0)
@@ -199,7 +199,6 @@ joint_limits:
     )
     assert limits["slide"].over(urdf).lower == -1.0
     assert limits["wheel"].over(urdf).effort == math.inf
-    assert limits["wheel"].acceleration == 9.0
     assert from_text("a: 1").joint_limits() == {}
 
 

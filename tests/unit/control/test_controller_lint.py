@@ -111,6 +111,16 @@ def test_limits_without_their_flag_and_unknown_ones_are_named() -> None:
     assert "no joint 'hop'" in messages["joint_limits/hop"]
 
 
+@pytest.mark.parametrize(("flag", "is_told"), [("true", True), ("false", False)])
+def test_an_acceleration_limit_that_nothing_enforces_is_told(
+    flag: str, is_told: bool
+) -> None:
+    limits = f"{{has_acceleration_limits: {flag}, max_acceleration: 9}}"
+    messages = dict(found(f"joint_limits: {{hip: {limits}}}"))
+    text = messages.get("joint_limits/hip/max_acceleration", "")
+    assert ("no drive of tool0 enforces it" in text) is is_told
+
+
 def test_without_a_model_no_joint_is_unknown() -> None:
     assert not any(
         "no joint" in text for _, text in found("joint_limits: {hop: {}}", None)
