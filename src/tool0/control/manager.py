@@ -11,6 +11,7 @@ from tool0.control.config import ControllerConfig
 from tool0.control.controller import Controller, ControllerSpec
 from tool0.control.controller_types import TYPES
 from tool0.control.hardware_port import HardwarePort
+from tool0.control.intent import Intent
 from tool0.control.parameters import Robot
 from tool0.description.model import Joint
 from tool0.errors import ClaimError, ControlError, GoalRejectedError, nearest_name
@@ -307,6 +308,10 @@ class ControllerManager:
     def list(self) -> tuple[ControllerStatus, ...]:
         """Return every loaded controller, in load order."""
         return self._statuses
+
+    def intents(self) -> Mapping[str, Intent]:
+        """Return what the running controllers want, of those that want a position."""
+        return {}
 
     def spec(self, name: str) -> ControllerSpec:
         """Return the parameters of a loaded controller."""

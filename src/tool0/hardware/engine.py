@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Protocol, final
 
 from tool0.hardware.joint_state import JointState
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ObjectPose:
+    """Where an object of the scene is, in the robot's root."""
+
+    name: str
+    position: tuple[float, float, float]
+    """[m]"""
+    quat_wxyz: tuple[float, float, float, float]
 
 
 class Engine(Protocol):
@@ -45,6 +57,9 @@ class Engine(Protocol):
 
     def step(self) -> None:
         """Advance simulated time by ``dt``."""
+
+    def object_poses(self) -> tuple[ObjectPose, ...]:
+        """Return where the objects of the scene are now, in the scene's order."""
 
     def close(self) -> None:
         """End the engine and what it started; closing twice is allowed."""

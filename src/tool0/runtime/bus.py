@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import final
 
 from tool0.control.goal import Goal
+from tool0.control.intent import Intent
 from tool0.control.manager import ControllerStatus
+from tool0.hardware.engine import ObjectPose
 
 EVENTS_KEPT = 1000
 """Events that a subscriber may fall behind before it loses the oldest."""
@@ -40,6 +43,13 @@ class Snapshot:
     """Ticks that began more than one control period late, since the start."""
     fault: str | None = None
     """Why the simulation stands still, until it is reset."""
+    speed: float | None = None
+    """Simulated seconds per wall second that were asked for; None runs only when
+    asked to, as fast as possible."""
+    intents: Mapping[str, Intent] = field(default_factory=dict)
+    """What each running controller wants of its joints, of those that want anything."""
+    objects: tuple[ObjectPose, ...] = ()
+    """The scene's objects, in the order of the scene."""
 
 
 @final

@@ -312,6 +312,9 @@ class Loop:
                 real_time_factor=self._meter.factor,
                 overruns=self._pacer.overruns,
                 fault=None if self._fault is None else str(self._fault),
+                speed=self._speed,
+                intents=core.manager.intents(),
+                objects=core.engine.object_poses(),
             )
         )
 

@@ -14,6 +14,7 @@ import numpy as np
 from tool0.description.model import RobotModel
 from tool0.engines.mujoco.model import build_spec, compile_spec
 from tool0.errors import ConfigError, DivergenceError, ModelError
+from tool0.hardware.engine import ObjectPose
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.pick import picker
 
@@ -104,6 +105,10 @@ class MujocoEngine:
         """Advance simulated time by ``dt``."""
         mujoco.mj_step(self.model, self.data)
         self._steps += 1
+
+    def object_poses(self) -> tuple[ObjectPose, ...]:
+        """Return where the objects of the scene are: there are none yet."""
+        return ()
 
     def close(self) -> None:
         """Nothing to end: MuJoCo lives inside the process."""
