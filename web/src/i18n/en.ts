@@ -1,0 +1,3 @@
+export const en = {
+  "app.title": "tool0",
+} as const;

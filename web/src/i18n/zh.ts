@@ -1,0 +1,5 @@
+import type { Texts } from ".";
+
+export const zh: Texts = {
+  "app.title": "tool0",
+};
