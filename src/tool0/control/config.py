@@ -10,9 +10,10 @@ from typing import final
 
 from tool0.control.controller import ControllerSpec
 from tool0.control.controller_types import parser_of
-from tool0.control.parameters import Namespace, Robot
-from tool0.control.yaml_tree import ConfigWarning, Entry, Tree, read_files
+from tool0.control.parameters import Robot
 from tool0.description.model import JointLimits
+from tool0.description.yaml_tree import ConfigWarning, Entry, Tree, read_files
+from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, SourceLocation, nearest_name
 
 

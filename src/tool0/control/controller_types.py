@@ -6,7 +6,8 @@ from collections.abc import Callable
 from importlib import import_module
 
 from tool0.control.controller import ControllerSpec
-from tool0.control.parameters import Namespace, Robot
+from tool0.control.parameters import Robot
+from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, SourceLocation, nearest_name
 
 Parser = Callable[[Namespace, Robot], ControllerSpec]

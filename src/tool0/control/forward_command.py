@@ -10,7 +10,6 @@ from typing import final
 from tool0.control.joint_servo import JointServo, Quantity
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Namespace,
     Robot,
     controlled_joints,
     read_gains,
@@ -18,6 +17,7 @@ from tool0.control.parameters import (
 )
 from tool0.control.pid import Gains
 from tool0.description.model import Interface, Joint
+from tool0.description.yaml_values import Namespace
 from tool0.errors import ControlError
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.pick import picker

@@ -11,13 +11,13 @@ from tool0.control.goal import Goal, GoalStatus, GripperResult
 from tool0.control.goal_check import check_position
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Namespace,
     Robot,
     read_gains,
     single_joint,
 )
 from tool0.control.pid import Gains, Pid
 from tool0.description.model import Interface, Joint
+from tool0.description.yaml_values import Namespace
 from tool0.errors import GoalRejectedError
 from tool0.hardware.joint_state import JointState
 

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-from tool0.control.parameters import Namespace, Robot
+from tool0.control.parameters import Robot
 from tool0.control.publish_rate import PublishRate
-from tool0.control.yaml_tree import Entry
 from tool0.description.model import Interface
+from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, nearest_name
 from tool0.hardware.joint_state import JointState
 

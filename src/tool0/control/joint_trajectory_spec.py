@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, final
 
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Namespace,
     Robot,
     controlled_joints,
     read_gains,
@@ -22,6 +21,7 @@ from tool0.control.tolerances import (
     TrajectoryTolerances,
 )
 from tool0.description.model import Interface, Joint
+from tool0.description.yaml_values import Namespace
 from tool0.hardware.joint_state import JointState
 
 if TYPE_CHECKING:

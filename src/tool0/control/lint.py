@@ -12,8 +12,8 @@ from tool0.control.parameter_tables import (
     parameters_of,
     readers_of,
 )
-from tool0.control.yaml_tree import ConfigWarning, Entry, warning_at
 from tool0.description.model import RobotModel
+from tool0.description.yaml_tree import ConfigWarning, Entry, warning_at
 
 _GAZEBO_GAINS = "gazebo_ros_control/pid_gains"
 _NOT_ENFORCED = ("max_acceleration", "max_jerk")

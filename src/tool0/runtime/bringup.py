@@ -9,7 +9,6 @@ from pathlib import Path
 from tool0.control.config import ControllerConfig
 from tool0.control.lint import lint
 from tool0.control.manager import ControllerManager, Strictness
-from tool0.control.yaml_tree import ConfigWarning
 from tool0.description.catalogue import (
     RobotDescription,
     assemble,
@@ -18,6 +17,7 @@ from tool0.description.catalogue import (
     named_poses,
 )
 from tool0.description.model import RobotModel
+from tool0.description.yaml_tree import ConfigWarning
 from tool0.errors import ConfigError, EngineUnavailableError, nearest_name
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware

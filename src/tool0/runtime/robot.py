@@ -9,9 +9,9 @@ from types import TracebackType
 from typing import final
 
 from tool0.control.manager import ControllerStatus, Strictness
-from tool0.control.yaml_tree import ConfigWarning
 from tool0.description.catalogue import RobotDescription
 from tool0.description.kinematics import Transform, link_pose
+from tool0.description.yaml_tree import ConfigWarning
 from tool0.errors import ControlError, nearest_name
 from tool0.hardware.engine import Engine
 from tool0.runtime import commands as ask
