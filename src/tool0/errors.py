@@ -78,9 +78,12 @@ class EngineUnavailableError(EngineError):
 class DivergenceError(EngineError):
     """The physics state, or what drives it, is no longer finite."""
 
-    def __init__(self, joint: str, time: float, quantity: str = "state") -> None:
+    def __init__(
+        self, joint: str, time: float, quantity: str = "state", kind: str = "joint"
+    ) -> None:
+        """Say which joint (or ``kind`` of thing) diverged, and when [s]."""
         super().__init__(
-            f"the {quantity} of joint '{joint}' is not finite at t = {time:.3f} s; "
+            f"the {quantity} of {kind} '{joint}' is not finite at t = {time:.3f} s; "
             "reset the simulation, and look for efforts or contacts without bound"
         )
         self.joint = joint

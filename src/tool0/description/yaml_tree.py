@@ -34,6 +34,11 @@ class Entry:
     children: dict[str, Entry] | None = None
     """The keys below, if it is a namespace."""
 
+    @property
+    def is_null(self) -> bool:
+        """Whether nothing stands after the key."""
+        return (self.scalar, self.items, self.children) == (None, None, None)
+
     def describe(self) -> str:
         """Return what a message calls the value."""
         if self.children is not None:

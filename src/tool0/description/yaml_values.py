@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
+from tool0.description.model import Vector3
 from tool0.description.yaml_tree import Entry
 from tool0.errors import ConfigError, SourceLocation, nearest_name
 
@@ -18,6 +19,13 @@ class Namespace:
     """A mapping of values; every getter raises ConfigError with file and line."""
 
     entry: Entry
+
+    @staticmethod
+    def of(entry: Entry) -> Namespace:
+        """Return ``entry`` as a namespace, or raise ConfigError if it is none."""
+        if entry.children is None:
+            raise _wrong(entry, "a mapping")
+        return Namespace(entry)
 
     @property
     def location(self) -> SourceLocation:
@@ -40,11 +48,16 @@ class Namespace:
     def namespace(self, path: str) -> Namespace | None:
         """Return the mapping at ``path``, or None if there is nothing."""
         entry = self.find(path)
-        if entry is None:
-            return None
-        if entry.children is None:
-            raise wrong(entry, "a mapping")
-        return Namespace(entry)
+        return None if entry is None else Namespace.of(entry)
+
+    def only(self, *valid: str) -> None:
+        """Raise ConfigError if there is a key that is not one of ``valid``."""
+        for name, entry in (self.entry.children or {}).items():
+            if name not in valid:
+                raise ConfigError(
+                    f"unknown key '{entry.key}'{nearest_name(name, valid)}",
+                    entry.location,
+                )
 
     def names(self) -> Iterator[str]:
         """Yield the keys."""
@@ -57,19 +70,42 @@ class Namespace:
             if default is None:
                 raise self.missing(path, "a number")
             return default
-        value = entry.scalar
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise wrong(entry, "a number")
-        if not math.isfinite(value):
-            raise wrong(entry, "a finite number")
-        return float(value)
+        return _number(entry)
+
+    def numbers(
+        self, path: str, count: int, default: tuple[float, ...] | None = None
+    ) -> tuple[float, ...]:
+        """Return the list of ``count`` finite numbers at ``path``."""
+        entry = self.find(path)
+        kind = f"a list of {count} numbers"
+        if entry is None:
+            if default is None:
+                raise self.missing(path, kind)
+            return default
+        if entry.items is None or len(entry.items) != count:
+            raise _wrong(entry, kind)
+        return tuple(_number(item) for item in entry.items)
+
+    def vector(self, path: str, default: Vector3 | None = None) -> Vector3:
+        """Return the three numbers at ``path``."""
+        x, y, z = self.numbers(path, 3, default)
+        return (x, y, z)
+
+    def items(self, path: str) -> tuple[Entry, ...]:
+        """Return the elements of the list at ``path``; none if it is not there."""
+        entry = self.find(path)
+        if entry is None or entry.is_null:
+            return ()
+        if entry.items is None:
+            raise _wrong(entry, "a list")
+        return tuple(entry.items)
 
     def not_negative(self, path: str, default: float | None = None) -> float:
         """Return the number at ``path``, 0 or more."""
         value = self.number(path, default)
         entry = self.find(path)
         if entry is not None and not value >= 0.0:
-            raise wrong(entry, "0 or more")
+            raise _wrong(entry, "0 or more")
         return value
 
     def boolean(self, path: str, default: bool) -> bool:
@@ -77,7 +113,7 @@ class Namespace:
         if entry is None:
             return default
         if not isinstance(entry.scalar, bool):
-            raise wrong(entry, "true or false")
+            raise _wrong(entry, "true or false")
         return entry.scalar
 
     def text(self, path: str) -> str:
@@ -85,7 +121,7 @@ class Namespace:
         if entry is None:
             raise self.missing(path, "a text")
         if not isinstance(entry.scalar, str):
-            raise wrong(entry, "a text")
+            raise _wrong(entry, "a text")
         return entry.scalar
 
     def texts(self, path: str) -> tuple[str, ...]:
@@ -97,7 +133,7 @@ class Namespace:
             item.scalar for item in entry.items or () if isinstance(item.scalar, str)
         )
         if not texts or len(texts) != len(entry.items or ()):
-            raise wrong(entry, "a list of names, like [joint_1, joint_2]")
+            raise _wrong(entry, "a list of names, like [joint_1, joint_2]")
         return texts
 
     def missing(self, path: str, kind: str) -> ConfigError:
@@ -109,8 +145,16 @@ class Namespace:
         )
 
 
-def wrong(entry: Entry, wanted: str) -> ConfigError:
-    """Return the error that ``entry`` is not what is ``wanted``."""
+def _number(entry: Entry) -> float:
+    value = entry.scalar
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise _wrong(entry, "a number")
+    if not math.isfinite(value):
+        raise _wrong(entry, "a finite number")
+    return float(value)
+
+
+def _wrong(entry: Entry, wanted: str) -> ConfigError:
     hint = ""
     text = entry.scalar
     if isinstance(text, str) and wanted == "a number":

@@ -6,13 +6,15 @@ import logging
 import math
 import struct
 from collections.abc import Sequence
-from typing import final
+from typing import Any, final
 
 import mujoco
 import numpy as np
 
 from tool0.description.model import RobotModel
-from tool0.engines.mujoco.model import build_spec, compile_spec
+from tool0.description.scene import Scene
+from tool0.engines.mujoco.model import build_spec
+from tool0.engines.mujoco.objects import ObjectPoses, add_objects, compile_with
 from tool0.errors import ConfigError, DivergenceError, ModelError
 from tool0.hardware.engine import ObjectPose
 from tool0.hardware.joint_state import JointState
@@ -26,26 +28,35 @@ DEEP = 0.002
 
 @final
 class MujocoEngine:
-    """One robot in MuJoCo, on the ground, with explicit Euler steps."""
+    """One robot and its scene in MuJoCo, on the ground, with explicit Euler steps."""
 
     name = "mujoco"
 
     def __init__(
-        self, model: RobotModel, dt: float = 0.001, ground: float | None = 0.0
+        self,
+        model: RobotModel,
+        dt: float = 0.001,
+        ground: float | None = 0.0,
+        scene: Scene | None = None,
     ) -> None:
-        """Compile the robot.
+        """Compile the robot and what is around it.
 
         Args:
             model: The robot.
             dt: Length of a step [s].
             ground: Height of the ground [m], in the robot's root; None for none.
+            scene: The objects around it; None for none.
         """
         if not 0.0 < dt < math.inf:
             raise ConfigError(f"the step must be above 0 s and finite, got {dt}")
         if ground is not None and not math.isfinite(ground):
             raise ConfigError(f"the height of the ground must be finite, got {ground}")
-        self.model = compile_spec(build_spec(model, dt=dt, ground=ground))
+        scene = scene or Scene()
+        spec = build_spec(model, dt=dt, ground=ground)
+        add_objects(spec, model, scene)
+        self.model = compile_with(spec, scene)
         self.data = mujoco.MjData(self.model)
+        self._objects = ObjectPoses(self.model, self.data, scene)
         self._joint_names = tuple(joint.name for joint in model.movable_joints)
         self._dt = dt
         self._steps = 0
@@ -53,9 +64,10 @@ class MujocoEngine:
         compiled = tuple(self.model.joint(i).name for i in range(self.model.njnt))
         if compiled[:n] != self._joint_names:
             raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")
-        # Views: the arrays of MjData never move.
+        # Views: the arrays of MjData never move.  The robot's joints come first.
         self._position = self.data.qpos[:n]
-        self._velocity = self.data.qvel[:n]
+        self._velocity = self.data.qvel
+        self._has_more = self.model.nv > n  # movable objects
         self._effort = [0.0] * n
         # Packing plain floats costs a third of what assigning to the array does.
         self._ctrl = memoryview(self.data.ctrl)
@@ -88,7 +100,9 @@ class MujocoEngine:
         position, velocity = self._position.tolist(), self._velocity.tolist()
         time = self._steps * self._dt
         if not math.isfinite(sum(velocity)):  # what makes a position so, too
-            raise DivergenceError(self._first_not_finite(), time)
+            raise self._divergence(time)
+        if self._has_more:
+            del velocity[len(position) :]
         return JointState(time, position, velocity, self._effort)
 
     def write(self, effort: Sequence[float]) -> None:
@@ -107,8 +121,8 @@ class MujocoEngine:
         self._steps += 1
 
     def object_poses(self) -> tuple[ObjectPose, ...]:
-        """Return where the objects of the scene are: there are none yet."""
-        return ()
+        """Return where the objects of the scene are now."""
+        return self._objects.read()
 
     def close(self) -> None:
         """Nothing to end: MuJoCo lives inside the process."""
@@ -121,7 +135,7 @@ class MujocoEngine:
             if contact.dist < -DEEP:
                 # What stands still was there first: the rest is put into it.
                 geoms = [self.model.geom(int(geom)) for geom in contact.geom]
-                geoms.sort(key=lambda geom: int(geom.bodyid[0]), reverse=True)
+                geoms.sort(key=self._moves, reverse=True)
                 first, second = (geom.name.partition("/")[0] for geom in geoms)
                 depth = max(-contact.dist, deepest.get((first, second), 0.0))
                 deepest[first, second] = depth
@@ -133,6 +147,16 @@ class MujocoEngine:
                 second,
             )
 
-    def _first_not_finite(self) -> str:
-        finite = np.isfinite(self._position) & np.isfinite(self._velocity)
-        return self._joint_names[int(np.argmin(finite))]
+    def _moves(self, geom: Any) -> tuple[bool, int]:  # a view of MjModel, untyped
+        """Return what sorts shapes that move after those that stand still."""
+        body = int(geom.bodyid[0])
+        return bool(self.model.body_weldid[body]), body
+
+    def _divergence(self, time: float) -> DivergenceError:
+        n = len(self._joint_names)
+        finite = np.isfinite(self._velocity)
+        finite[:n] &= np.isfinite(self._position)
+        # A free joint is called as its object.
+        joint = int(self.model.dof_jntid[int(np.argmin(finite))])
+        name, kind = self.model.joint(joint).name, "joint" if joint < n else "object"
+        return DivergenceError(name, time, kind=kind)

@@ -42,12 +42,15 @@ GRIP_SOLREF = (0.002, 1.0)
 GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 """Impedance of pad contact.  With an elliptic cone and impratio 100 these hold a
 45 mm, 0.1 kg cube under shaking that MuJoCo's defaults drop (docs/architecture.md)."""
+SPINNING, ROLLING = 0.005, 0.0001
+"""Friction about and across the normal [m]; MuJoCo's defaults."""
+GRIP_CONDIM = 4
+"""Sliding and spinning friction: a pad is a patch, not a point."""
 IMPRATIO = 100.0
 MIMIC_SOLREF = (0.002, 1.0)
 """As stiff as a step of 1 ms allows: mimic joints follow within the step."""
 MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 
-_GRIP_CONDIM = 4  # sliding and spinning friction: a pad is a patch, not a point
 _VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
 
 
@@ -112,6 +115,43 @@ def compile_spec(spec: Any) -> Any:  # MjSpec and MjModel carry no types
         raise ModelError(f"MuJoCo refuses the robot: {error}") from error
 
 
+def collision_name(link: Link, number: int) -> str:
+    """Return what the geom of a link's collision shape is called."""
+    return f"{link.name}/collision{number}"
+
+
+def add_geom(spec: Any, handle: Any, shape: Collision | Visual, frame: Matrix) -> Any:
+    """Add ``shape``, of a link with ``frame`` in the body ``handle``; return its geom.
+
+    Raises:
+        ModelError: If MuJoCo has no such shape.
+    """
+    placed = frame @ transform(shape.origin)
+    geom = handle.add_geom(pos=placed[:3, 3], quat=quat_wxyz(placed))
+    geometry: Geometry = shape.geometry
+    match geometry:
+        case Box():
+            geom.type = mujoco.mjtGeom.mjGEOM_BOX
+            geom.size = [edge / 2.0 for edge in geometry.size]
+        case Cylinder():
+            geom.type = mujoco.mjtGeom.mjGEOM_CYLINDER
+            geom.size = [geometry.radius, geometry.length / 2.0, 0.0]
+        case Sphere():
+            geom.type = mujoco.mjtGeom.mjGEOM_SPHERE
+            geom.size = [geometry.radius, 0.0, 0.0]
+        case Mesh():
+            geom.type = mujoco.mjtGeom.mjGEOM_MESH
+            geom.meshname = _add_mesh(spec, geometry)
+    return geom
+
+
+def quat_wxyz(frame: Matrix) -> Any:
+    """Return the rotation of ``frame``, shape (4,)."""
+    quat = np.empty(4)
+    mujoco.mju_mat2Quat(quat, np.ascontiguousarray(frame[:3, :3]).ravel())
+    return quat
+
+
 def _add_body(
     spec: Any, parent: Any, model: RobotModel, body: MovingBody, visuals: bool
 ) -> Any:
@@ -126,7 +166,7 @@ def _add_body(
     handle = parent.add_body(
         name=joint.child,
         pos=body.placement[:3, 3],
-        quat=_quat_wxyz(body.placement),
+        quat=quat_wxyz(body.placement),
         mass=inertia.mass,
         ipos=inertia.center,
         fullinertia=[
@@ -189,16 +229,16 @@ def _add_coupling(spec: Any, model: RobotModel, joint: Joint) -> None:
 def _add_shapes(
     spec: Any, handle: Any, link: Link, frame: Matrix, visuals: bool
 ) -> None:
-    handle.add_site(name=link.name, pos=frame[:3, 3], quat=_quat_wxyz(frame), group=4)
+    handle.add_site(name=link.name, pos=frame[:3, 3], quat=quat_wxyz(frame), group=4)
     for number, collision in enumerate(link.collisions):
-        geom = _add_geom(spec, handle, collision, frame)
-        geom.name = f"{link.name}/collision{number}"
+        geom = add_geom(spec, handle, collision, frame)
+        geom.name = collision_name(link, number)
         geom.group = _COLLISION_GROUP
         geom.mass = 0.0
         if link.surface is not None:
             _make_grip(geom, link.surface)
     for number, visual in enumerate(link.visuals if visuals else ()):
-        geom = _add_geom(spec, handle, visual, frame)
+        geom = add_geom(spec, handle, visual, frame)
         geom.name = f"{link.name}/visual{number}"
         geom.group = _VISUAL_GROUP
         geom.mass = 0.0
@@ -208,32 +248,12 @@ def _add_shapes(
 
 
 def _make_grip(geom: Any, surface: Surface) -> None:
-    geom.condim = _GRIP_CONDIM
+    geom.condim = GRIP_CONDIM
     geom.priority = 1
     geom.solref = GRIP_SOLREF
     geom.solimp = GRIP_SOLIMP
     if surface.mu1 is not None:
-        geom.friction = [surface.mu1, 0.005, 0.0001]
-
-
-def _add_geom(spec: Any, handle: Any, shape: Collision | Visual, frame: Matrix) -> Any:
-    placed = frame @ transform(shape.origin)
-    geom = handle.add_geom(pos=placed[:3, 3], quat=_quat_wxyz(placed))
-    geometry: Geometry = shape.geometry
-    match geometry:
-        case Box():
-            geom.type = mujoco.mjtGeom.mjGEOM_BOX
-            geom.size = [edge / 2.0 for edge in geometry.size]
-        case Cylinder():
-            geom.type = mujoco.mjtGeom.mjGEOM_CYLINDER
-            geom.size = [geometry.radius, geometry.length / 2.0, 0.0]
-        case Sphere():
-            geom.type = mujoco.mjtGeom.mjGEOM_SPHERE
-            geom.size = [geometry.radius, 0.0, 0.0]
-        case Mesh():
-            geom.type = mujoco.mjtGeom.mjGEOM_MESH
-            geom.meshname = _add_mesh(spec, geometry)
-    return geom
+        geom.friction = [surface.mu1, SPINNING, ROLLING]
 
 
 def _add_mesh(spec: Any, mesh: Mesh) -> str:
@@ -274,9 +294,3 @@ def _pairs_that_never_touch(
 
 def _grips(model: RobotModel, body: MovingBody) -> bool:
     return any(model.link(name).surface is not None for name, _ in body.links)
-
-
-def _quat_wxyz(frame: Matrix) -> Any:
-    quat = np.empty(4)
-    mujoco.mju_mat2Quat(quat, np.ascontiguousarray(frame[:3, :3]).ravel())
-    return quat

@@ -1,0 +1,130 @@
+"""What stands and lies around the robot, as frozen values."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import final
+
+from tool0.description.model import (
+    Box,
+    Cylinder,
+    Geometry,
+    Mesh,
+    Pose,
+    RobotModel,
+    Sphere,
+)
+from tool0.errors import ConfigError, SourceLocation
+
+RGBA = tuple[float, float, float, float]
+
+DEFAULT_FRICTION = 1.0
+DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
+"""Orange: no part of the robots that tool0 brings has it."""
+
+_NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SceneObject:
+    """A rigid object of one shape, made of one stuff all through.
+
+    The smaller friction of two objects that touch is what counts, as in ODE; the
+    ground and the robot's links are rough, its pads have their own.
+    """
+
+    name: str
+    geometry: Geometry
+    """Centred at the object's origin; a mesh has the origin that its file has, and
+    touches others by its convex hull."""
+    pose: Pose = field(default_factory=Pose)
+    """At the start and after a reset, in the robot's root."""
+    mass: float | None = None
+    """[kg]; None stands still, whatever pushes it."""
+    friction: float = DEFAULT_FRICTION
+    """Coulomb's coefficient for sliding, as ``mu1`` of Gazebo."""
+    rgba: RGBA = DEFAULT_RGBA
+    """Each within 0 … 1."""
+
+    def __post_init__(self) -> None:
+        if not _NAME.fullmatch(self.name):
+            raise ConfigError(
+                f"'{self.name}' cannot name an object; "
+                "use letters, digits, '_', '-', '.' and single spaces"
+            )
+        of = f"of object '{self.name}'"
+        check_geometry(self.geometry, of)
+        if not all(map(math.isfinite, (*self.pose.xyz, *self.pose.rpy))):
+            raise ConfigError(f"the pose {of} must be finite, got {self.pose}")
+        if self.mass is not None and not 0.0 < self.mass < math.inf:
+            raise ConfigError(
+                f"the mass {of} must be above 0 kg and finite, got {self.mass:g}; "
+                "leave it out for what stands still"
+            )
+        if not 0.0 <= self.friction < math.inf:
+            raise ConfigError(
+                f"the friction {of} must be 0 or more and finite, got {self.friction:g}"
+            )
+        if len(self.rgba) != 4 or not all(0.0 <= part <= 1.0 for part in self.rgba):
+            raise ConfigError(
+                f"the rgba {of} must be four numbers within 0 … 1, got {self.rgba}"
+            )
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Objects with a name each, in the order of every list of their poses."""
+
+    objects: tuple[SceneObject, ...] = ()
+    locations: dict[str, SourceLocation] = field(
+        default_factory=dict, compare=False, repr=False
+    )
+    """Where the object of each name is written, for messages."""
+
+    def __post_init__(self) -> None:
+        seen: set[str] = set()
+        for item in self.objects:
+            if item.name in seen:
+                raise ConfigError(
+                    f"two objects are called '{item.name}'; rename one",
+                    self.locations.get(item.name),
+                )
+            seen.add(item.name)
+
+    def check_beside(self, model: RobotModel) -> None:
+        """Raise ConfigError if an object has the name of a link of the robot."""
+        for item in self.objects:
+            if item.name in model.link_by_name:
+                raise ConfigError(
+                    f"object '{item.name}' has the name of a link of the robot; "
+                    "rename it",
+                    self.locations.get(item.name),
+                )
+
+
+def check_geometry(geometry: Geometry, of: str) -> None:
+    """Raise ConfigError unless there can be such a shape; ``of`` says whose it is."""
+    match geometry:
+        case Box(size=size):
+            _check_sizes("each edge of the box", of, size)
+        case Cylinder(radius=radius, length=length):
+            _check_sizes("radius and length of the cylinder", of, (radius, length))
+        case Sphere(radius=radius):
+            _check_sizes("the radius of the sphere", of, (radius,))
+        case Mesh(scale=scale):
+            if not all(math.isfinite(part) and part for part in scale):
+                raise ConfigError(
+                    f"the scale of the mesh {of} must be finite and never 0, "
+                    f"got {scale}"
+                )
+
+
+def _check_sizes(what: str, of: str, sizes: Iterable[float]) -> None:
+    if not all(0.0 < size < math.inf for size in sizes):
+        got = ", ".join(f"{size:g}" for size in sizes)
+        raise ConfigError(f"{what} {of} must be above 0 m and finite, got {got}")

@@ -1,0 +1,182 @@
+"""The scene's objects in MuJoCo: bodies beside the robot, and where they are.
+
+Each is a body of its own, on a free joint if it has a mass.  Free joints come after
+the robot's, whose values so stay the first of every array.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any, final
+
+import mujoco
+import numpy as np
+
+from tool0.description.model import (
+    Collision,
+    Cylinder,
+    Mesh,
+    Pose,
+    RobotModel,
+    Sphere,
+)
+from tool0.description.scene import Scene, SceneObject
+from tool0.engines.mujoco.model import (
+    GRIP_CONDIM,
+    GRIP_SOLIMP,
+    GRIP_SOLREF,
+    ROLLING,
+    SPINNING,
+    add_geom,
+    collision_name,
+    compile_spec,
+    quat_wxyz,
+)
+from tool0.errors import ModelError
+from tool0.hardware.bodies import transform
+from tool0.hardware.engine import ObjectPose
+
+OBJECT_SOLREF = (0.004, 1.0)
+"""Of contacts between objects, ground and links: a fifth of MuJoCo's time constant
+[s], so that a cube at rest sinks in by micrometres."""
+
+_PATCH, _ROUND = 4, 6  # condim: with spinning friction; with rolling friction, too
+
+
+def add_objects(spec: Any, model: RobotModel, scene: Scene) -> None:
+    """Add the scene to the spec of the robot.
+
+    The smaller friction of two objects, or of an object and a pad, is what counts:
+    MuJoCo would take the larger, so these pairs are spelled out.  The ground and the
+    robot's other links leave it to the object, by its priority over theirs.
+
+    Raises:
+        ConfigError: If an object has the name of a link.
+        ModelError: If MuJoCo cannot have such an object.
+    """
+    scene.check_beside(model)
+    # What stands still comes first: messages about overlaps go by this order.
+    for item in sorted(scene.objects, key=lambda item: item.mass is not None):
+        _add_object(spec, item)
+    pads = [
+        (collision_name(link, number), link.surface)
+        for link in model.links
+        if link.surface is not None
+        for number in range(len(link.collisions))
+    ]
+    for item, (pad, surface) in itertools.product(scene.objects, pads):
+        mu = 1.0 if surface.mu1 is None else surface.mu1
+        pair = _add_pair(spec, _geom_name(item), pad, min(item.friction, mu))
+        pair.condim = GRIP_CONDIM
+        pair.solref, pair.solimp = GRIP_SOLREF, GRIP_SOLIMP
+    for first, second in itertools.combinations(scene.objects, 2):
+        if first.mass is not None or second.mass is not None:
+            mu = min(first.friction, second.friction)
+            pair = _add_pair(spec, _geom_name(first), _geom_name(second), mu)
+            pair.condim = max(_condim(first), _condim(second))
+            pair.solref = OBJECT_SOLREF
+
+
+def compile_with(spec: Any, scene: Scene) -> Any:  # MjSpec and MjModel carry no types
+    """Return the ``mujoco.MjModel`` of robot and scene.
+
+    Raises:
+        ModelError: If MuJoCo refuses it; if an object is to blame, it is named.
+    """
+    try:
+        return compile_spec(spec)
+    except ModelError:
+        for item in scene.objects:
+            alone = mujoco.MjSpec()
+            _add_object(alone, item)
+            try:
+                alone.compile()
+            except ValueError as error:
+                raise ModelError(
+                    f"MuJoCo refuses object '{item.name}': {error}",
+                    scene.locations.get(item.name),
+                ) from error
+        raise
+
+
+def _add_object(spec: Any, item: SceneObject) -> None:
+    frame = transform(item.pose)
+    body = spec.worldbody.add_body(
+        name=item.name, pos=frame[:3, 3], quat=quat_wxyz(frame)
+    )
+    try:
+        geom = add_geom(spec, body, Collision(geometry=item.geometry), np.eye(4))
+    except ModelError as error:
+        raise ModelError(f"object '{item.name}': {error.message}") from None
+    geom.name = _geom_name(item)
+    geom.rgba = item.rgba
+    geom.condim = _condim(item)
+    geom.friction = [item.friction, SPINNING, ROLLING]
+    geom.solref = OBJECT_SOLREF
+    geom.priority = 1
+    if isinstance(item.geometry, Mesh):  # as solid as what touches; never refused
+        mesh = spec.mesh(geom.meshname)
+        mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+    if item.mass is not None:
+        geom.mass = item.mass
+        body.add_freejoint(name=item.name)
+
+
+def _add_pair(spec: Any, first: str, second: str, mu: float) -> Any:
+    return spec.add_pair(
+        geomname1=first,
+        geomname2=second,
+        friction=[mu, mu, SPINNING, ROLLING, ROLLING],
+    )
+
+
+def _condim(item: SceneObject) -> int:
+    return _ROUND if isinstance(item.geometry, Cylinder | Sphere) else _PATCH
+
+
+def _geom_name(item: SceneObject) -> str:
+    return f"{item.name}/object"
+
+
+@final
+class ObjectPoses:
+    """Reads where the objects are, from the state itself.
+
+    ``xpos`` would be that of the step before.
+    """
+
+    def __init__(self, model: Any, data: Any, scene: Scene) -> None:
+        self.names = tuple(item.name for item in scene.objects)
+        self._still = {
+            item.name: _placed(item.name, item.pose)
+            for item in scene.objects
+            if item.mass is None
+        }
+        starts = {
+            name: int(model.joint(name).qposadr[0])
+            for name in self.names
+            if name not in self._still
+        }
+        self.movable = tuple(starts)
+        first = min(starts.values(), default=0)
+        self._starts = {name: start - first for name, start in starts.items()}
+        self._position = data.qpos[first:]  # a view
+
+    def read(self) -> tuple[ObjectPose, ...]:
+        """Return the pose of each object, in the scene's order."""
+        if not self._starts:
+            return tuple(self._still.values())
+        position = self._position.tolist()
+        return tuple(
+            self._still.get(name) or _pose(name, position, self._starts[name])
+            for name in self.names
+        )
+
+
+def _pose(name: str, values: list[float], i: int) -> ObjectPose:
+    x, y, z, qw, qx, qy, qz = values[i : i + 7]
+    return ObjectPose(name, (x, y, z), (qw, qx, qy, qz))
+
+
+def _placed(name: str, pose: Pose) -> ObjectPose:
+    return _pose(name, [*pose.xyz, *quat_wxyz(transform(pose)).tolist()], 0)
