@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
+from tool0.control.intent import Intent
 from tool0.description.model import Interface
 from tool0.hardware.joint_state import JointState
 
@@ -18,6 +19,13 @@ class Controller(Protocol):
         Args:
             state: Every joint, in the engine's order.
             period: Time since the last update [s].
+        """
+
+    def intent(self) -> Intent | None:
+        """Return what is wanted of the joints; None if it is no position.
+
+        It is asked between ticks, about a hundred times a second, so it only takes
+        references to what will not change.
         """
 
     def stop(self) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
+from tool0.control.intent import PositionIntent
 from tool0.control.joint_servo import JointServo, Quantity
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
@@ -67,18 +68,22 @@ class ForwardCommandController:
     ) -> None:
         self.spec = spec
         self._command: Sequence[float] = [0.0] * len(indices)
+        self._was_commanded = False
+        self._pick = picker(indices)
+        self._state = state
         self._servo: JointServo | None = None
         if spec.gains:
             self._servo = JointServo(
                 spec.quantity, spec.joint_models, spec.gains, indices
             )
         if spec.quantity is Quantity.POSITION:
-            self._command = list(picker(indices)(state.position))
+            self._command = list(self._pick(state.position))
             if self._servo is not None:
                 self._command = self._servo.within_limits(self._command)
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return the commands, or what the PIDs make of them."""
+        self._state = state
         if self._servo is None:
             return self._command
         return self._servo.update(self._command, state, period)
@@ -104,9 +109,18 @@ class ForwardCommandController:
                     f"command {value} for joint '{joint}' of '{self.spec.name}'; "
                     "it must be a finite number"
                 )
+        self._was_commanded = True
         command = [float(value) for value in given]
         self._command = (
             command if self._servo is None else self._servo.within_limits(command)
+        )
+
+    def intent(self) -> PositionIntent | None:
+        """Return the positions that were commanded, if positions were."""
+        if self.spec.quantity is not Quantity.POSITION or not self._was_commanded:
+            return None
+        return PositionIntent(
+            self.spec.joint_models, tuple(self._command), self._pick, self._state
         )
 
     def stop(self) -> None:

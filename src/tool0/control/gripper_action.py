@@ -9,6 +9,7 @@ from typing import final
 
 from tool0.control.goal import Goal, GoalStatus, GripperResult
 from tool0.control.goal_check import check_position
+from tool0.control.intent import PositionIntent
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     Robot,
@@ -20,6 +21,7 @@ from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import GoalRejectedError
 from tool0.hardware.joint_state import JointState
+from tool0.hardware.pick import picker
 
 
 @final
@@ -82,6 +84,8 @@ class GripperActionController:
     def __init__(self, spec: GripperActionSpec, index: int, state: JointState) -> None:
         self.spec = spec
         self._index = index
+        self._pick = picker((index,))
+        self._state = state
         self._pid = None if spec.gains is None else Pid(spec.gains)
         self._target = state.position[index]
         self._position = self._target
@@ -104,6 +108,7 @@ class GripperActionController:
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return the joint's command: its position, or an effort towards it."""
+        self._state = state
         position = self._position = state.position[self._index]
         error = self._target - position
         if self._goal is not None:
@@ -158,6 +163,12 @@ class GripperActionController:
             self._target = self._position
             self._max_effort = self.spec.max_effort
             self._finish(GoalStatus.PREEMPTED)
+
+    def intent(self) -> PositionIntent:
+        """Return the commanded position, and what was measured at the last update."""
+        return PositionIntent(
+            (self.spec.joint,), (self._target,), self._pick, self._state
+        )
 
     def stop(self) -> None:
         """End an active goal as PREEMPTED; the controller is dropped after that."""

@@ -84,6 +84,9 @@ class JointStateController:
         """Return no command."""
         return ()
 
+    def intent(self) -> None:
+        """Return None: it wants nothing of the joints."""
+
     def stop(self) -> None:
         """Do nothing: there is no goal to end."""
 

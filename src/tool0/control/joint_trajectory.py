@@ -8,6 +8,7 @@ from typing import final
 from tool0.control import goal_check
 from tool0.control.angles import shortest_turn
 from tool0.control.goal import Goal, GoalResult, GoalStatus
+from tool0.control.intent import TrajectoryIntent
 from tool0.control.joint_trajectory_spec import JointTrajectorySpec
 from tool0.control.merging import merged_tracks, stopping_tracks
 from tool0.control.pid import PidBank
@@ -15,7 +16,6 @@ from tool0.control.playback import (
     Playback,
     Track,
     hold_track,
-    sample_track,
 )
 from tool0.control.trajectory import (
     JointsMotion,
@@ -248,33 +248,12 @@ class JointTrajectoryController:
             accelerations=tuple(motion.acceleration for motion in motions),
         )
 
+    def intent(self) -> TrajectoryIntent:
+        """Return what is wanted and measured, as a value that later ticks leave be."""
+        return TrajectoryIntent(
+            self.spec.joint_models, self._playback.tracks, self._pick, self._state
+        )
+
     def state(self) -> TrajectoryState:
         """Return what was wanted and measured at the last update."""
-        time, position, velocity, _ = self._state
-        motions = [sample_track(track, time) for track in self._playback.tracks]
-        piece = self._playback.current[0]
-        since = piece.time_from_start + time - piece.segment.start
-        actual, speed = tuple(self._pick(position)), tuple(self._pick(velocity))
-        errors = [m.position - q for m, q in zip(motions, actual, strict=True)]
-        for k in self._wrapping:
-            errors[k] = shortest_turn(0.0, errors[k])
-        return TrajectoryState(
-            joint_names=self.spec.joints,
-            time=time,
-            desired=JointsMotion(
-                positions=tuple(motion.position for motion in motions),
-                velocities=tuple(motion.velocity for motion in motions),
-                accelerations=tuple(motion.acceleration for motion in motions),
-                time_from_start=piece.time_from_start,
-            ),
-            actual=JointsMotion(
-                positions=actual, velocities=speed, time_from_start=since
-            ),
-            error=JointsMotion(
-                positions=tuple(errors),
-                velocities=tuple(
-                    m.velocity - v for m, v in zip(motions, speed, strict=True)
-                ),
-                time_from_start=piece.time_from_start - since,
-            ),
-        )
+        return self.intent().state()

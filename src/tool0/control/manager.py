@@ -311,7 +311,12 @@ class ControllerManager:
 
     def intents(self) -> Mapping[str, Intent]:
         """Return what the running controllers want, of those that want a position."""
-        return {}
+        return {
+            name: intent
+            for name, item in self._loaded.items()
+            if item.controller is not None
+            and (intent := item.controller.intent()) is not None
+        }
 
     def spec(self, name: str) -> ControllerSpec:
         """Return the parameters of a loaded controller."""
