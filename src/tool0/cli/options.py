@@ -85,6 +85,8 @@ class SimulationOptions:
     """The physics."""
     initial_pose: tuple[str, ...] = ()
     """The name of a pose, or joint=position … [rad]."""
+    scene: Path | None = None
+    """A YAML file of the objects around the robot."""
     paused: bool = False
     """Begin paused: `tool0 resume` lets time run."""
     realtime: bool = True

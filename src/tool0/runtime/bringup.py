@@ -17,6 +17,8 @@ from tool0.description.catalogue import (
     named_poses,
 )
 from tool0.description.model import RobotModel
+from tool0.description.scene import Scene
+from tool0.description.scene_file import load_scene
 from tool0.description.yaml_tree import ConfigWarning
 from tool0.errors import ConfigError, EngineUnavailableError, nearest_name
 from tool0.hardware.engine import Engine
@@ -65,6 +67,7 @@ def bringup(
     meshes: str | None = None,
     engine: str = "mujoco",
     spawn_z: float = 0.1,
+    scene: Scene | Path | str | None = None,
     dt: float = 0.001,
     control_period: float | None = None,
     controllers_file: Path | str | Sequence[Path | str] | None = None,
@@ -100,6 +103,7 @@ def bringup(
         engine: The physics: "mujoco".
         spawn_z: Height of the robot's root above the ground [m], as in the launch
             files of ur_gazebo: the outstretched arm must clear the ground.
+        scene: What stands and lies around the robot, or the YAML file that says so.
         dt: Length of a physics step [s].
         control_period: Time between controller updates [s]; ``dt`` if left out.
         controllers_file: ros_control YAML, one or several; later ones override.
@@ -140,10 +144,12 @@ def bringup(
         _refuse_catalogue_options(robot, {"prefix": prefix, **options})
         description = load_robot(Path(robot), args or {})
     model = description.model
+    surroundings = _scene(scene)
+    surroundings.check_beside(model)
     config = _controller_config(description, controllers_file)
     started, stopped = _controller_names(config, controllers, stopped_controllers)
     position = _initial_position(description, initial_pose)
-    physics = _engine(engine, model, dt, spawn_z)
+    physics = _engine(engine, model, dt, spawn_z, surroundings)
     try:
         core = _core(model, physics, config, position, control_period)
         for name in (*started, *stopped):
@@ -161,6 +167,8 @@ def bringup(
         engine=physics,
         loop=loop,
         bus=bus,
+        scene=surroundings,
+        ground=-spawn_z,
         warnings=_warnings(config, model),
     )
 
@@ -240,13 +248,21 @@ def _initial_position(
     )
 
 
-def _engine(name: str, model: RobotModel, dt: float, spawn_z: float) -> Engine:
+def _scene(scene: Scene | Path | str | None) -> Scene:
+    if scene is None:
+        return Scene()
+    return scene if isinstance(scene, Scene) else load_scene(scene)
+
+
+def _engine(
+    name: str, model: RobotModel, dt: float, spawn_z: float, scene: Scene
+) -> Engine:
     if name not in ENGINES:
         hint = nearest_name(name, set(ENGINES))
         raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
     from tool0.engines.mujoco.engine import MujocoEngine
 
-    return MujocoEngine(model, dt, ground=-spawn_z)
+    return MujocoEngine(model, dt, ground=-spawn_z, scene=scene)
 
 
 def _core(

@@ -11,6 +11,7 @@ from typing import final
 from tool0.control.manager import ControllerStatus, Strictness
 from tool0.description.catalogue import RobotDescription
 from tool0.description.kinematics import Transform, link_pose
+from tool0.description.scene import Scene, SceneObject
 from tool0.description.yaml_tree import ConfigWarning
 from tool0.errors import ControlError, nearest_name
 from tool0.hardware.engine import Engine
@@ -48,11 +49,17 @@ class Robot:
         engine: Engine,
         loop: Loop,
         bus: Bus,
+        scene: Scene | None = None,
+        ground: float | None = None,
         warnings: Sequence[ConfigWarning] = (),
     ) -> None:
         self.description = description
         self.engine = engine
         """The physics itself, for scripts; touch it only between runs."""
+        self.objects: tuple[SceneObject, ...] = () if scene is None else scene.objects
+        """What is around it; ``snapshot.objects`` says where, in this order."""
+        self.ground = ground
+        """Height of the ground [m], in the robot's root; None if there is none."""
         self.warnings = tuple(warnings)
         """What the controllers' YAML says that nothing reads."""
         self._loop = loop

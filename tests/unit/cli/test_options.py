@@ -41,7 +41,7 @@ def test_every_option_is_a_keyword_of_bringup() -> None:
         control=ControllerOptions(
             controllers_file=(Path("a"),), controllers="a", stopped_controllers="b"
         ),
-        simulation=SimulationOptions(initial_pose=("a=1",), speed=2.0),
+        simulation=SimulationOptions(initial_pose=("a=1",), scene=Path("a"), speed=2.0),
     )
     keywords = bringup_keywords(full)
     inspect.signature(bringup).bind(**keywords)

@@ -26,6 +26,7 @@ OPTIONS = st.sampled_from(
         "--controllers",
         "--stopped-controllers",
         "--initial-pose",
+        "--scene",
         "--paused",
         "--no-realtime",
         "--speed",
