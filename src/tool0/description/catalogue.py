@@ -16,7 +16,13 @@ from typing import TYPE_CHECKING, final
 from tool0.description.expansion import expand
 from tool0.description.model import RobotModel
 from tool0.description.packages import find_package
-from tool0.description.presets import Poses, read_controllers, read_poses
+from tool0.description.presets import (
+    PartName,
+    Poses,
+    read_controllers,
+    read_part_names,
+    read_poses,
+)
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file, to_text
 from tool0.errors import DescriptionError, SourceLocation, nearest_name
@@ -147,6 +153,16 @@ def named_poses(description: RobotDescription) -> Poses:
     if description.arm is None:
         return {}
     return read_poses(description.arm, description.gripper, description.prefix)
+
+
+def part_names(description: RobotDescription) -> Mapping[str, PartName]:
+    """Return what people call the links and joints of a robot, where they do.
+
+    A person's own robot has no such names.
+    """
+    if description.arm is None:
+        return {}
+    return read_part_names(description.arm, description.gripper, description.prefix)
 
 
 def default_controllers(

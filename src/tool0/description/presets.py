@@ -1,14 +1,25 @@
-"""What tool0 brings with a robot of its catalogue: named poses and controllers."""
+"""What tool0 brings with a robot of its catalogue: poses, controllers, names."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, final
 
 from tool0.description.packages import find_package
 from tool0.errors import DescriptionError, SourceLocation
 
 Poses = Mapping[str, Mapping[str, float]]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PartName:
+    """What a person calls a link or a joint."""
+
+    en: str
+    zh: str
 
 
 def config_file(folder: str, file: str) -> Path:
@@ -23,10 +34,21 @@ def read_poses(arm: str, gripper: str | None, prefix: str) -> Poses:
     """
     poses: dict[str, dict[str, float]] = {}
     for folder in (arm,) if gripper is None else (arm, gripper):
-        for name, position in _load_poses(config_file(folder, "poses.yaml")).items():
+        for name, position in _load(folder, "poses").items():
             pose = poses.setdefault(name, {})
             pose.update({prefix + joint: q for joint, q in position.items()})
     return poses
+
+
+def read_part_names(
+    arm: str, gripper: str | None, prefix: str
+) -> Mapping[str, PartName]:
+    """Return what people call the links and joints, those with their prefix."""
+    return {
+        prefix + part: PartName(en=names["en"], zh=names["zh"])
+        for folder in ((arm,) if gripper is None else (arm, gripper))
+        for part, names in _load(folder, "part_names").items()
+    }
 
 
 def read_controllers(
@@ -54,15 +76,17 @@ def read_controllers(
     return text, SourceLocation(path, 1)
 
 
-def _load_poses(path: Path) -> dict[str, dict[str, float]]:
+def _load(folder: str, what: str) -> Mapping[str, Any]:  # Any: as the YAML has it
+    """Return what ``config/<folder>/<what>.yaml`` lists; nothing if there is none."""
     import yaml
 
+    path = config_file(folder, f"{what}.yaml")
     if not path.is_file():
         return {}
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     data = yaml.load(path.read_text(encoding="utf-8"), loader)
-    poses: dict[str, dict[str, float]] = data["poses"]
-    return poses
+    listed: Mapping[str, Any] = data[what]
+    return listed
 
 
 def _with_prefix(text: str, prefix: str, joints: Collection[str]) -> str:

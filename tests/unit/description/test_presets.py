@@ -1,7 +1,17 @@
+from pathlib import Path
+
 import pytest
 import yaml
 
-from tool0.description.catalogue import assemble, default_controllers, named_poses
+from tool0.description.catalogue import (
+    arms,
+    assemble,
+    default_controllers,
+    grippers,
+    load_robot,
+    named_poses,
+    part_names,
+)
 
 FILES = ("controllers.yaml", "controllers_gripper_action.yaml")
 
@@ -74,3 +84,35 @@ def test_a_prefix_reaches_every_joint_and_moves_no_line(file: str) -> None:
     expected = {f"left_{name}" for name in joints_named_in(plain)}
     assert joints_named_in(text) == expected
     assert text.replace("left_", "") == plain
+
+
+@pytest.mark.parametrize("prefix", ["", "left_"])
+@pytest.mark.parametrize("gripper", [*grippers(), None])
+@pytest.mark.parametrize("arm", arms())
+def test_what_moves_or_is_seen_has_a_name_for_people(
+    arm: str, gripper: str | None, prefix: str
+) -> None:
+    description = assemble(arm, gripper, prefix=prefix)
+    model, names = description.model, part_names(description)
+    seen = {link.name for link in model.links if link.visuals}
+    assert names.keys() >= seen | {joint.name for joint in model.movable_joints}
+    assert names.keys() <= model.link_by_name.keys() | model.joint_by_name.keys()
+    for language in ("en", "zh"):
+        called = [getattr(name, language) for name in names.values()]
+        assert all(text.strip() for text in called)
+        assert len(called) == len(set(called))
+
+
+def test_the_arm_is_called_as_in_the_table_of_the_post() -> None:
+    names = {part: name.zh for part, name in part_names(assemble()).items()}
+    assert names["base_link"] == "底座"
+    assert names["shoulder_pan_joint"] == "肩连杆与底座的关节"
+    assert names["upper_arm_link"] == "上臂"
+    assert names["wrist_3_joint"] == "腕关节3"
+    assert names["tool0"].startswith("末端")
+
+
+def test_a_robot_of_one_s_own_has_no_names_for_people(tmp_path: Path) -> None:
+    path = tmp_path / "own.urdf"
+    path.write_text(assemble(gripper=None).urdf)
+    assert part_names(load_robot(path)) == {}
