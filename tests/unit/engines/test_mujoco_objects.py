@@ -1,0 +1,264 @@
+"""Objects beside the robot: they rest, they go back, and they disturb no joint."""
+
+from __future__ import annotations
+
+import logging
+import math
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tool0.description.catalogue import assemble
+from tool0.description.model import (
+    Box,
+    Cylinder,
+    Geometry,
+    Mesh,
+    Pose,
+    RobotModel,
+    Sphere,
+)
+from tool0.description.scene import Scene, SceneObject
+from tool0.engines.mujoco.engine import MujocoEngine
+from tool0.errors import DivergenceError, ModelError
+
+REST = [0.0, 0.0, 0.0, 0.2]  # the skew robot's joints
+FAR = 5.0  # [m] from the robot, which lies about
+EDGE = 0.04  # [m]
+TETRAHEDRON = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+
+
+def item(
+    name: str,
+    geometry: Geometry,
+    z: float,
+    *,
+    x: float = FAR,
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    mass: float | None = 0.1,
+    friction: float = 1.0,
+) -> SceneObject:
+    return SceneObject(
+        name=name,
+        geometry=geometry,
+        pose=Pose(xyz=(x, 0.0, z), rpy=rpy),
+        mass=mass,
+        friction=friction,
+    )
+
+
+def cube(name: str = "cube", z: float = EDGE / 2) -> SceneObject:
+    return item(name, Box(size=(EDGE, EDGE, EDGE)), z)
+
+
+def stl(path: Path) -> Mesh:
+    """Write a tetrahedron with legs of 1 m, and return it at a tenth of that."""
+    facets = b"".join(
+        struct.pack("<12fH", 0, 0, 0, *(c for i in face for c in TETRAHEDRON[i]), 0)
+        for face in FACES
+    )
+    path.write_bytes(bytes(80) + struct.pack("<I", len(FACES)) + facets)
+    return Mesh(uri=path.name, path=path, scale=(0.1, 0.1, 0.1))
+
+
+def engine_with(model: RobotModel, *objects: SceneObject) -> MujocoEngine:
+    engine = MujocoEngine(model, scene=Scene(objects))
+    engine.reset(REST)
+    return engine
+
+
+def let_pass(engine: MujocoEngine, duration: float) -> None:
+    for _ in range(round(duration / engine.dt)):
+        engine.step()
+        engine.read()  # raises if anything diverged
+
+
+def test_without_objects_there_are_no_poses(skew_model: RobotModel) -> None:
+    assert engine_with(skew_model).object_poses() == ()
+
+
+def test_poses_come_in_the_order_of_the_scene_and_of_objects_as_placed(
+    skew_model: RobotModel, tmp_path: Path
+) -> None:
+    turned = (0.3, -0.2, 0.5)
+    objects = (
+        item("part", stl(tmp_path / "part.stl"), 1.0, rpy=turned),
+        item("table", Box(size=(1.0, 1.0, 0.04)), 0.1, x=9.0, rpy=turned, mass=None),
+        item("ball", Sphere(radius=0.1), 2.0, rpy=turned),
+        item("post", Cylinder(radius=0.1, length=1.0), 3.0, x=7.0, mass=None),
+    )
+    poses = engine_with(skew_model, *objects).object_poses()
+    assert [pose.name for pose in poses] == ["part", "table", "ball", "post"]
+    assert [pose.position for pose in poses] == [o.pose.xyz for o in objects]
+    half = np.divide(turned, 2.0)
+    (cr, cp, cy), (sr, sp, sy) = np.cos(half), np.sin(half)
+    expected = (
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    )
+    for pose in poses[:3]:
+        np.testing.assert_allclose(pose.quat_wxyz, expected, atol=1e-12)
+    assert poses[3].quat_wxyz == (1.0, 0.0, 0.0, 0.0)
+
+
+def test_the_joints_of_the_robot_stay_the_first(tmp_path: Path) -> None:
+    model = assemble().model
+    objects = (
+        cube(z=1.0),
+        item("can", Cylinder(radius=0.03, length=0.1), 2.0),
+        item("table", Box(size=(1.0, 1.0, 0.04)), 0.1, mass=None),
+        item("part", stl(tmp_path / "part.stl"), 3.0),
+    )
+    bare, engine = MujocoEngine(model), MujocoEngine(model, scene=Scene(objects))
+    assert engine.joint_names == bare.joint_names
+    start = [0.1 * i for i in range(len(bare.joint_names))]
+    for each in (bare, engine):
+        each.reset(start)
+        assert each.read().position == start
+        assert each.read().velocity == [0.0] * len(start)
+    for _ in range(50):
+        for each in (bare, engine):
+            each.write([1.0] * len(start))
+            each.step()
+    # Objects that touch nothing change nothing but the last digits.
+    assert len(engine.read().velocity) == len(start)
+    for one, other in (
+        (engine.read().position, bare.read().position),
+        (engine.read().velocity, bare.read().velocity),
+    ):
+        np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "resting",
+    [
+        (cube(),),
+        (cube("low"), cube("high", 1.5 * EDGE)),
+        (item("can", Cylinder(radius=0.03, length=0.1), 0.05),),
+        (item("log", Cylinder(radius=0.03, length=0.1), 0.03, rpy=(1.5708, 0, 0)),),
+        (item("ball", Sphere(radius=0.02), 0.02),),
+        (item("heavy", Box(size=(0.2, 0.2, 0.2)), 0.1, mass=50.0),),
+        (item("slippery", Box(size=(0.1, 0.1, 0.1)), 0.05, friction=0.05),),
+    ],
+    ids=lambda objects: objects[-1].name,
+)
+def test_what_lies_stays(
+    skew_model: RobotModel, resting: tuple[SceneObject, ...]
+) -> None:
+    engine = engine_with(skew_model, *resting)
+    before = engine.object_poses()
+    let_pass(engine, 5.0)
+    for start, end in zip(before, engine.object_poses(), strict=True):
+        np.testing.assert_allclose(end.position, start.position, atol=1e-4)
+        np.testing.assert_allclose(end.quat_wxyz, start.quat_wxyz, atol=1e-3)
+
+
+def test_a_mesh_rests_on_its_face_and_has_its_own_origin(
+    skew_model: RobotModel, tmp_path: Path
+) -> None:
+    part = item("part", stl(tmp_path / "part.stl"), 0.0)
+    engine = engine_with(skew_model, part)
+    let_pass(engine, 2.0)
+    (pose,) = engine.object_poses()
+    np.testing.assert_allclose(pose.position, part.pose.xyz, atol=1e-4)
+    # A tetrahedron's inertia about its centre, from its mass and legs.
+    np.testing.assert_allclose(engine.model.body("part").mass, 0.1, rtol=1e-9)
+    np.testing.assert_allclose(
+        sum(engine.model.body("part").inertia), 3 * 3 / 40 * 0.1 * 0.1**2, rtol=1e-4
+    )
+
+
+def test_a_reset_puts_everything_back_to_the_bit(skew_model: RobotModel) -> None:
+    still = item("shelf", Box(size=(0.5, 0.5, 0.02)), 0.3, mass=None)
+    engine = engine_with(skew_model, cube(z=0.5), still, cube("low", 0.02))
+    before = engine.object_poses()
+
+    def fall() -> object:
+        let_pass(engine, 0.7)
+        return engine.object_poses(), engine.read()
+
+    after = fall()
+    assert engine.object_poses()[0] != before[0]
+    assert engine.object_poses()[1] == before[1]
+    engine.reset(REST)
+    assert engine.object_poses() == before
+    assert fall() == after
+
+
+@pytest.mark.parametrize(
+    ("cube_mu", "slope_mu", "slides"),
+    [(0.5, 1.0, False), (0.2, 1.0, True), (1.0, 0.2, True), (0.5, 0.5, False)],
+)
+def test_the_smaller_friction_counts(
+    skew_model: RobotModel, cube_mu: float, slope_mu: float, slides: bool
+) -> None:
+    tilt = 0.3  # [rad]; tan 0.3 = 0.31
+    normal = np.array([math.sin(tilt), 0.0, math.cos(tilt)])
+    slope = item(
+        "slope",
+        Box(size=(2.0, 1.0, 0.1)),
+        1.0,
+        rpy=(0.0, tilt, 0.0),
+        mass=None,
+        friction=slope_mu,
+    )
+    x, y, z = np.array(slope.pose.xyz) + (0.05 + EDGE / 2) * normal
+    box = SceneObject(
+        name="cube",
+        geometry=Box(size=(EDGE, EDGE, EDGE)),
+        pose=Pose(xyz=(x, y, z), rpy=(0.0, tilt, 0.0)),
+        mass=0.1,
+        friction=cube_mu,
+    )
+    engine = engine_with(skew_model, slope, box)
+    let_pass(engine, 0.5)
+    way = math.dist(engine.object_poses()[1].position, (x, y, z))
+    if slides:  # with the acceleration that Coulomb's law gives
+        pull = 9.81 * (math.sin(tilt) - 0.2 * math.cos(tilt))
+        assert way == pytest.approx(pull * 0.5**2 / 2, rel=0.03)
+    else:
+        assert way < 1e-4
+
+
+def test_objects_in_each_other_are_a_warning_that_names_what_moves_first(
+    skew_model: RobotModel, caplog: pytest.LogCaptureFixture
+) -> None:
+    table = item("table", Box(size=(1.0, 1.0, 0.04)), 0.5, mass=None)
+    with caplog.at_level(logging.WARNING):
+        engine_with(skew_model, cube(z=0.52 + EDGE / 2 - 0.003), table)
+    (record,) = caplog.records
+    assert record.getMessage().startswith("the pose puts 'cube' 3.0 mm into 'table'")
+
+
+@pytest.mark.parametrize("content", [b"", b"no mesh", bytes(84), b"solid x\nfacet"])
+def test_a_broken_mesh_is_an_error_that_names_the_object(
+    skew_model: RobotModel, tmp_path: Path, content: bytes
+) -> None:
+    path = tmp_path / "broken.stl"
+    path.write_bytes(content)
+    mesh = Mesh(uri="broken.stl", path=path)
+    with pytest.raises(ModelError, match="object 'part'"):
+        engine_with(skew_model, cube(), item("part", mesh, 1.0))
+
+
+def test_a_mesh_that_mujoco_cannot_read_is_an_error_that_names_the_object(
+    skew_model: RobotModel, tmp_path: Path
+) -> None:
+    mesh = Mesh(uri="part.dae", path=tmp_path / "part.dae")
+    with pytest.raises(ModelError, match=r"object 'part': .*convert it"):
+        engine_with(skew_model, item("part", mesh, 1.0))
+
+
+def test_an_object_that_diverges_is_named(skew_model: RobotModel) -> None:
+    engine = engine_with(skew_model, cube(), cube("other", 1.0))
+    engine.step()
+    engine.data.qvel[-1] = math.nan
+    with pytest.raises(DivergenceError, match=r"state of object 'other' .* 0\.001 s"):
+        engine.read()
+    engine.reset(REST)
+    engine.read()
