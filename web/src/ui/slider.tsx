@@ -1,0 +1,81 @@
+/** A slider: the thumb is what a person wants; a marker may show what is. */
+import type { RefObject } from "preact";
+
+interface SliderProps {
+  label: string;
+  /** The value with its unit, for screen readers. */
+  valueText: string;
+  min: number;
+  max: number;
+  value: number;
+  /** What an arrow key adds; ten times as much with Shift or by Page Up. */
+  step: number;
+  disabled?: boolean;
+  /** Given, there is a marker; its style's `--actual-at`, 0 to 1, says where. */
+  root?: RefObject<HTMLDivElement>;
+  input?: RefObject<HTMLInputElement>;
+  onInput: (value: number) => void;
+  onDoubleClick?: () => void;
+  "data-testid"?: string;
+}
+
+/** Return where `value` is between `min` and `max`, from 0 to 1. */
+export function share(value: number, min: number, max: number): number {
+  return max > min ? Math.min(1, Math.max(0, (value - min) / (max - min))) : 0;
+}
+
+/** Return the value after a key, or undefined for a key that sliders do not have. */
+export function stepped(
+  event: Pick<KeyboardEvent, "key" | "shiftKey">,
+  { value, min, max, step }: { value: number; min: number; max: number; step: number },
+): number | undefined {
+  const one = event.shiftKey ? 10 * step : step;
+  const by: Record<string, number> = {
+    ArrowUp: one,
+    ArrowRight: one,
+    ArrowDown: -one,
+    ArrowLeft: -one,
+    PageUp: 10 * step,
+    PageDown: -10 * step,
+    Home: min - value,
+    End: max - value,
+  };
+  const change = by[event.key];
+  if (change === undefined) return undefined;
+  return Math.min(max, Math.max(min, value + change));
+}
+
+export function Slider(props: SliderProps) {
+  const { min, max, value, step } = props;
+  return (
+    <div
+      class="slider"
+      ref={props.root ?? null}
+      style={{ "--value": share(value, min, max) }}
+      onDblClick={() => props.onDoubleClick?.()}
+    >
+      <input
+        type="range"
+        ref={props.input ?? null}
+        min={min}
+        max={max}
+        step="any"
+        value={value}
+        disabled={props.disabled ?? false}
+        aria-label={props.label}
+        aria-valuetext={props.valueText}
+        data-testid={props["data-testid"]}
+        onInput={(event) => {
+          props.onInput(event.currentTarget.valueAsNumber);
+        }}
+        onKeyDown={(event) => {
+          const next = stepped(event, { value, min, max, step });
+          if (next === undefined) return;
+          event.preventDefault();
+          if (next !== value) props.onInput(next);
+        }}
+      />
+      {props.root && <span class="actual" />}
+    </div>
+  );
+}

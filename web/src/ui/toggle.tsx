@@ -1,0 +1,25 @@
+interface ToggleProps {
+  label: string;
+  checked: boolean;
+  disabled?: boolean;
+  onChange: (checked: boolean) => void;
+  "data-testid"?: string;
+}
+
+export function Toggle({ label, checked, onChange, ...rest }: ToggleProps) {
+  return (
+    <button
+      type="button"
+      class="toggle"
+      role="switch"
+      aria-checked={checked}
+      onClick={() => {
+        onChange(!checked);
+      }}
+      {...rest}
+    >
+      <span class="knob" />
+      {label}
+    </button>
+  );
+}
