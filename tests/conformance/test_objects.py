@@ -1,0 +1,112 @@
+"""Objects of the scene: they lie still, are gripped and lifted, and go back."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conformance_types import BringUp
+from ur5_rig import ARM, HOME, point
+
+import tool0
+from tool0.description.model import Box, Cylinder, Geometry, Pose, Sphere
+from tool0.description.scene import Scene, SceneObject
+from tool0.errors import ConfigError
+
+EDGE = 0.04  # [m]
+BETWEEN_PADS = (0.5487, 0.1091, 0.003)
+"""Where an object lies between the pads in the pose ``ready``, in world [m].
+
+The pads come down by 14 mm as they close; its height leaves them clear of the table."""
+TABLE = SceneObject(
+    name="table",
+    geometry=Box(size=(0.4, 0.6, 0.04)),
+    pose=Pose(xyz=(0.6, 0.0, BETWEEN_PADS[2] - EDGE / 2 - 0.02)),
+)
+
+
+def scene_with(
+    geometry: Geometry, *, mass: float = 0.1, friction: float = 1.0
+) -> Scene:
+    thing = SceneObject(
+        name="thing",
+        geometry=geometry,
+        pose=Pose(xyz=BETWEEN_PADS),
+        mass=mass,
+        friction=friction,
+    )
+    return Scene((TABLE, thing))
+
+
+def thing(robot: tool0.Robot) -> tuple[float, float, float]:
+    return robot.snapshot.objects[1].position
+
+
+@pytest.mark.parametrize(
+    ("geometry", "mass", "friction"),
+    [
+        (Box(size=(EDGE, EDGE, EDGE)), 0.1, 1.0),
+        (Box(size=(EDGE, EDGE, EDGE)), 2.0, 0.5),
+        (Cylinder(radius=EDGE / 2, length=EDGE), 0.1, 1.0),
+        (Sphere(radius=EDGE / 2), 0.1, 1.0),
+    ],
+    ids=["cube", "heavy cube", "can", "ball"],
+)
+def test_what_is_gripped_is_lifted_and_held(
+    bring_up: BringUp, geometry: Geometry, mass: float, friction: float
+) -> None:
+    scene = scene_with(geometry, mass=mass, friction=friction)
+    robot = bring_up(scene=scene, initial_pose="ready")
+    robot.gripper.move(opening=0.0, effort=5.0)
+    robot.run(1.5)
+    assert robot.gripper.opening == pytest.approx(EDGE, abs=1e-3)
+    robot.controller(ARM).follow([point(HOME, 2.0)]).wait(10.0)
+    robot.run(1.0)
+    assert thing(robot)[2] > BETWEEN_PADS[2] + 0.2  # home is higher
+    offset = np.subtract(thing(robot), robot.pose("tool0").position)
+    robot.run(2.0)
+    held = np.subtract(thing(robot), robot.pose("tool0").position)
+    np.testing.assert_allclose(held, offset, atol=2e-4)
+
+
+def test_what_is_too_slippery_stays_behind(bring_up: BringUp) -> None:
+    slippery = scene_with(Box(size=(EDGE, EDGE, EDGE)), mass=2.0, friction=0.02)
+    robot = bring_up(scene=slippery, initial_pose="ready")
+    robot.gripper.move(opening=0.0, effort=5.0)
+    robot.run(1.5)
+    robot.controller(ARM).follow([point(HOME, 2.0)])
+    robot.run(3.0)
+    assert thing(robot)[2] < BETWEEN_PADS[2] + 0.01
+
+
+def test_a_reset_puts_the_objects_back(bring_up: BringUp) -> None:
+    robot = bring_up(scene=scene_with(Sphere(radius=EDGE / 2)), initial_pose="ready")
+    before = robot.snapshot.objects
+    robot.gripper.move(opening=0.0, effort=5.0)
+    robot.run(1.0)
+    assert robot.snapshot.objects[1] != before[1]
+    robot.reset()
+    assert robot.snapshot.objects == before
+
+
+def test_the_robot_tells_what_is_around_it(bring_up: BringUp) -> None:
+    scene = scene_with(Sphere(radius=EDGE / 2))
+    robot = bring_up(scene=scene, spawn_z=0.25)
+    assert robot.objects == scene.objects
+    assert robot.ground == -0.25
+    assert [pose.name for pose in robot.snapshot.objects] == ["table", "thing"]
+    assert all(math.isfinite(x) for x in thing(robot))
+    assert bring_up().objects == ()
+
+
+def test_a_scene_is_read_from_its_file(bring_up: BringUp, tmp_path: Path) -> None:
+    path = tmp_path / "scene.yaml"
+    path.write_text("objects:\n- {name: left_tool0, sphere: {radius: 0.1}}\n")
+    (ball,) = bring_up(scene=str(path)).objects
+    assert ball.geometry == Sphere(radius=0.1)
+    with pytest.raises(
+        ConfigError, match=r"scene\.yaml:2: object 'left_tool0' has the name of a link"
+    ):
+        bring_up(scene=path, prefix="left_")
