@@ -1,0 +1,31 @@
+"""Objects around the robot: pick a cube off a table, hold it, start again."""
+
+from pathlib import Path
+
+import tool0
+
+SCENE = Path(__file__).parent / "scenes" / "table_and_cubes.yaml"
+HOME = [0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0]
+READY = [0.0, -1.2, 1.9, -2.2708, -1.5708, 0.0]
+
+
+def height(robot: tool0.Robot, name: str) -> float:
+    """Return how high the object is in the robot's root [m]."""
+    return next(o.position[2] for o in robot.snapshot.objects if o.name == name)
+
+
+with tool0.bringup(scene=SCENE, realtime=False) as robot:
+    print("around it:", ", ".join(item.name for item in robot.objects))
+    arm = robot.controller("eff_joint_traj_controller")
+
+    arm.follow([tool0.TrajectoryPoint(READY, time_from_start=3.0)]).wait()
+    robot.gripper.move(opening=0.0, effort=5.0)  # N·m; it will not close all the way
+    robot.run(1.5)
+    print(f"the gripper stands at {1000 * robot.gripper.opening:.0f} mm")
+
+    arm.follow([tool0.TrajectoryPoint(HOME, time_from_start=3.0)]).wait()
+    print(f"the red cube is lifted to {height(robot, 'red cube'):.2f} m")
+    print(f"the blue cube is still at {height(robot, 'blue cube'):.2f} m")
+
+    robot.reset()  # the robot and all objects are where they were
+    print(f"after a reset the red cube lies at {height(robot, 'red cube'):.2f} m")
