@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tool0.description.catalogue import assemble
+from tool0.description.catalogue import assemble, named_poses
 from tool0.description.model import (
     Box,
     Cylinder,
@@ -107,7 +107,8 @@ def test_poses_come_in_the_order_of_the_scene_and_of_objects_as_placed(
 
 
 def test_the_joints_of_the_robot_stay_the_first(tmp_path: Path) -> None:
-    model = assemble().model
+    description = assemble()
+    model, up = description.model, named_poses(description)["up"]
     objects = (
         cube(z=1.0),
         item("can", Cylinder(radius=0.03, length=0.1), 2.0),
@@ -116,7 +117,7 @@ def test_the_joints_of_the_robot_stay_the_first(tmp_path: Path) -> None:
     )
     bare, engine = MujocoEngine(model), MujocoEngine(model, scene=Scene(objects))
     assert engine.joint_names == bare.joint_names
-    start = [0.1 * i for i in range(len(bare.joint_names))]
+    start = [up.get(name, 0.0) for name in bare.joint_names]
     for each in (bare, engine):
         each.reset(start)
         assert each.read().position == start
@@ -229,10 +230,11 @@ def test_objects_in_each_other_are_a_warning_that_names_what_moves_first(
     skew_model: RobotModel, caplog: pytest.LogCaptureFixture
 ) -> None:
     table = item("table", Box(size=(1.0, 1.0, 0.04)), 0.5, mass=None)
+    ball = item("ball", Sphere(radius=0.02), 0.52 + 0.02 - 0.003)
     with caplog.at_level(logging.WARNING):
-        engine_with(skew_model, cube(z=0.52 + EDGE / 2 - 0.003), table)
+        engine_with(skew_model, ball, table)
     (record,) = caplog.records
-    assert record.getMessage().startswith("the pose puts 'cube' 3.0 mm into 'table'")
+    assert record.getMessage().startswith("the pose puts 'ball' 3.0 mm into 'table'")
 
 
 @pytest.mark.parametrize("content", [b"", b"no mesh", bytes(84), b"solid x\nfacet"])
