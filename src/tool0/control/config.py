@@ -80,6 +80,15 @@ class ControllerConfig:
             if "type" in (entry.children or {})
         )
 
+    @property
+    def types(self) -> Mapping[str, str]:
+        """The type of each controller, as written, which need not exist."""
+        namespaces = self.tree.root.children or {}
+        return {
+            name: str((namespaces[name].children or {})["type"].scalar)
+            for name in self.names
+        }
+
     def spec(self, name: str, robot: Robot) -> ControllerSpec:
         """Return the checked parameters of a controller.
 

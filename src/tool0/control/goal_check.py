@@ -92,7 +92,9 @@ def _check_counts(number: int, point: TrajectoryPoint, names: tuple[str, ...]) -
                 f"data. Point {number} has {len(values)} {kind} "
                 f"for {len(names)} joints."
             )
-        for name, value in zip(names, values or (), strict=False):
+        if not values or all(map(math.isfinite, values)):
+            continue
+        for name, value in zip(names, values, strict=True):
             if not math.isfinite(value):
                 raise GoalRejectedError(
                     f"point {number} has {kind} {value} for joint '{name}'; "

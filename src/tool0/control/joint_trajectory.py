@@ -10,13 +10,14 @@ from tool0.control.angles import shortest_turn
 from tool0.control.goal import Goal, GoalResult, GoalStatus
 from tool0.control.intent import TrajectoryIntent
 from tool0.control.joint_trajectory_spec import JointTrajectorySpec
-from tool0.control.merging import merged_tracks, stopping_tracks
+from tool0.control.merging import merged_tracks, planned_tracks, stopping_tracks
 from tool0.control.pid import PidBank
 from tool0.control.playback import (
     Playback,
     Track,
     hold_track,
 )
+from tool0.control.segment import MotionPlan
 from tool0.control.trajectory import (
     JointsMotion,
     TrajectoryGoal,
@@ -197,6 +198,20 @@ class JointTrajectoryController:
         """
         self._accept(goal, now, None)
 
+    def follow_plan(self, plan: MotionPlan, now: float) -> Goal:
+        """Replace what is done by a plan that starts as the joints are wanted ``now``.
+
+        Raises:
+            GoalRejectedError: If no joint can move so; what ran before goes on.
+        """
+        handle = Goal(self.spec.name)
+        self._accept_plan(plan, now, handle)
+        return handle
+
+    def command_plan(self, plan: MotionPlan, now: float) -> None:
+        """Replace what is done by such a plan, without tolerances, or reject it."""
+        self._accept_plan(plan, now, None)
+
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
         if goal is self._goal and goal is not None:
@@ -219,10 +234,24 @@ class JointTrajectoryController:
             )
         else:
             tracks = self._stop_tracks(now, handle)
+        self._replace(tracks, now, handle, goal.goal_time_tolerance)
+
+    def _accept_plan(self, plan: MotionPlan, now: float, handle: Goal | None) -> None:
+        old = self._playback.tracks
+        tracks = planned_tracks(self.spec, old, plan, now=now, handle=handle)
+        self._replace(tracks, now, handle, None)
+
+    def _replace(
+        self,
+        tracks: list[Track],
+        now: float,
+        handle: Goal | None,
+        goal_time: float | None,
+    ) -> None:
         self._end_goal(GoalStatus.PREEMPTED)
         self._goal = handle
         self._done = set()
-        self._goal_time = self._tolerances.goal_time_with(goal.goal_time_tolerance)
+        self._goal_time = self._tolerances.goal_time_with(goal_time)
         self._play(tracks, now)
 
     def _stop_tracks(self, now: float, handle: Goal | None) -> list[Track]:

@@ -15,7 +15,7 @@ from tool0.control.playback import (
     splice,
     stop_track,
 )
-from tool0.control.segment import Motion
+from tool0.control.segment import Motion, MotionPlan
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import JointType
 
@@ -63,6 +63,28 @@ def merged_tracks(
             splice(track, now, start, motions, goal=handle, tolerances=tolerances)
         )
     return tracks
+
+
+def planned_tracks(
+    spec: JointTrajectorySpec,
+    old: Sequence[Track],
+    plan: MotionPlan,
+    *,
+    now: float,
+    handle: Goal | None,
+) -> list[Track]:
+    """Return a track per joint along a plan that starts as the joints move ``now``."""
+    return [
+        splice(
+            track,
+            now,
+            now,
+            [(now + after, motion) for after, motion in path],
+            goal=handle,
+            tolerances=spec.tolerances.of(name, None, None),
+        )
+        for name, track, path in zip(spec.joints, old, plan, strict=True)
+    ]
 
 
 def stopping_tracks(

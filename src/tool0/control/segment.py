@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple, final
 
 from tool0.errors import GoalRejectedError
@@ -33,6 +34,10 @@ class Motion(NamedTuple):
     velocity: float | None = None
     acceleration: float | None = None
     """Counts only beside a velocity."""
+
+
+MotionPlan = Sequence[Sequence[tuple[float, Motion]]]
+"""For each joint, how it is to move when [s after the start of the plan]."""
 
 
 class Sample(NamedTuple):
@@ -96,11 +101,9 @@ class Segment:
         Sums the terms' sizes, so that NaN and overflow count as unbounded.
         """
         T = self.end - self.start
-        position = speed = 0.0
-        for power, coefficient in enumerate(self.coefficients):
-            position += abs(coefficient) * T**power
-            if power:
-                speed += power * abs(coefficient) * T ** (power - 1)
+        c0, c1, c2, c3, c4, c5 = map(abs, self.coefficients)
+        position = c0 + T * (c1 + T * (c2 + T * (c3 + T * (c4 + T * c5))))
+        speed = c1 + T * (2 * c2 + T * (3 * c3 + T * (4 * c4 + T * 5 * c5)))
         return position <= bound and speed <= bound
 
 

@@ -51,6 +51,31 @@ class CommandTrajectory:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MoveJoints:
+    """Goals along smooth motions, of every trajectory controller that it concerns."""
+
+    positions: Mapping[str, float]
+    """Joint → where to [rad | m]."""
+    speed: float
+    """Part of each joint's largest velocity."""
+    controller: str | None = None
+    """The one whose joints they are; None for whichever claim them."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SteerJoints:
+    """A smooth motion of one trajectory controller, without an outcome."""
+
+    controller: str
+    positions: Mapping[str, float]
+    """Joint → where to [rad | m]."""
+    speed: float
+    """Part of each joint's largest velocity."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CommandGripper:
     controller: str
     position: float
@@ -142,6 +167,8 @@ CoreCommand = (
     | SwitchControllers
     | FollowTrajectory
     | CommandTrajectory
+    | MoveJoints
+    | SteerJoints
     | CommandGripper
     | CommandJoints
     | CancelGoal

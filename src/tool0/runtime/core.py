@@ -18,6 +18,7 @@ from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime import commands as ask
 from tool0.runtime.initial_pose import joint_positions
+from tool0.runtime.joint_moves import joints_by_controller, planned_motion
 
 
 @final
@@ -97,6 +98,10 @@ class Core:
                 trajectory = self._drivable(name, JointTrajectoryController)
                 trajectory.command(command.goal, self.time)
                 self._note_commanded(name)
+            case ask.MoveJoints():
+                return self._move_joints(command)
+            case ask.SteerJoints():
+                self._steer_joints(command)
             case ask.CommandGripper():
                 name = command.controller
                 gripper = self._drivable(name, GripperActionController)
@@ -156,6 +161,34 @@ class Core:
                 "the emergency stop is engaged; release it before moving the robot"
             )
         return self._running(name, kind)
+
+    def _move_joints(self, command: ask.MoveJoints) -> tuple[Goal, ...]:
+        """Start all motions at one instant, or none."""
+        moves: Mapping[str, Mapping[str, float]]
+        if command.controller is None:
+            moves = joints_by_controller(self.manager, command.positions)
+        else:
+            moves = {command.controller: command.positions}
+        planned = []
+        for name, positions in moves.items():
+            trajectory = self._drivable(name, JointTrajectoryController)
+            plan = planned_motion(
+                trajectory, positions, speed=command.speed, now=self.time
+            )
+            planned.append((trajectory, plan))
+        return tuple(
+            self._watch(trajectory.follow_plan(plan, self.time))
+            for trajectory, plan in planned
+        )
+
+    def _steer_joints(self, command: ask.SteerJoints) -> None:
+        name = command.controller
+        trajectory = self._drivable(name, JointTrajectoryController)
+        plan = planned_motion(
+            trajectory, command.positions, speed=command.speed, now=self.time
+        )
+        trajectory.command_plan(plan, self.time)
+        self._note_commanded(name)
 
     def _note_commanded(self, controller: str) -> None:
         for _, joints in self.manager.status(controller).claimed:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import final
 
 from tool0.control.goal import Goal, GoalStatus, Result
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint, TrajectoryState
 from tool0.errors import GoalTimeoutError
 from tool0.runtime import commands as ask
+from tool0.runtime.joint_motion import import_planner
 from tool0.runtime.loop import Loop
 
 
@@ -61,6 +62,13 @@ class GoalHandle:
     def cancel(self) -> None:
         """Stop as ROS does: ramp down, and the goal is PREEMPTED."""
         self._loop.call(ask.CancelGoal(self._goal))
+
+    def when_finished(self, callback: Callable[[GoalHandle], None]) -> None:
+        """Call ``callback(handle)`` when the goal ends, or now if it has ended.
+
+        It runs in the thread of the tick, which waits for it: hand work on.
+        """
+        self._goal.when_finished(lambda _: callback(self))
 
     def __repr__(self) -> str:
         return f"GoalHandle({self.controller!r}, {self.status!r})"
@@ -125,6 +133,39 @@ class ControllerHandle:
             stamp=stamp,
         )
         self._loop.call(ask.CommandTrajectory(controller=self.name, goal=goal))
+
+    def move(self, positions: Mapping[str, float], *, speed: float = 0.5) -> GoalHandle:
+        """Send joints of a trajectory controller somewhere by a smooth motion.
+
+        It starts as the joints are wanted to move now, keeps to their limits and ends
+        at rest; joints that are not named go on to where they are going, or stay.
+
+        Args:
+            positions: Joint → where to [rad | m].
+            speed: Part of each joint's largest velocity, 0.01 … 1.
+
+        Raises:
+            GoalRejectedError: If a joint is not the controller's, or a position is out
+                of its limits; what the controller does goes on.
+        """
+        import_planner()
+        command = ask.MoveJoints(
+            positions=dict(positions), speed=speed, controller=self.name
+        )
+        (goal,) = self._loop.call(command)
+        return GoalHandle(goal, self._loop)
+
+    def steer(self, positions: Mapping[str, float], *, speed: float = 0.5) -> None:
+        """Move joints as ``move`` does, without an outcome.
+
+        Made to be called again and again, ten times a second say, with ever new
+        positions: position, velocity and acceleration stay continuous.
+        """
+        import_planner()
+        command = ask.SteerJoints(
+            controller=self.name, positions=dict(positions), speed=speed
+        )
+        self._loop.call(command)
 
     def command_gripper(
         self, position: float, max_effort: float | None = None

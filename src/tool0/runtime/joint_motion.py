@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from tool0.control.angles import shortest_turn
 from tool0.control.goal_check import ROUNDING
-from tool0.control.trajectory import JointsMotion, TrajectoryPoint
+from tool0.control.segment import Motion, MotionPlan
+from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
 from tool0.errors import ControlError
 
@@ -28,7 +29,7 @@ UNLIMITED = {JointType.PRISMATIC: 0.25}
 UNLIMITED_TURN = 1.0
 """The same of joints that turn [rad/s]."""
 SPACING = 1e-4
-"""Points nearer to each other than this are one [s]: too short for jerk to show."""
+"""Changes nearer to each other than this are one [s]: too short for jerk to show."""
 _DOUBLINGS = 10
 
 
@@ -38,12 +39,12 @@ def plan_motion(
     targets: Sequence[float],
     *,
     speed: float,
-) -> list[TrajectoryPoint]:
-    """Return the points of a motion to rest at ``targets``, all joints at once.
+) -> MotionPlan:
+    """Return a motion to rest at ``targets`` that is the shortest within the limits.
 
-    Between two points every joint has one jerk, so that the quintics which a
-    trajectory controller lays through them are the planned motion itself.  A joint
-    that moves too fast to stop before its limit brakes harder than the others.
+    The joints arrive together.  A joint is told where its jerk changes, so that the
+    quintics which a trajectory controller lays between are the planned motion itself.
+    One that moves too fast to stop before its limit brakes harder than the others.
 
     Args:
         joints: The joints of the numbers, with their limits.
@@ -63,10 +64,15 @@ def plan_motion(
         for joint, q, end in zip(joints, start.positions, targets, strict=True)
     ]
     motion = _within_limits(joints, start, ends, speed)
-    times = _times(motion)
-    points = [_point(joints, motion.at_time(time), time) for time in times[:-1]]
-    rest = (0.0,) * len(ends)
-    return [*points, TrajectoryPoint(ends, rest, rest, time_from_start=times[-1])]
+    return [
+        _path(joint, k, motion, end)
+        for k, (joint, end) in enumerate(zip(joints, ends, strict=True))
+    ]
+
+
+def import_planner() -> None:
+    """Import what plans, which takes some milliseconds, before a tick needs it."""
+    import ruckig  # noqa: F401
 
 
 def largest_velocity(joint: Joint) -> float:
@@ -140,33 +146,20 @@ def _solve(
     raise ControlError(f"found no motion from {start} to {ends}")
 
 
-def _times(motion: ruckig.Trajectory) -> list[float]:
-    """Return when any joint's jerk changes, SPACING apart, and the end [s]."""
-    end = max(motion.duration, SPACING)
-    changes = {
-        time
-        for profile in motion.profiles[0]
-        for time in accumulate([*profile.brake.t, *profile.t])
-    }
-    times = [0.0]
-    for time in sorted(changes):
-        if time - times[-1] >= SPACING and end - time >= SPACING:
-            times.append(time)
-    return [*times[1:], end]
-
-
-def _point(
-    joints: Sequence[Joint],
-    motion: tuple[Sequence[float], Sequence[float], Sequence[float]],
-    time: float,
-) -> TrajectoryPoint:
-    positions, velocities, accelerations = motion
-    return TrajectoryPoint(
-        [
-            q if joint.type is JointType.CONTINUOUS else joint.limits.clamp(q)
-            for joint, q in zip(joints, positions, strict=True)
-        ],
-        velocities,
-        accelerations,
-        time_from_start=time,
-    )
+def _path(
+    joint: Joint, k: int, motion: ruckig.Trajectory, end: float
+) -> list[tuple[float, Motion]]:
+    """Return how joint ``k`` moves whenever its jerk changes, SPACING apart."""
+    profile = motion.profiles[0][k]
+    changes = list(accumulate([*profile.brake.t, *profile.t]))
+    last = max(changes[-1], SPACING)
+    path: list[tuple[float, Motion]] = []
+    before = 0.0
+    for time in changes:
+        if time - before >= SPACING and last - time >= SPACING:
+            q, qd, qdd = (values[k] for values in motion.at_time(time))
+            if joint.type is not JointType.CONTINUOUS:
+                q = joint.limits.clamp(q)
+            path.append((time, Motion(q, qd, qdd)))
+            before = time
+    return [*path, (last, Motion(end, 0.0, 0.0))]

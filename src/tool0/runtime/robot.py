@@ -18,7 +18,8 @@ from tool0.hardware.engine import Engine
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Bus, Snapshot, Subscription
 from tool0.runtime.gripper import Gripper
-from tool0.runtime.handles import ControllerHandle
+from tool0.runtime.handles import ControllerHandle, GoalHandle
+from tool0.runtime.joint_motion import import_planner
 from tool0.runtime.loop import Loop
 from tool0.runtime.summary import summarize
 
@@ -111,6 +112,16 @@ class Robot:
         """Return every loaded controller with its state and claims."""
         return self.snapshot.controllers
 
+    @property
+    def control_period(self) -> float:
+        """Simulated time of a tick [s]."""
+        return self._loop.control_period
+
+    @property
+    def is_realtime(self) -> bool:
+        """Whether time passes by itself."""
+        return self._loop.is_realtime
+
     def controller(self, name: str) -> ControllerHandle:
         """Return the loaded controller ``name``, or raise ControlError."""
         names = [status.name for status in self.controllers()]
@@ -151,6 +162,27 @@ class Robot:
                 start=tuple(start), stop=tuple(stop), strictness=strictness
             )
         )
+
+    def move_joints(
+        self, positions: Mapping[str, float], *, speed: float = 0.5
+    ) -> tuple[GoalHandle, ...]:
+        """Send joints somewhere smoothly, by the controllers that claim them.
+
+        Args:
+            positions: Joint → where to [rad | m].
+            speed: Part of each joint's largest velocity, 0.01 … 1.
+
+        Returns:
+            A goal for each running JointTrajectoryController that has one of the
+            joints; its other joints go on to where they are going, or stay.
+
+        Raises:
+            ControlError: If no such controller claims a joint, or one of them refuses;
+                nothing moves then.
+        """
+        import_planner()
+        goals = self._loop.call(ask.MoveJoints(positions=dict(positions), speed=speed))
+        return tuple(GoalHandle(goal, self._loop) for goal in goals)
 
     @property
     def grippers(self) -> Mapping[str, Gripper]:

@@ -7,10 +7,10 @@ import sys
 import numpy as np
 import pytest
 
-from tool0.control.playback import Track, hold_track, sample_track, splice
-from tool0.control.segment import Motion
+from tool0.control.playback import Piece, Track, sample_track, splice
+from tool0.control.segment import Motion, MotionPlan, Segment
 from tool0.control.tolerances import NO_TOLERANCES
-from tool0.control.trajectory import JointsMotion, TrajectoryPoint
+from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointLimits, JointType
 from tool0.errors import ControlError
 from tool0.runtime.joint_motion import (
@@ -52,36 +52,34 @@ def moving(positions, velocities=None, accelerations=None) -> JointsMotion:
     )
 
 
-def as_played(start: JointsMotion, points: list[TrajectoryPoint]) -> list[Track]:
-    """Return the tracks that a trajectory controller makes of the points."""
+def as_played(start: JointsMotion, plan: MotionPlan) -> list[Track]:
+    """Return the tracks that a trajectory controller makes of the plan."""
     tracks = []
-    for k, q in enumerate(start.positions):
-        first = Motion(q, start.velocities[k], start.accelerations[k])
-        motions = [
-            (
-                p.time_from_start,
-                Motion(p.positions[k], p.velocities[k], p.accelerations[k]),
-            )
-            for p in points
-        ]
-        track = splice(
-            hold_track(0.0, q), 0.0, 0.0, motions, goal=None, tolerances=NO_TOLERANCES
+    first = zip(start.positions, start.velocities, start.accelerations, strict=True)
+    for motion, path in zip(first, plan, strict=True):
+        before = Segment(-1.0, Motion(*motion), 0.0, Motion(*motion))
+        rest = splice(
+            (Piece(before),), 0.0, 0.0, path, goal=None, tolerances=NO_TOLERANCES
         )
-        begin = track[-len(points)].segment
-        again = type(begin)(0.0, first, motions[0][0], motions[0][1])
-        track = (
-            track[-len(points)]._replace(segment=again),
-            *track[-len(points) :][1:],
-        )
-        tracks.append(track)
+        tracks.append(rest)
     return tracks
 
 
-def sampled(start: JointsMotion, points: list[TrajectoryPoint], dt: float = 5e-4):
+def duration(plan: MotionPlan) -> float:
+    return max(path[-1][0] for path in plan)
+
+
+def last(plan: MotionPlan) -> tuple[float, ...]:
+    """Return where the joints come to rest; they do."""
+    assert all(path[-1][1][1:] == (0.0, 0.0) for path in plan)
+    return tuple(path[-1][1].position for path in plan)
+
+
+def sampled(start: JointsMotion, plan: MotionPlan, dt: float = 5e-4):
     """Return times, positions, velocities, accelerations; shape (n, n_joints)."""
-    end = points[-1].time_from_start
+    end = duration(plan)
     times = np.append(np.arange(0.0, end, dt), end)
-    tracks = as_played(start, points)
+    tracks = as_played(start, plan)
     samples = np.array([[sample_track(t, time) for t in tracks] for time in times])
     return times, samples[..., 0], samples[..., 1], samples[..., 2]
 
@@ -95,14 +93,13 @@ def test_from_rest_it_keeps_to_the_limits_and_arrives_at_rest(seed: int) -> None
     rng = np.random.default_rng(seed)
     start, ends = moving(random_place(rng)), random_place(rng)
     speed = float(rng.choice([0.01, 0.1, 0.5, 1.0]))
-    points = plan_motion(ARM, start, ends, speed=speed)
-    _, q, qd, _ = sampled(start, points, dt=5e-3 / speed)
+    plan = plan_motion(ARM, start, ends, speed=speed)
+    _, q, qd, _ = sampled(start, plan, dt=5e-3 / speed)
     assert (abs(qd) <= 1.001 * speed * FASTEST).all()
     lower, upper = np.minimum(start.positions, ends), np.maximum(start.positions, ends)
     assert (q >= lower - 1e-9).all(), "no overshoot"
     assert (q <= upper + 1e-9).all(), "no overshoot"
-    assert points[-1].positions == tuple(ends)
-    assert points[-1].velocities == points[-1].accelerations == (0.0,) * 4
+    assert last(plan) == tuple(ends)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -125,8 +122,8 @@ def test_from_any_motion_it_goes_on_smoothly(seed: int) -> None:
         rng.uniform(-0.5, 0.5, 4) * FASTEST,
         rng.uniform(-1.0, 1.0, 4) * most,
     )
-    points = plan_motion(ARM, start, random_place(rng), speed=1.0)
-    times, q, qd, qdd = sampled(start, points)
+    plan = plan_motion(ARM, start, random_place(rng), speed=1.0)
+    times, q, qd, qdd = sampled(start, plan)
     assert (abs(qd) <= 1.02 * FASTEST).all()
     assert (abs(q) <= REACH + 1e-6).all()
     steps = np.diff(times)[:, np.newaxis]
@@ -137,47 +134,46 @@ def test_from_any_motion_it_goes_on_smoothly(seed: int) -> None:
 
 def test_full_speed_comes_after_about_the_time_for_it() -> None:
     start = moving([-3.0] * 2 + [0.0] * 2)
-    points = plan_motion(ARM, start, [3.0, -3.0, 0.0, 0.0], speed=1.0)
-    times, _, qd, _ = sampled(start, points)
+    plan = plan_motion(ARM, start, [3.0, -3.0, 0.0, 0.0], speed=1.0)
+    times, _, qd, _ = sampled(start, plan)
     at_full = times[np.argmax(qd[:, 0] >= 0.999 * FASTEST[0])]
     assert 0.35 <= at_full <= 0.55
 
 
-def test_an_empty_way_is_one_point_that_holds() -> None:
+def test_an_empty_way_is_one_instant_that_holds() -> None:
     place = (0.1, 0.2, 0.3, 0.4)
-    (point,) = plan_motion(ARM, moving(place), place, speed=0.5)
-    assert point.positions == place
-    assert point.time_from_start == SPACING
+    plan = plan_motion(ARM, moving(place), place, speed=0.5)
+    assert plan == [[(SPACING, Motion(q, 0.0, 0.0))] for q in place]
 
 
 def test_beyond_the_speed_that_is_asked_it_slows_down_first() -> None:
     for excess in (1.0 + 1e-12, 1.0001, 1.05, 3.0):
         speeds = 0.1 * FASTEST * excess * np.array([1, -1, 1, -1])
         start = moving([0.0] * 4, speeds)
-        points = plan_motion(ARM, start, [0.5, 0.5, 0.5, 0.5], speed=0.1)
-        times, _, qd, _ = sampled(start, points)
+        plan = plan_motion(ARM, start, [0.5, 0.5, 0.5, 0.5], speed=0.1)
+        times, _, qd, _ = sampled(start, plan)
         assert (abs(qd) <= 1.0001 * abs(speeds)).all()
         assert (abs(qd[times > 0.5]) <= 1.001 * 0.1 * FASTEST).all()
-        assert points[-1].positions == (0.5,) * 4
+        assert last(plan) == (0.5,) * 4
 
 
 def test_too_fast_to_stop_before_the_limit_it_brakes_harder() -> None:
     start = moving([2.9, 0.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0])
-    points = plan_motion(ARM, start, [1.0, 1.0, 0.1, 1.0], speed=1.0)
-    _, q, _, _ = sampled(start, points, dt=1e-4)
+    plan = plan_motion(ARM, start, [1.0, 1.0, 0.1, 1.0], speed=1.0)
+    _, q, _, _ = sampled(start, plan, dt=1e-4)
     assert q[:, 0].max() <= 3.0 + 1e-5
-    assert points[-1].positions == (1.0, 1.0, 0.1, 1.0)
+    assert last(plan) == (1.0, 1.0, 0.1, 1.0)
 
 
 def test_a_start_beyond_the_limits_comes_back() -> None:
-    points = plan_motion(ARM, moving([3.001, 0, 0, 0]), [2.5, 0, 0, 0], speed=0.5)
-    assert all(abs(p.positions[0]) <= 3.0 for p in points)
+    plan = plan_motion(ARM, moving([3.001, 0, 0, 0]), [2.5, 0, 0, 0], speed=0.5)
+    assert all(abs(motion.position) <= 3.0 for _, motion in plan[0])
 
 
 def test_a_continuous_joint_goes_the_shortest_way_round() -> None:
     wheel = joint("wheel", JointType.CONTINUOUS, reach=math.inf, velocity=1.0)
-    points = plan_motion([wheel], moving([20.0]), [0.0], speed=1.0)
-    assert points[-1].positions == pytest.approx((6 * math.pi,))
+    plan = plan_motion([wheel], moving([20.0]), [0.0], speed=1.0)
+    assert last(plan) == pytest.approx((6 * math.pi,))
 
 
 @pytest.mark.parametrize(
@@ -191,8 +187,8 @@ def test_joints_without_a_velocity_get_a_modest_one(
     kind: JointType, fastest: float
 ) -> None:
     start = moving([-3.0])
-    points = plan_motion([joint("x", kind)], start, [3.0], speed=1.0)
-    _, _, qd, _ = sampled(start, points)
+    plan = plan_motion([joint("x", kind)], start, [3.0], speed=1.0)
+    _, _, qd, _ = sampled(start, plan)
     assert qd.max() == pytest.approx(fastest)
 
 
