@@ -14,13 +14,17 @@ from tool0.description.catalogue import (
     assemble,
     default_controllers,
     load_robot,
-    named_poses,
 )
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
 from tool0.description.yaml_tree import ConfigWarning
-from tool0.errors import ConfigError, EngineUnavailableError, nearest_name
+from tool0.errors import (
+    ConfigError,
+    ControlError,
+    EngineUnavailableError,
+    nearest_name,
+)
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime import commands as ask
@@ -29,6 +33,7 @@ from tool0.runtime.core import Core
 from tool0.runtime.initial_pose import joint_positions
 from tool0.runtime.loop import Loop
 from tool0.runtime.mailbox import Mailbox
+from tool0.runtime.poses import PoseBook
 from tool0.runtime.robot import Robot
 
 DEFAULT_CONTROLLERS = (
@@ -109,8 +114,8 @@ def bringup(
         controllers_file: ros_control YAML, one or several; later ones override.
         controllers: Names to load and start.
         stopped_controllers: Names to load only.
-        initial_pose: A named pose, or positions by joint [rad | m] on top of the
-            default pose.
+        initial_pose: A named pose, saved ones included, or positions by joint
+            [rad | m] on top of the default pose.
         paused: Whether to begin paused.
         realtime: Whether time passes by itself; otherwise only ``run`` and ``wait``
             make it pass, as fast as possible.
@@ -148,7 +153,8 @@ def bringup(
     surroundings.check_beside(model)
     config = _controller_config(description, controllers_file)
     started, stopped = _controller_names(config, controllers, stopped_controllers)
-    position = _initial_position(description, initial_pose)
+    poses = PoseBook(description)
+    position = _initial_position(model, poses, initial_pose)
     physics = _engine(engine, model, dt, spawn_z, surroundings)
     try:
         core = _core(model, physics, config, position, control_period)
@@ -167,6 +173,8 @@ def bringup(
         engine=physics,
         loop=loop,
         bus=bus,
+        poses=poses,
+        defined_controllers=config.types,
         scene=surroundings,
         ground=-spawn_z,
         warnings=_warnings(config, model),
@@ -227,25 +235,28 @@ def _controller_names(
 
 
 def _initial_position(
-    description: RobotDescription, pose: str | Mapping[str, float] | None
+    model: RobotModel, poses: PoseBook, pose: str | Mapping[str, float] | None
 ) -> list[float]:
     """Return every movable joint's position, in the order of the model."""
-    model = description.model
-    poses = named_poses(description)
-    if isinstance(pose, str) and pose not in poses:
-        raise ConfigError(f"unknown pose '{pose}'{nearest_name(pose, set(poses))}")
     nearest_to_zero = {
         joint.name: joint.limits.clamp(0.0)
         for joint in model.movable_joints
         if joint.mimic is None
     }
-    default = poses.get(DEFAULT_POSE, {})
-    given = poses[pose] if isinstance(pose, str) else (pose or {})
+    default = poses.own.get(DEFAULT_POSE)
+    given = _positions(poses, pose) if isinstance(pose, str) else (pose or {})
     return joint_positions(
         model,
-        {**nearest_to_zero, **default, **given},
+        {**nearest_to_zero, **(default.positions if default else {}), **given},
         [0.0] * len(model.movable_joints),
     )
+
+
+def _positions(poses: PoseBook, name: str) -> Mapping[str, float]:
+    try:
+        return poses.find(name).positions
+    except ControlError as error:
+        raise ConfigError(str(error)) from None
 
 
 def _scene(scene: Scene | Path | str | None) -> Scene:

@@ -21,6 +21,7 @@ from tool0.runtime.gripper import Gripper
 from tool0.runtime.handles import ControllerHandle, GoalHandle
 from tool0.runtime.joint_motion import import_planner
 from tool0.runtime.loop import Loop
+from tool0.runtime.poses import NamedPose, PoseBook
 from tool0.runtime.summary import summarize
 
 
@@ -50,6 +51,8 @@ class Robot:
         engine: Engine,
         loop: Loop,
         bus: Bus,
+        poses: PoseBook,
+        defined_controllers: Mapping[str, str],
         scene: Scene | None = None,
         ground: float | None = None,
         warnings: Sequence[ConfigWarning] = (),
@@ -63,6 +66,9 @@ class Robot:
         """Height of the ground [m], in the robot's root; None if there is none."""
         self.warnings = tuple(warnings)
         """What the controllers' YAML says that nothing reads."""
+        self.defined_controllers = defined_controllers
+        """The type of each controller of the YAML, loaded or not, in its order."""
+        self._poses = poses
         self._loop = loop
         self._bus = bus
         self._wall_start = time.perf_counter()
@@ -183,6 +189,37 @@ class Robot:
         import_planner()
         goals = self._loop.call(ask.MoveJoints(positions=dict(positions), speed=speed))
         return tuple(GoalHandle(goal, self._loop) for goal in goals)
+
+    def poses(self) -> Mapping[str, NamedPose]:
+        """Return the robot's own poses and those that a person saved.
+
+        Raises:
+            ConfigError: If the file of saved poses cannot be read.
+        """
+        return self._poses.all()
+
+    def save_pose(self, name: str) -> None:
+        """Keep the measured positions of the driven joints under ``name``.
+
+        Raises:
+            ControlError: If it is the name of one of the robot's own poses, or none.
+            ConfigError: If the file of saved poses cannot be read or written.
+        """
+        position = self.joint_state.position
+        driven = [item.joint for item in self.description.model.transmissions]
+        joints = self.description.model.joint_by_name
+        self._poses.save(
+            name,
+            {joint: joints[joint].limits.clamp(position[joint]) for joint in driven},
+        )
+
+    def delete_pose(self, name: str) -> None:
+        """Forget a saved pose, or raise ControlError."""
+        self._poses.delete(name)
+
+    def go_to_pose(self, name: str, *, speed: float = 0.5) -> tuple[GoalHandle, ...]:
+        """Send every joint of a pose there, as ``move_joints`` does."""
+        return self.move_joints(self._poses.find(name).positions, speed=speed)
 
     @property
     def grippers(self) -> Mapping[str, Gripper]:
