@@ -2,7 +2,7 @@
 import { computed, signal } from "@preact/signals";
 import type { Hello, JointInfo, Notice, Status } from "./protocol";
 
-export type ConnectionState = "connecting" | "open" | "lost" | "refused";
+export type ConnectionState = "connecting" | "open" | "lost" | "refused" | "outdated";
 
 // ---- said by the server; only connection.ts writes these ----------------------------
 

@@ -1,4 +1,5 @@
-import { computed, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
+import { recall, remember } from "../ui/memory";
 import { en } from "./en";
 import { zh } from "./zh";
 
@@ -8,8 +9,24 @@ export type Texts = Record<Key, string>;
 
 const texts: Record<Language, Texts> = { en, zh };
 
-export const language = signal<Language>("en");
+function preferred(): Language {
+  return navigator.language.toLowerCase().startsWith("zh") ? "zh" : "en";
+}
+
+export const language = signal<Language>(
+  recall("language", ["en", "zh"]) ?? preferred(),
+);
 const current = computed(() => texts[language.value]);
+
+effect(() => {
+  document.documentElement.lang = language.value === "zh" ? "zh-CN" : "en";
+});
+
+/** Choose a language for this visit and the next. */
+export function speak(chosen: Language): void {
+  language.value = chosen;
+  remember("language", chosen);
+}
 
 /** Return a text in the person's language, `{name}` replaced by `values.name`. */
 export function t(key: Key, values: Record<string, string | number> = {}): string {

@@ -1,0 +1,166 @@
+/** Driving a trajectory controller by sliders: who may, what is wanted, and when it ends. */
+import { effect, signal } from "@preact/signals";
+import type { Signal } from "@preact/signals";
+import { connection } from "./connection";
+import { frames } from "./frames";
+import type { ControllerInfo, Problem, Status } from "./protocol";
+import { connectionState, jointIndex, status } from "./store";
+
+/** Why driving ended without being asked to. */
+export type EndReason = "stopped" | "controller" | "reset" | "lost" | "elsewhere";
+
+/** Another page's target must differ for so long, since messages cross. */
+const ELSEWHERE_AFTER_MS = 500;
+/** [rad | m] */
+const SAME_TARGET = 2e-3;
+
+/** Part of each joint's largest velocity. */
+export const speedScale = signal(0.5);
+/** The controller that a person chose, if it is still there. */
+export const chosenController = signal<string | null>(null);
+/** Joint → what the person wants, while driving; null while the sliders only follow. */
+export const goals = signal<ReadonlyMap<string, Signal<number>> | null>(null);
+export const endReason = signal<EndReason | null>(null);
+
+/** Joint → what the server should be heading for; it is somebody else's doing if it is not. */
+let expected: ReadonlyMap<string, number> = new Map();
+let differsSince: number | null = null;
+let lastTime = -Infinity;
+
+export function canDrive(controller: ControllerInfo): boolean {
+  return controller.state === "running" && controller.undrivable === null;
+}
+
+/** Return the chosen controller, or the first that can be driven. */
+export function controllerOf(now: Status | null): ControllerInfo | undefined {
+  const all = now?.controllers ?? [];
+  return (
+    all.find((controller) => controller.name === chosenController.value) ??
+    all.find(canDrive) ??
+    all.find((controller) => controller.undrivable === null)
+  );
+}
+
+/** Begin to drive from where the robot is wanted now, so that nothing moves. */
+export function enable(): void {
+  const now = status.value;
+  const controller = controllerOf(now);
+  if (!now || !controller || !canDrive(controller) || now.stopped) return;
+  chosenController.value = controller.name;
+  endReason.value = null;
+  goals.value = new Map(
+    controller.joints.map((joint) => [joint, signal(wantedNow(joint) ?? 0)]),
+  );
+  expect(now.targets);
+}
+
+/** Let the sliders follow the robot again; what it was told it still does. */
+export function disable(reason: EndReason | null = null): void {
+  if (goals.value === null) return;
+  connection.dropStreams();
+  goals.value = null;
+  endReason.value = reason;
+}
+
+/** Want a joint somewhere [rad | m]. */
+export function drive(joint: string, position: number): void {
+  const goal = goals.value?.get(joint);
+  if (goal === undefined) return;
+  goal.value = position;
+  sendGoals();
+}
+
+/** Take the positions of a pose that this page just sent the robot to. */
+export function adopt(positions: Readonly<Record<string, number>>): void {
+  for (const [joint, goal] of goals.value ?? []) {
+    goal.value = positions[joint] ?? goal.value;
+  }
+  expect(Object.fromEntries(wanted()));
+}
+
+/** Stop the controller where it is. */
+export async function holdStill(): Promise<Problem | null> {
+  const controller = controllerOf(status.value);
+  if (!controller) return null;
+  connection.dropStreams();
+  expected = new Map();
+  const problem = await connection.request({
+    type: "hold_still",
+    controller: controller.name,
+  });
+  for (const [joint, goal] of goals.value ?? []) {
+    goal.value = wantedNow(joint) ?? goal.value;
+  }
+  return problem;
+}
+
+function sendGoals(): void {
+  const controller = chosenController.value;
+  if (controller === null) return;
+  const positions = Object.fromEntries(wanted());
+  connection.stream({ type: "steer", controller, positions, speed: speedScale.value });
+  expect(positions);
+}
+
+function wanted(): (readonly [string, number])[] {
+  return [...(goals.value ?? [])].map(([joint, goal]) => [joint, goal.peek()] as const);
+}
+
+function wantedNow(joint: string): number | undefined {
+  const index = jointIndex.value.get(joint);
+  const frame = frames.latest;
+  if (index === undefined || frame === undefined) return undefined;
+  return frame.desired[index] ?? frame.position[index];
+}
+
+function expect(targets: Readonly<Record<string, number>>): void {
+  expected = new Map(Object.entries(targets));
+  differsSince = null;
+}
+
+/** Return whether the robot is heading where this page did not send it. */
+function isElsewhere(now: Status): boolean {
+  return [...(goals.value?.keys() ?? [])].some((joint) => {
+    const [target, mine] = [now.targets[joint], expected.get(joint)];
+    if (target === undefined || mine === undefined) return false;
+    return Math.abs(target - mine) > SAME_TARGET;
+  });
+}
+
+/** End driving if what the server says leaves no other way. */
+export function review(now: Status | null, wallTimeMs: number): void {
+  if (goals.value === null) return;
+  const controller = now?.controllers.find(
+    ({ name }) => name === chosenController.value,
+  );
+  if (now === null) {
+    disable("lost");
+  } else if (now.stopped) {
+    disable("stopped");
+  } else if (controller === undefined || !canDrive(controller)) {
+    disable("controller");
+  } else if (now.paused || !isElsewhere(now)) {
+    differsSince = null;
+  } else {
+    differsSince ??= wallTimeMs;
+    if (wallTimeMs - differsSince > ELSEWHERE_AFTER_MS) disable("elsewhere");
+  }
+}
+
+/** Watch for what ends driving; the answer ends the watch. */
+export function watchDriving(): () => void {
+  const ends = [
+    effect(() => {
+      const now = connectionState.value === "open" ? status.value : null;
+      review(now, performance.now());
+    }),
+    frames.listen((frame) => {
+      if (frame.time < lastTime - 1e-9) disable("reset");
+      lastTime = frame.time;
+      review(status.value, performance.now());
+    }),
+  ];
+  return () => {
+    for (const end of ends) end();
+  };
+}

@@ -1,0 +1,96 @@
+/** What happened: all of it in the log, the important part as toasts. */
+import { signal } from "@preact/signals";
+import { t } from "./i18n";
+import type { Notice } from "./protocol";
+import { notices } from "./store";
+
+export type Severity = Notice["severity"];
+
+const KEEP = 500;
+const SHOW = 4;
+const SHOWN_FOR_MS: Record<Severity, number> = {
+  info: 4_000,
+  warning: 9_000,
+  error: Infinity,
+};
+
+export interface Toast {
+  readonly key: number;
+  readonly severity: Severity;
+  readonly text: string;
+  /** How often it was said. */
+  readonly count: number;
+}
+
+export const toasts = signal<readonly Toast[]>([]);
+
+let nextKey = 1;
+const timers = new Map<number, ReturnType<typeof setTimeout>>();
+
+export function dismiss(key: number): void {
+  clearTimeout(timers.get(key));
+  timers.delete(key);
+  toasts.value = toasts.value.filter((toast) => toast.key !== key);
+}
+
+function show(severity: Severity, text: string): void {
+  const same = toasts.value.find(
+    (toast) => toast.text === text && toast.severity === severity,
+  );
+  const toast = same
+    ? { ...same, count: same.count + 1 }
+    : { key: nextKey++, severity, text, count: 1 };
+  if (same) {
+    toasts.value = toasts.value.map((other) =>
+      other.key === same.key ? toast : other,
+    );
+  } else {
+    const kept = [...toasts.value];
+    while (kept.length >= SHOW) {
+      const expendable = kept.findIndex((other) => other.severity !== "error");
+      const [gone] = kept.splice(Math.max(0, expendable), 1);
+      if (gone) clearTimeout(timers.get(gone.key));
+    }
+    toasts.value = [...kept, toast];
+  }
+  clearTimeout(timers.get(toast.key));
+  if (SHOWN_FOR_MS[severity] === Infinity) return;
+  timers.set(
+    toast.key,
+    setTimeout(() => {
+      dismiss(toast.key);
+    }, SHOWN_FOR_MS[severity]),
+  );
+}
+
+function keep(notice: Notice): void {
+  notices.value = [...notices.value, notice].slice(-KEEP);
+}
+
+/** Tell something that this page found out itself; its number in the log is 0. */
+export function tell(severity: Severity, text: string): void {
+  keep({
+    type: "notice",
+    number: 0,
+    wall_time: Date.now() / 1000,
+    time: null,
+    severity,
+    code: "log",
+    text,
+  });
+  show(severity, text);
+}
+
+/** Tell what the server said; what merely went well is in the log only. */
+export function tellNotice(notice: Notice): void {
+  keep(notice);
+  if (notice.severity !== "info") show(notice.severity, notice.text);
+}
+
+/** Begin with what the server remembers, and say it in one sentence. */
+export function forgetNotices(known: readonly Notice[]): void {
+  for (const toast of toasts.value) dismiss(toast.key);
+  notices.value = known;
+  const count = known.filter((notice) => notice.severity !== "info").length;
+  if (count > 0) show("warning", t("notices.earlier", { count }));
+}
