@@ -1,6 +1,6 @@
 import type { ComponentChildren, JSX } from "preact";
 
-type Native = Omit<JSX.IntrinsicElements["button"], "icon" | "class" | "title">;
+type Native = Omit<JSX.IntrinsicElements["button"], "icon" | "class">;
 
 interface ButtonProps extends Native {
   kind?: "default" | "primary" | "danger" | "ghost";

@@ -12,7 +12,7 @@ interface NumberFieldProps {
   max: number;
   step: number;
   disabled?: boolean;
-  input?: RefObject<HTMLInputElement>;
+  input?: RefObject<HTMLInputElement | null>;
   onCommit: (value: number) => void;
   "data-testid"?: string;
 }

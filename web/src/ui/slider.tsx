@@ -1,5 +1,6 @@
 /** A slider: the thumb is what a person wants; a marker may show what is. */
 import type { RefObject } from "preact";
+import { useLayoutEffect, useRef } from "preact/hooks";
 
 interface SliderProps {
   label: string;
@@ -12,9 +13,11 @@ interface SliderProps {
   step: number;
   disabled?: boolean;
   /** Given, there is a marker; its style's `--actual-at`, 0 to 1, says where. */
-  root?: RefObject<HTMLDivElement>;
-  input?: RefObject<HTMLInputElement>;
+  root?: RefObject<HTMLDivElement | null>;
+  input?: RefObject<HTMLInputElement | null>;
   onInput: (value: number) => void;
+  /** Called when the person is done: at the end of a drag, and after each key. */
+  onChange?: (value: number) => void;
   onDoubleClick?: () => void;
   "data-testid"?: string;
 }
@@ -47,13 +50,14 @@ export function stepped(
 
 export function Slider(props: SliderProps) {
   const { min, max, value, step } = props;
+  const own = useRef<HTMLDivElement | null>(null);
+  const root = props.root ?? own;
+  // always, since who follows the robot writes it too, behind Preact's back
+  useLayoutEffect(() => {
+    root.current?.style.setProperty("--value", String(share(value, min, max)));
+  });
   return (
-    <div
-      class="slider"
-      ref={props.root ?? null}
-      style={{ "--value": share(value, min, max) }}
-      onDblClick={() => props.onDoubleClick?.()}
-    >
+    <div class="slider" ref={root} onDblClick={() => props.onDoubleClick?.()}>
       <input
         type="range"
         ref={props.input ?? null}
@@ -68,11 +72,16 @@ export function Slider(props: SliderProps) {
         onInput={(event) => {
           props.onInput(event.currentTarget.valueAsNumber);
         }}
+        onChange={(event) => {
+          props.onChange?.(event.currentTarget.valueAsNumber);
+        }}
         onKeyDown={(event) => {
           const next = stepped(event, { value, min, max, step });
           if (next === undefined) return;
           event.preventDefault();
-          if (next !== value) props.onInput(next);
+          if (next === value) return;
+          props.onInput(next);
+          props.onChange?.(next);
         }}
       />
       {props.root && <span class="actual" />}

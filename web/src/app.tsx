@@ -1,0 +1,129 @@
+/** The page: a bar that is always there, the scene with its plots, and the panels beside. */
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { t } from "./i18n";
+import { Banners } from "./panels/banners";
+import { ControllersPanel } from "./panels/controllers";
+import { engageOnEscape } from "./panels/estop";
+import { LogPanel } from "./panels/log";
+import { MotionPanel } from "./panels/motion";
+import { Toasts } from "./panels/toasts";
+import { TopBar } from "./panels/top-bar";
+import { TreePanel } from "./panels/tree";
+import { hello } from "./store";
+import { Tabs } from "./ui/choice";
+import { ChevronDownIcon, ChevronUpIcon, PlotIcon } from "./ui/icons";
+import { Lazy } from "./ui/lazy";
+import { recall, remember } from "./ui/memory";
+
+const TABS = ["motion", "controllers", "tree", "log"] as const;
+type Tab = (typeof TABS)[number];
+
+const PANELS = {
+  motion: MotionPanel,
+  controllers: ControllersPanel,
+  tree: TreePanel,
+  log: LogPanel,
+};
+
+const tab = signal<Tab>("motion");
+const plotsOpen = signal(recall("plots", ["open", "closed"]) === "open");
+
+const loadScene = () => import("./scene");
+const loadPlots = () => import("./plots");
+
+export function App() {
+  useEffect(() => {
+    document.addEventListener("keydown", engageOnEscape, { capture: true });
+    return () => {
+      document.removeEventListener("keydown", engageOnEscape, { capture: true });
+    };
+  }, []);
+  useEffect(() => {
+    const title = hello.value?.robot.title;
+    document.title = title === undefined ? "tool0" : `${title} – tool0`;
+  }, [hello.value]);
+
+  return (
+    <>
+      <a class="skip" href="#controls">
+        {t("app.skip")}
+      </a>
+      <TopBar />
+      <Banners />
+      <main class="work">
+        <section class="stage" aria-label={t("app.scene")}>
+          <div class="scene">
+            <Lazy load={loadScene} />
+          </div>
+          <PlotsDrawer />
+        </section>
+        <Column />
+      </main>
+      <Toasts />
+    </>
+  );
+}
+
+function PlotsDrawer() {
+  const isOpen = plotsOpen.value;
+  return (
+    <section class="drawer" aria-label={t("app.plots")}>
+      <button
+        type="button"
+        class="drawer-handle"
+        aria-expanded={isOpen}
+        aria-controls="plots"
+        data-testid="plots-toggle"
+        onClick={() => {
+          plotsOpen.value = !isOpen;
+          remember("plots", isOpen ? "closed" : "open");
+        }}
+      >
+        <PlotIcon />
+        {t("app.plots")}
+        {isOpen ? <ChevronDownIcon /> : <ChevronUpIcon />}
+      </button>
+      {isOpen && (
+        <div id="plots" class="drawer-content">
+          <Lazy load={loadPlots} />
+        </div>
+      )}
+    </section>
+  );
+}
+
+function Column() {
+  const isView = hello.value?.mode === "view";
+  const tabs = TABS.filter((name) => !isView || name !== "controllers");
+  const shown = tabs.includes(tab.value) ? tab.value : "motion";
+  const Panel = PANELS[shown];
+  return (
+    <aside class="column" id="controls" tabIndex={-1} aria-label={t("app.controls")}>
+      <Tabs
+        label={t("app.controls")}
+        value={shown}
+        choices={tabs.map((name) => ({
+          value: name,
+          label: t(`tab.${name}`),
+          testId: `tab-${name}`,
+        }))}
+        onChange={(chosen) => {
+          tab.value = chosen;
+        }}
+      />
+      <div
+        class="panel"
+        role="tabpanel"
+        id={`panel-${shown}`}
+        aria-labelledby={`tab-${shown}`}
+      >
+        {hello.value ? (
+          <Panel />
+        ) : (
+          <p class="placeholder">{t("connection.connecting")}</p>
+        )}
+      </div>
+    </aside>
+  );
+}

@@ -1,0 +1,20 @@
+/** Which running controllers stand in the way of one that is to start. */
+import type { ControllerInfo } from "./protocol";
+
+/** Return the names of running controllers that claim a joint which `wanted` claims too. */
+export function conflicting(
+  wanted: ControllerInfo,
+  all: readonly ControllerInfo[],
+): readonly string[] {
+  if (wanted.interface === null) return [];
+  const claimed = new Set(wanted.joints);
+  return all
+    .filter(
+      (other) =>
+        other.name !== wanted.name &&
+        other.state === "running" &&
+        other.interface !== null &&
+        other.joints.some((joint) => claimed.has(joint)),
+    )
+    .map((other) => other.name);
+}

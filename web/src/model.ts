@@ -1,0 +1,36 @@
+/** The robot's tree, read from the URDF that the server names. */
+import { effect, signal } from "@preact/signals";
+import { serverUrl } from "./address";
+import { hello } from "./store";
+import { parseUrdf } from "./urdf";
+import type { UrdfModel } from "./urdf";
+
+export const model = signal<UrdfModel | null>(null);
+/** Why there is no model. */
+export const modelFailure = signal<string | null>(null);
+
+async function load(path: string, aborted: AbortSignal): Promise<void> {
+  try {
+    const answer = await fetch(serverUrl(path), { signal: aborted });
+    if (!answer.ok) throw new Error(`${answer.status} ${answer.statusText}`);
+    model.value = parseUrdf(await answer.text());
+    modelFailure.value = null;
+  } catch (reason) {
+    if (aborted.aborted) return;
+    model.value = null;
+    modelFailure.value = reason instanceof Error ? reason.message : String(reason);
+  }
+}
+
+/** Read the URDF after every hello, since the robot may be another; the answer ends it. */
+export function watchModel(): () => void {
+  return effect(() => {
+    const path = hello.value?.robot.urdf;
+    if (path === undefined) return undefined;
+    const abort = new AbortController();
+    void load(path, abort.signal);
+    return () => {
+      abort.abort();
+    };
+  });
+}

@@ -1,0 +1,122 @@
+/** The controller manager: what there is, what runs, what it claims; load, start, switch. */
+import { useState } from "preact/hooks";
+import { conflicting } from "../conflicts";
+import { connection } from "../connection";
+import { t } from "../i18n";
+import type { RequestMessage } from "../messages";
+import type { ControllerInfo, Problem } from "../protocol";
+import { status } from "../store";
+import { Badge } from "../ui/badge";
+import type { Tone } from "../ui/badge";
+import { Button } from "../ui/button";
+
+const TONES: Record<ControllerInfo["state"], Tone> = {
+  running: "ok",
+  stopped: "neutral",
+  initialized: "neutral",
+  unloaded: "neutral",
+};
+
+export function ControllersPanel() {
+  const controllers = status.value?.controllers ?? [];
+  return (
+    <section class="group" aria-labelledby="controllers-title">
+      <header>
+        <h2 id="controllers-title">{t("controllers.title")}</h2>
+      </header>
+      {controllers.length === 0 && <p class="muted">{t("controllers.none")}</p>}
+      <ul class="controllers">
+        {controllers.map((controller) => (
+          <ControllerRow
+            key={controller.name}
+            controller={controller}
+            all={controllers}
+          />
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+interface RowProps {
+  controller: ControllerInfo;
+  all: readonly ControllerInfo[];
+}
+
+function ControllerRow({ controller, all }: RowProps) {
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const { name, state } = controller;
+  const inTheWay = state === "running" ? [] : conflicting(controller, all);
+  const send = (message: RequestMessage) => {
+    void connection.request(message).then(setProblem);
+  };
+  const action = (
+    key: "load" | "unload" | "start" | "stop",
+    message: RequestMessage,
+  ) => (
+    <Button
+      aria-label={t("controllers.action", { action: t(`controllers.${key}`), name })}
+      data-testid={`controller-${key}-${name}`}
+      onClick={() => {
+        send(message);
+      }}
+    >
+      {t(`controllers.${key}`)}
+    </Button>
+  );
+
+  return (
+    <li data-testid={`controller-row-${name}`} data-state={state}>
+      <div class="controller-head">
+        <code class="controller-name">{name}</code>
+        <Badge tone={TONES[state]}>{t(`controllers.state.${state}`)}</Badge>
+      </div>
+      <p class="muted controller-type">{controller.type}</p>
+      {state !== "unloaded" && <Claims controller={controller} />}
+      <div class="row wrap">
+        {state === "unloaded" && action("load", { type: "load_controller", name })}
+        {state === "running" &&
+          action("stop", { type: "switch_controllers", stop: [name] })}
+        {(state === "initialized" || state === "stopped") && (
+          <>
+            {action("start", { type: "switch_controllers", start: [name] })}
+            {action("unload", { type: "unload_controller", name })}
+          </>
+        )}
+        {state !== "unloaded" && inTheWay.length > 0 && (
+          <Button
+            kind={problem === null ? "default" : "primary"}
+            class="switch"
+            data-testid={`controller-switch-${name}`}
+            onClick={() => {
+              send({ type: "switch_controllers", start: [name], stop: [...inTheWay] });
+            }}
+          >
+            {t("controllers.switch", { stop: inTheWay.join(", "), start: name })}
+          </Button>
+        )}
+      </div>
+      {problem && (
+        <p class="refusal" role="alert" data-testid={`controller-refusal-${name}`}>
+          {problem.message}
+        </p>
+      )}
+    </li>
+  );
+}
+
+function Claims({ controller }: { controller: ControllerInfo }) {
+  if (controller.interface === null) {
+    return <p class="muted">{t("controllers.reads")}</p>;
+  }
+  return (
+    <p class="claims">
+      <span class="muted">
+        {t("controllers.claims", { interface: controller.interface })}
+      </span>{" "}
+      {controller.joints.map((joint) => (
+        <code key={joint}>{joint}</code>
+      ))}
+    </p>
+  );
+}

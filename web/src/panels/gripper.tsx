@@ -1,0 +1,142 @@
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
+import { connection } from "../connection";
+import { t } from "../i18n";
+import type { GripperInfo, GripperState, Problem } from "../protocol";
+import { status } from "../store";
+import { Badge } from "../ui/badge";
+import type { Tone } from "../ui/badge";
+import { Button } from "../ui/button";
+import { fixed, NumberField } from "../ui/number-field";
+import { share, Slider } from "../ui/slider";
+
+const TONES: Record<GripperState["motion"], Tone> = {
+  moving: "accent",
+  at_target: "neutral",
+  holding_inside: "ok",
+  holding_outside: "ok",
+  idle: "warning",
+};
+
+/** Return what a gripper does, in words. */
+export function describeGripper({ motion, width }: GripperState): string {
+  if (motion !== "holding_inside" && motion !== "holding_outside") {
+    return t(`gripper.${motion}`);
+  }
+  if (width === null) return t("gripper.holding");
+  return t(`gripper.${motion}`, { width: fixed(width * 1000, 1) });
+}
+
+export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
+  const now = status.value?.grippers.find((state) => state.name === gripper.name);
+  const largest = gripper.max_opening * 1000;
+  const actual = (now?.opening ?? 0) * 1000;
+  const [wanted, setWanted] = useState<number | null>(null);
+  const [force, setForce] = useState(gripper.max_force);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const marker = useRef<HTMLDivElement | null>(null);
+  useLayoutEffect(() => {
+    marker.current?.style.setProperty("--actual-at", String(share(actual, 0, largest)));
+  });
+
+  const grip = (opening: number) => {
+    setWanted(opening);
+    void connection
+      .request({ type: "grip", gripper: gripper.name, opening: opening / 1000, force })
+      .then(setProblem);
+  };
+  const opening = wanted ?? actual;
+  const named = (label: string) => `${gripper.name}: ${label}`;
+
+  return (
+    <section class="group" aria-label={named(t("gripper.title"))}>
+      <header>
+        <h2>
+          {t("gripper.title")} <code class="muted">{gripper.name}</code>
+        </h2>
+        {now && (
+          <span role="status">
+            <Badge tone={TONES[now.motion]} data-testid="gripper-state">
+              {describeGripper(now)}
+            </Badge>
+          </span>
+        )}
+      </header>
+      <div class="row labelled">
+        <span class="caption">{t("gripper.opening")}</span>
+        <Slider
+          label={named(t("gripper.opening"))}
+          valueText={`${fixed(opening, 1)} mm`}
+          min={0}
+          max={largest}
+          step={1}
+          value={opening}
+          root={marker}
+          data-testid="gripper-opening"
+          onInput={setWanted}
+          onChange={grip}
+        />
+        <NumberField
+          label={named(t("gripper.opening"))}
+          unit="mm"
+          digits={1}
+          min={0}
+          max={largest}
+          step={1}
+          value={opening}
+          data-testid="gripper-opening-field"
+          onCommit={grip}
+        />
+      </div>
+      {gripper.max_force > gripper.min_force && (
+        <div class="row labelled">
+          <span class="caption">{t("gripper.force")}</span>
+          <Slider
+            label={named(t("gripper.force"))}
+            valueText={`${fixed(force, 0)} N`}
+            min={gripper.min_force}
+            max={gripper.max_force}
+            step={1}
+            value={force}
+            data-testid="gripper-force"
+            onInput={setForce}
+          />
+          <NumberField
+            label={named(t("gripper.force"))}
+            unit="N"
+            digits={0}
+            min={gripper.min_force}
+            max={gripper.max_force}
+            step={1}
+            value={force}
+            onCommit={setForce}
+          />
+        </div>
+      )}
+      <div class="row">
+        <Button
+          class="grow"
+          data-testid="gripper-open"
+          onClick={() => {
+            grip(largest);
+          }}
+        >
+          {t("gripper.open")}
+        </Button>
+        <Button
+          class="grow"
+          data-testid="gripper-close"
+          onClick={() => {
+            grip(0);
+          }}
+        >
+          {t("gripper.close")}
+        </Button>
+      </div>
+      {problem && (
+        <p class="refusal" role="alert" data-testid="gripper-refusal">
+          {problem.message}
+        </p>
+      )}
+    </section>
+  );
+}

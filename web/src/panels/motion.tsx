@@ -1,0 +1,20 @@
+import { hello } from "../store";
+import { GripperPanel } from "./gripper";
+import { PosesPanel } from "./poses";
+import { TrajectoryPanel } from "./trajectory";
+import { ViewPanel } from "./view";
+
+export function MotionPanel() {
+  const now = hello.value;
+  if (now === null) return null;
+  if (now.mode === "view") return <ViewPanel />;
+  return (
+    <>
+      <TrajectoryPanel />
+      {now.robot.grippers.map((gripper) => (
+        <GripperPanel key={gripper.name} gripper={gripper} />
+      ))}
+      <PosesPanel />
+    </>
+  );
+}

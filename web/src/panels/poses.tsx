@@ -1,0 +1,89 @@
+import { useState } from "preact/hooks";
+import { ask } from "../connection";
+import { adopt, speedScale } from "../driving";
+import { t } from "../i18n";
+import { tell } from "../notices";
+import type { PoseInfo } from "../protocol";
+import { status } from "../store";
+import { Button, IconButton } from "../ui/button";
+import { TrashIcon } from "../ui/icons";
+
+async function go(pose: PoseInfo): Promise<void> {
+  const speed = speedScale.value;
+  const problem = await ask({ type: "go_to_pose", name: pose.name, speed });
+  if (problem === null) adopt(pose.positions);
+}
+
+export function PosesPanel() {
+  const poses = status.value?.poses ?? [];
+  return (
+    <section class="group" aria-labelledby="poses-title">
+      <header>
+        <h2 id="poses-title">{t("poses.title")}</h2>
+      </header>
+      {poses.length === 0 && <p class="muted">{t("poses.none")}</p>}
+      <ul class="poses">
+        {poses.map((pose) => (
+          <li key={pose.name}>
+            <span class="grow ellipsis">{pose.name}</span>
+            {pose.saved && (
+              <IconButton
+                label={t("poses.delete", { name: pose.name })}
+                data-testid={`pose-delete-${pose.name}`}
+                onClick={() => void ask({ type: "delete_pose", name: pose.name })}
+              >
+                <TrashIcon />
+              </IconButton>
+            )}
+            <Button
+              aria-label={t("poses.goLong", { name: pose.name })}
+              data-testid={`pose-go-${pose.name}`}
+              onClick={() => void go(pose)}
+            >
+              {t("poses.go")}
+            </Button>
+          </li>
+        ))}
+      </ul>
+      <SavePose />
+    </section>
+  );
+}
+
+function SavePose() {
+  const [name, setName] = useState("");
+  const save = async () => {
+    const chosen = name.trim();
+    if (chosen === "") return;
+    const problem = await ask({ type: "save_pose", name: chosen });
+    if (problem !== null) return;
+    tell("info", t("poses.saved", { name: chosen }));
+    setName("");
+  };
+  return (
+    <form
+      class="row"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void save();
+      }}
+    >
+      <span class="field grow">
+        <input
+          type="text"
+          maxLength={200}
+          value={name}
+          placeholder={t("poses.name")}
+          aria-label={t("poses.name")}
+          data-testid="pose-name"
+          onInput={(event) => {
+            setName(event.currentTarget.value);
+          }}
+        />
+      </span>
+      <Button type="submit" disabled={name.trim() === ""} data-testid="pose-save">
+        {t("poses.save")}
+      </Button>
+    </form>
+  );
+}

@@ -1,0 +1,144 @@
+/** Time: run, pause, step, reset, how fast, and how well it keeps up. */
+import { signal } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import { ask } from "../connection";
+import { t } from "../i18n";
+import { useLive } from "../live";
+import { hello, status } from "../store";
+import { IconButton } from "../ui/button";
+import { PauseIcon, PlayIcon, ResetIcon, StepIcon } from "../ui/icons";
+import { Select } from "../ui/select";
+
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
+const STEPS = [1, 10, 100, 1000];
+
+const ticks = signal(10);
+
+export function Simulation() {
+  const now = status.value;
+  const paused = now?.paused ?? false;
+  return (
+    <div class="simulation" role="group" aria-label={t("simulation.group")}>
+      <div class="buttons">
+        {paused ? (
+          <IconButton
+            label={t("simulation.resume")}
+            data-testid="sim-resume"
+            onClick={() => void ask({ type: "resume" })}
+          >
+            <PlayIcon />
+          </IconButton>
+        ) : (
+          <IconButton
+            label={t("simulation.pause")}
+            data-testid="sim-pause"
+            onClick={() => void ask({ type: "pause" })}
+          >
+            <PauseIcon />
+          </IconButton>
+        )}
+        <IconButton
+          label={t("simulation.step")}
+          data-testid="sim-step"
+          disabled={!paused}
+          onClick={() => void ask({ type: "step", ticks: ticks.value })}
+        >
+          <StepIcon />
+        </IconButton>
+        {paused && <StepLength />}
+        <IconButton
+          label={t("simulation.reset")}
+          data-testid="sim-reset"
+          onClick={() => void ask({ type: "reset" })}
+        >
+          <ResetIcon />
+        </IconButton>
+        <Speed factor={now?.speed ?? null} />
+      </div>
+      <dl class="readings">
+        <SimulatedTime />
+        <Reading
+          label={t("simulation.factorShort")}
+          title={t("simulation.factor")}
+          testId="sim-rtf"
+          value={`${(now?.real_time_factor ?? 0).toFixed(2)}×`}
+        />
+        <Reading
+          label={t("simulation.overrunsShort")}
+          title={t("simulation.overruns")}
+          testId="sim-overruns"
+          value={String(now?.overruns ?? 0)}
+        />
+      </dl>
+    </div>
+  );
+}
+
+function StepLength() {
+  const period = hello.value?.control_period ?? 0.001;
+  return (
+    <Select
+      label={t("simulation.stepBy")}
+      value={String(ticks.value)}
+      data-testid="sim-step-length"
+      options={STEPS.map((count) => ({
+        value: String(count),
+        label: `${String(Number((count * period * 1000).toPrecision(6)))} ms`,
+      }))}
+      onChange={(value) => {
+        ticks.value = Number(value);
+      }}
+    />
+  );
+}
+
+function Speed({ factor }: { factor: number | null }) {
+  const offered = new Set(SPEEDS);
+  if (factor !== null) offered.add(factor);
+  const options = [...offered]
+    .sort((a, b) => a - b)
+    .map((value) => ({ value: String(value), label: `${String(value)}×` }));
+  return (
+    <Select
+      label={t("simulation.speed")}
+      value={String(factor)}
+      data-testid="sim-speed"
+      options={
+        factor === null
+          ? [
+              ...options,
+              { value: "null", label: t("simulation.fastest"), disabled: true },
+            ]
+          : options
+      }
+      onChange={(value) => void ask({ type: "set_speed", factor: Number(value) })}
+    />
+  );
+}
+
+function SimulatedTime() {
+  const text = useRef<HTMLElement | null>(null);
+  useLive((frame) => {
+    if (text.current) text.current.textContent = `${frame.time.toFixed(2)} s`;
+  });
+  return (
+    <div title={t("simulation.time")}>
+      <dt class="visually-hidden">{t("simulation.time")}</dt>
+      <dd class="time" ref={text} data-testid="sim-time" />
+    </div>
+  );
+}
+
+function Reading(props: {
+  label: string;
+  title: string;
+  value: string;
+  testId: string;
+}) {
+  return (
+    <div title={props.title}>
+      <dt>{props.label}</dt>
+      <dd data-testid={props.testId}>{props.value}</dd>
+    </div>
+  );
+}

@@ -1,0 +1,103 @@
+import { language, speak, t } from "../i18n";
+import { connectionState, hello, status } from "../store";
+import { Badge } from "../ui/badge";
+import type { Tone } from "../ui/badge";
+import { Segmented } from "../ui/choice";
+import { MoonIcon, SunIcon, SystemIcon } from "../ui/icons";
+import { theme } from "../ui/theme";
+import { EmergencyStop } from "./estop";
+import { Simulation } from "./simulation";
+
+const TONES: Record<typeof connectionState.value, Tone> = {
+  connecting: "neutral",
+  open: "ok",
+  lost: "warning",
+  refused: "danger",
+  outdated: "danger",
+};
+
+export function TopBar() {
+  const robot = hello.value?.robot;
+  return (
+    <header class="bar">
+      <div class="brand">
+        <Mark />
+        <h1>
+          <b>tool0</b>
+          {robot && <span class="muted">{robot.title}</span>}
+        </h1>
+      </div>
+      {hello.value?.mode === "simulation" && <Simulation />}
+      <div class="settings">
+        <Connection />
+        <Segmented
+          label={t("app.language")}
+          value={language.value}
+          data-testid="language"
+          choices={[
+            { value: "en", label: "EN", name: "English", testId: "language-en" },
+            { value: "zh", label: "中", name: "中文", testId: "language-zh" },
+          ]}
+          onChange={speak}
+        />
+        <Segmented
+          label={t("app.theme")}
+          value={theme.value}
+          data-testid="theme"
+          choices={[
+            {
+              value: "system",
+              label: <SystemIcon />,
+              name: t("theme.system"),
+              testId: "theme-system",
+            },
+            {
+              value: "light",
+              label: <SunIcon />,
+              name: t("theme.light"),
+              testId: "theme-light",
+            },
+            {
+              value: "dark",
+              label: <MoonIcon />,
+              name: t("theme.dark"),
+              testId: "theme-dark",
+            },
+          ]}
+          onChange={(chosen) => {
+            theme.value = chosen;
+          }}
+        />
+      </div>
+      <EmergencyStop />
+    </header>
+  );
+}
+
+function Connection() {
+  const state = connectionState.value;
+  const clients = status.value?.clients ?? 1;
+  return (
+    <span
+      class="connection"
+      data-testid="connection"
+      data-state={state}
+      title={state === "open" ? t("connection.clients", { count: clients }) : ""}
+    >
+      <Badge tone={TONES[state]}>
+        <span class="dot" />
+        {t(`connection.${state}`)}
+        {state === "open" && clients > 1 && ` · ${String(clients)}`}
+      </Badge>
+    </span>
+  );
+}
+
+function Mark() {
+  return (
+    <svg class="mark" viewBox="0 0 32 32" aria-hidden="true">
+      <rect width="32" height="32" rx="7" />
+      <path d="M8 26V16l7-7 6 3M21 7.5v3l3 2.5m-3-5.5 3-2.5" />
+    </svg>
+  );
+}

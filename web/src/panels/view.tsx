@@ -1,0 +1,88 @@
+/** `tool0 view`: no physics; sliders put the joints somewhere. */
+import { connection } from "../connection";
+import { t } from "../i18n";
+import type { JointInfo } from "../protocol";
+import { joints } from "../store";
+import { Button } from "../ui/button";
+import { spanOf } from "../units";
+import { JointRow } from "./joint-row";
+import { UnitSwitch } from "./unit-switch";
+
+function free(): readonly JointInfo[] {
+  return joints.value.filter((joint) => joint.mimics === null);
+}
+
+function pose(positionOf: (joint: JointInfo) => number): void {
+  const positions = Object.fromEntries(
+    free().map((joint) => {
+      const [lower, upper] = spanOf(joint);
+      return [joint.name, Math.min(upper, Math.max(lower, positionOf(joint)))];
+    }),
+  );
+  connection.stream({ type: "pose_joints", positions });
+}
+
+/** Return the middle of the limits; zero where there are none. */
+function centre(joint: JointInfo): number {
+  const [lower, upper] = spanOf(joint);
+  return (lower + upper) / 2;
+}
+
+function anywhere(joint: JointInfo): number {
+  const [lower, upper] = spanOf(joint);
+  return lower + Math.random() * (upper - lower);
+}
+
+export function ViewPanel() {
+  return (
+    <section class="group" aria-labelledby="view-title">
+      <header>
+        <h2 id="view-title">{t("view.joints")}</h2>
+        <UnitSwitch />
+      </header>
+      <p class="hint">{t("view.explain")}</p>
+      <ul class="joints">
+        {free().map((joint) => (
+          <JointRow
+            key={joint.name}
+            joint={joint}
+            goal={null}
+            editable
+            onChange={(position) => {
+              connection.stream({
+                type: "pose_joints",
+                positions: { [joint.name]: position },
+              });
+            }}
+          />
+        ))}
+      </ul>
+      <div class="row">
+        <Button
+          data-testid="view-zero"
+          onClick={() => {
+            pose(() => 0);
+          }}
+        >
+          {t("view.zero")}
+        </Button>
+        <Button
+          data-testid="view-centre"
+          onClick={() => {
+            pose(centre);
+          }}
+        >
+          {t("view.centre")}
+        </Button>
+        <Button
+          data-testid="view-randomize"
+          onClick={() => {
+            pose(anywhere);
+          }}
+        >
+          {t("view.randomize")}
+        </Button>
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,124 @@
+/** What the tree shows of a URDF: links, joints, masses and limits.  Shapes are the scene's. */
+
+export type Vector = readonly [number, number, number];
+
+export interface Origin {
+  readonly xyz: Vector;
+  /** Roll, pitch and yaw about fixed axes [rad]. */
+  readonly rpy: Vector;
+}
+
+export interface UrdfLink {
+  readonly name: string;
+  /** [kg]; null for a link that has no inertial. */
+  readonly mass: number | null;
+}
+
+export interface UrdfJoint {
+  readonly name: string;
+  readonly type: string;
+  readonly parent: string;
+  readonly child: string;
+  readonly origin: Origin;
+  readonly axis: Vector;
+  /** [rad | m]; null where there is none. */
+  readonly lower: number | null;
+  readonly upper: number | null;
+  readonly velocity: number | null;
+  readonly effort: number | null;
+  readonly mimic: {
+    readonly joint: string;
+    readonly multiplier: number;
+    readonly offset: number;
+  } | null;
+}
+
+export interface UrdfModel {
+  readonly root: string;
+  readonly links: ReadonlyMap<string, UrdfLink>;
+  /** Link → the joint that it hangs on. */
+  readonly parentJoint: ReadonlyMap<string, UrdfJoint>;
+  /** Link → the joints that hang on it, in the order of the file. */
+  readonly childJoints: ReadonlyMap<string, readonly UrdfJoint[]>;
+}
+
+function child(element: Element | null, tag: string): Element | null {
+  const children = element ? [...element.children] : [];
+  return children.find((one) => one.tagName === tag) ?? null;
+}
+
+function number(element: Element | null, name: string): number | null {
+  const text = element?.getAttribute(name) ?? null;
+  const value = text === null || text.trim() === "" ? NaN : Number(text);
+  return Number.isFinite(value) ? value : null;
+}
+
+function vector(element: Element | null, name: string, otherwise: Vector): Vector {
+  const parts = (element?.getAttribute(name) ?? "").trim().split(/\s+/).map(Number);
+  const [x, y, z] = parts;
+  if (parts.length !== 3 || x === undefined || y === undefined || z === undefined) {
+    return otherwise;
+  }
+  return [x, y, z].every(Number.isFinite) ? [x, y, z] : otherwise;
+}
+
+function jointOf(element: Element): UrdfJoint {
+  const origin = child(element, "origin");
+  const limit = child(element, "limit");
+  const mimic = child(element, "mimic");
+  const type = element.getAttribute("type") ?? "fixed";
+  const turnsForever = type === "continuous";
+  return {
+    name: element.getAttribute("name") ?? "",
+    type,
+    parent: child(element, "parent")?.getAttribute("link") ?? "",
+    child: child(element, "child")?.getAttribute("link") ?? "",
+    origin: {
+      xyz: vector(origin, "xyz", [0, 0, 0]),
+      rpy: vector(origin, "rpy", [0, 0, 0]),
+    },
+    axis: vector(child(element, "axis"), "xyz", [1, 0, 0]),
+    lower: turnsForever ? null : number(limit, "lower"),
+    upper: turnsForever ? null : number(limit, "upper"),
+    velocity: number(limit, "velocity"),
+    effort: number(limit, "effort"),
+    mimic: mimic && {
+      joint: mimic.getAttribute("joint") ?? "",
+      multiplier: number(mimic, "multiplier") ?? 1,
+      offset: number(mimic, "offset") ?? 0,
+    },
+  };
+}
+
+/** Return the tree in a URDF document.  Throws an Error that says what is wrong with it. */
+export function parseUrdf(text: string): UrdfModel {
+  const robot = new DOMParser().parseFromString(
+    text,
+    "application/xml",
+  ).documentElement;
+  if (robot.tagName !== "robot") {
+    throw new Error(`the document is <${robot.tagName}>, not <robot>`);
+  }
+  const elements = [...robot.children];
+  const links = new Map<string, UrdfLink>();
+  for (const element of elements.filter((one) => one.tagName === "link")) {
+    const name = element.getAttribute("name") ?? "";
+    const mass = number(child(child(element, "inertial"), "mass"), "value");
+    links.set(name, { name, mass });
+  }
+  const parentJoint = new Map<string, UrdfJoint>();
+  const childJoints = new Map<string, UrdfJoint[]>();
+  for (const element of elements.filter((one) => one.tagName === "joint")) {
+    const joint = jointOf(element);
+    parentJoint.set(joint.child, joint);
+    childJoints.set(joint.parent, [...(childJoints.get(joint.parent) ?? []), joint]);
+  }
+  const roots = [...links.keys()].filter((link) => !parentJoint.has(link));
+  const [root] = roots;
+  if (root === undefined || roots.length > 1) {
+    throw new Error(
+      `a tree has one root, this has ${roots.length}: ${roots.join(", ")}`,
+    );
+  }
+  return { root, links, parentJoint, childJoints };
+}
