@@ -40,6 +40,7 @@ class Gripper:
         opening: float,
         speed: float | None = None,
         effort: float | None = None,
+        force: float | None = None,
     ) -> GoalHandle:
         """Send the pads to ``opening`` and return the goal.
 
@@ -50,12 +51,19 @@ class Gripper:
                 action knows no speed.
             effort: Largest torque of the driven joint [N·m], as ``max_effort`` of
                 ROS's GripperCommand; what the drive can do, if left out.
+            force: Largest force at each pad [N], within ``geometry.force``, instead of
+                ``effort``.  It is what something of the width ``opening`` is gripped
+                with; the linkage's lever is shorter at wider openings, so something
+                wider is gripped harder: between the pads of a 2F-85 that are sent to
+                0, by 3 % at 40 mm and 31 % at 85 mm.
 
         Raises:
             ModelError: If ``opening`` is out of reach.
             ControlError: If no running controller takes the command.
         """
         target = self.geometry.position(opening)
+        if force is not None:
+            effort = self._torque(force, target, effort)
         joint = self.geometry.joint
         for status in self._robot.controllers():
             claimed = {name for _, joints in status.claimed for name in joints}
@@ -79,6 +87,17 @@ class Gripper:
             f"no running controller drives '{joint}'; start a JointTrajectory"
             "Controller or a GripperActionController that claims it"
         )
+
+    def _torque(self, force: float, position: float, effort: float | None) -> float:
+        """Return what the joint needs [N·m] for ``force`` [N] where it is to go."""
+        if effort is not None:
+            raise ControlError(
+                f"give a force ({force} N) or an effort ({effort} N·m), not both"
+            )
+        weakest, strongest = self.geometry.force
+        if not weakest <= force <= strongest:
+            raise ControlError(f"force {force} N is outside [{weakest}, {strongest}] N")
+        return force * self.geometry.lever(position)
 
     def _speed(self, speed: float | None) -> float:
         slowest, fastest = self.geometry.speed

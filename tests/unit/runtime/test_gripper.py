@@ -11,6 +11,8 @@ import pytest
 import tool0
 from tool0.control.segment import Motion, Segment
 from tool0.description.catalogue import assemble
+from tool0.description.model import Box, Pose
+from tool0.description.scene import Scene, SceneObject
 from tool0.errors import ControlError, ModelError
 from tool0.runtime.gripper import RAMP, Gripper
 
@@ -174,6 +176,42 @@ def test_a_refused_goal_leaves_the_effort_as_it_was(robot: tool0.Robot) -> None:
     assert robot.gripper.move(opening=0.02).wait(5.0).error_code == 0
     robot.run(0.5)
     assert robot.gripper.opening == pytest.approx(0.02, abs=1e-3)
+
+
+@pytest.mark.parametrize("force", [0.0, 19.0, 236.0, -50.0, math.nan])
+def test_a_force_that_the_gripper_lacks_is_refused(
+    robot: tool0.Robot, force: float
+) -> None:
+    with pytest.raises(ControlError, match=r"force .* is outside \[20\.0, 235\.0\] N"):
+        robot.gripper.move(opening=0.04, force=force)
+
+
+def test_a_force_and_an_effort_are_not_both_taken(robot: tool0.Robot) -> None:
+    with pytest.raises(ControlError, match=r"force \(50 N\) or an effort \(2 N·m\)"):
+        robot.gripper.move(opening=0.04, force=50, effort=2)
+
+
+@pytest.mark.parametrize("width", [0.03, 0.06])
+@pytest.mark.parametrize("force", [20.0, 60.0])
+def test_the_drive_gives_the_force_that_was_asked_for(
+    width: float, force: float
+) -> None:
+    block = SceneObject(
+        name="block",
+        geometry=Box(size=(width, width, 0.04)),
+        pose=Pose(xyz=(0.5487, 0.1091, 0.003)),  # between the pads
+    )
+    with tool0.bringup(
+        realtime=False, initial_pose="ready", scene=Scene((block,))
+    ) as robot:
+        robot.gripper.move(opening=0.0, force=force)
+        robot.run(1.5)
+        lever = GEOMETRY.lever(robot.joint_state.position[GEOMETRY.joint])
+        given = robot.joint_state.effort[GEOMETRY.joint] / lever
+        assert force <= given <= 1.11 * force, "as wide as it is, by its lever"
+        robot.gripper.move(opening=0.0)
+        robot.run(1.0)
+        assert robot.joint_state.effort[GEOMETRY.joint] / lever > 1.2 * given
 
 
 def test_without_a_controller_it_says_what_to_start(robot: tool0.Robot) -> None:

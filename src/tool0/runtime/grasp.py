@@ -1,0 +1,129 @@
+"""Whether a gripper moves, has arrived, or holds something: as Robotiq's ``gOBJ``."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, final
+
+from tool0.description.model import ParallelGripper
+from tool0.runtime.bus import Snapshot
+
+GripperMotion = Literal[
+    "moving", "at_target", "holding_inside", "holding_outside", "idle"
+]
+
+WINDOW = 0.15
+"""Simulated time over which pads must have been still to hold something [s]: the pads
+of a simulated grip chatter, so no instant's velocity tells."""
+STILL = 0.0003
+"""Way within the window up to which pads count as still [m]; the slowest speed of a
+2F-85 makes ten times that."""
+MOVED = 2.0 * STILL
+"""Way within the window from which pads that were still move again [m]."""
+TOLERANCE = 0.001
+"""How far from where they are wanted pads count as there [m]: what a PID leaves, so
+that what is squeezed by less than this is not noticed."""
+PUSH = 0.05
+"""Part of the weakest grip from which the drive counts as pushing: 1 N for a 2F-85,
+whose own weight and friction take up to 0.8 N at a pad that nothing touches."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GraspState:
+    motion: GripperMotion
+    """``holding_inside`` squeezes between the pads, ``holding_outside`` presses them
+    apart against something; ``idle`` if no controller wants a position of them."""
+    opening: float
+    """Distance between the pads [m]."""
+    width: float | None = None
+    """Of what is held between the pads [m]."""
+
+
+class _Sample(NamedTuple):
+    time: float
+    position: float
+    """Of the driven joint [rad]."""
+    opening: float
+    effort: float
+
+
+@final
+class GraspDetector:
+    """Judges one gripper by the snapshots that it is shown, in their order.
+
+    It tells by what the controller wants: pads that stand still, where they are not
+    wanted, and are pushed on, have something in their way.
+    """
+
+    def __init__(self, geometry: ParallelGripper) -> None:
+        self._geometry = geometry
+        self._samples: deque[_Sample] = deque()
+        self._target: float | None = None
+        self._was_still = True
+
+    def observe(self, snapshot: Snapshot) -> GraspState:
+        """Return the state at a snapshot not older than the last; older is a reset."""
+        geometry = self._geometry
+        index = snapshot.joint_names.index(geometry.joint)
+        position = snapshot.position[index]
+        opening = max(0.0, geometry.opening(position))
+        wanted = _wanted(snapshot, geometry)
+        target = None if wanted is None else wanted[1]
+        if target != self._target or (
+            self._samples and snapshot.time < self._samples[-1].time
+        ):
+            self._samples.clear()
+            self._target = target
+        self._remember(
+            _Sample(snapshot.time, position, opening, snapshot.effort[index])
+        )
+        motion: GripperMotion = "idle" if wanted is None else self._judge(*wanted)
+        return GraspState(
+            motion=motion,
+            opening=opening,
+            width=opening if motion == "holding_inside" else None,
+        )
+
+    def _remember(self, sample: _Sample) -> None:
+        """Keep what is needed to look back over the window, and no more."""
+        samples = self._samples
+        samples.append(sample)
+        while len(samples) > 1 and samples[1].time <= sample.time - WINDOW:
+            samples.popleft()
+
+    def _judge(self, desired: float, target: float) -> GripperMotion:
+        """Return the state for openings that are wanted now and in the end [m]."""
+        openings = [sample.opening for sample in self._samples]
+        way = max(openings) - min(openings)
+        self._was_still = way <= (MOVED if self._was_still else STILL)
+        if not self._was_still:
+            return "moving"
+        last = self._samples[-1]
+        lack = desired - last.opening
+        is_there = abs(lack) <= TOLERANCE
+        is_long_still = last.time - self._samples[0].time >= WINDOW
+        if is_long_still and not is_there and self._pushes(lack):
+            return "holding_inside" if lack < 0.0 else "holding_outside"
+        if abs(target - desired) <= TOLERANCE and (is_there or is_long_still):
+            return "at_target"
+        return "moving"
+
+    def _pushes(self, lack: float) -> bool:
+        """Return whether the drive pushed the pads that way over the window."""
+        geometry, samples = self._geometry, self._samples
+        lever = geometry.lever(samples[-1].position)
+        # A positive effort closes the gripper: the opening shrinks.
+        force = -sum(sample.effort for sample in samples) / len(samples) / lever
+        return force * lack > 0.0 and abs(force) >= PUSH * geometry.force[0]
+
+
+def _wanted(snapshot: Snapshot, gripper: ParallelGripper) -> tuple[float, float] | None:
+    """Return the openings wanted now and in the end [m]; None if none are."""
+    for intent in snapshot.intents.values():
+        if gripper.joint in intent.joint_names:
+            k = intent.joint_names.index(gripper.joint)
+            desired = intent.state().desired.positions[k]
+            return gripper.opening(desired), gripper.opening(intent.target()[k])
+    return None
