@@ -66,8 +66,7 @@ export const en = {
   "motion.undrivable": "Cannot be driven: {count}",
   "motion.notRunning": "not running",
   "motion.enable": "Drive",
-  "motion.monitoring":
-    "The sliders follow the robot. Drive sends it to where you put them.",
+  "motion.monitoring": "The sliders follow the robot, until you drive it.",
   "motion.driving": "The robot goes where you put the sliders.",
   "motion.unit": "Unit of angles",
   "motion.speed": "Speed",
@@ -159,8 +158,31 @@ export const en = {
   "log.empty": "Nothing to tell so far.",
   "notices.label": "Notices",
   "notices.dismiss": "Dismiss",
-  "notices.earlier": "{count} warnings or errors came before this page: see the log.",
+  "notices.earlier":
+    "Before this page opened: warnings or errors, {count} in all. See the log.",
   "severity.info": "Info",
   "severity.warning": "Warning",
   "severity.error": "Error",
+
+  "scene.canvas":
+    "3D view of the robot: arrows turn it, plus and minus zoom, 1 to 6 choose a view, F fits everything",
+  "scene.views": "Views",
+  "scene.view.iso": "Three-quarter view (1)",
+  "scene.view.front": "From the front (2)",
+  "scene.view.left": "From the left (3)",
+  "scene.view.right": "From the right (4)",
+  "scene.view.top": "From above (5)",
+  "scene.view.tool": "Close-up of the tool (6)",
+  "scene.view.fit": "Fit everything (F)",
+  "scene.options": "What is shown",
+  "scene.frames": "Frames",
+  "scene.show": "Show",
+  "scene.ghost": "Commanded goal",
+  "scene.collision": "Collision shapes",
+  "scene.simple": "Simple graphics",
+  "scene.loading": "Loading the robot…",
+  "scene.noWebgl":
+    "This browser has no WebGL 2, so there is no 3D view. Everything else works.",
+  "scene.failed": "The robot cannot be shown: {reason}",
+  "scene.meshesFailed": "Some meshes are missing: {reason}",
 } as const;

@@ -1,0 +1,28 @@
+/** When there is a commanded goal worth showing.  Pure. */
+import type { JointInfo } from "../protocol";
+
+/** Less than this is no difference that a person sees [rad | m]. */
+const NOTICEABLE = 0.005;
+
+/**
+ * Return where the joints are to go, joint → position, or undefined if they are there.
+ *
+ * Joints without a target stay where they are; those that mimic another are left out,
+ * since they follow it.
+ */
+export function goalOf(
+  joints: readonly JointInfo[],
+  positions: ArrayLike<number>,
+  targets: Readonly<Record<string, number>>,
+): Map<string, number> | undefined {
+  const goal = new Map<string, number>();
+  let differs = false;
+  for (const [index, joint] of joints.entries()) {
+    if (joint.mimics !== null) continue;
+    const present = positions[index] ?? 0;
+    const target = targets[joint.name] ?? present;
+    goal.set(joint.name, target);
+    if (Math.abs(target - present) > NOTICEABLE) differs = true;
+  }
+  return differs ? goal : undefined;
+}

@@ -1,0 +1,78 @@
+/** The objects of the scene. */
+import {
+  BoxGeometry,
+  type BufferGeometry,
+  CylinderGeometry,
+  Group,
+  Mesh,
+  MeshPhongMaterial,
+  SphereGeometry,
+} from "three";
+import type { ObjectInfo } from "../protocol";
+import { MODEL_LAYER } from "./layers";
+import type { Materials } from "./materials";
+import type { Meshes } from "./meshes";
+
+type RGBA = readonly [number, number, number, number];
+type Triple = readonly [number, number, number];
+
+function primitive(shape: ObjectInfo["shape"]): BufferGeometry {
+  const radius = shape.radius ?? 0;
+  if (shape.kind === "sphere") return new SphereGeometry(radius, 48, 24);
+  if (shape.kind === "cylinder") {
+    // three's stand along y, ours along z
+    return new CylinderGeometry(radius, radius, shape.length ?? 0, 64).rotateX(
+      Math.PI / 2,
+    );
+  }
+  const [x, y, z] = (shape.size ?? [1, 1, 1]) as unknown as Triple;
+  return new BoxGeometry(x, y, z);
+}
+
+export class Objects {
+  readonly root = new Group();
+  private constructor(readonly failures: readonly string[]) {}
+
+  static async load(
+    infos: readonly ObjectInfo[],
+    meshes: Meshes,
+    materials: Materials,
+  ): Promise<Objects> {
+    const failures: string[] = [];
+    const objects = new Objects(failures);
+    const made = infos.map(async ({ name, shape, rgba }) => {
+      const holder = new Group();
+      holder.name = name;
+      objects.root.add(holder);
+      const colour = rgba as unknown as RGBA;
+      if (shape.kind === "mesh") {
+        const scale = shape.size as unknown as Triple | undefined;
+        if (scale) holder.scale.set(...scale);
+        const look = new MeshPhongMaterial({ opacity: colour[3] });
+        look.color.setRGB(colour[0], colour[1], colour[2]);
+        holder.add(await meshes.load(shape.url ?? "", look));
+      } else {
+        holder.add(new Mesh(primitive(shape), materials.of(colour)));
+      }
+      holder.traverse((one) => {
+        one.layers.enable(MODEL_LAYER);
+        one.userData.object = name;
+        one.castShadow = one.receiveShadow = true;
+      });
+    });
+    for (const result of await Promise.allSettled(made)) {
+      if (result.status === "rejected") failures.push(String(result.reason));
+    }
+    return objects;
+  }
+
+  /** Put them where `values`, from `start` on, says: x y z w x y z of each. */
+  pose(values: ArrayLike<number>, start: number): void {
+    const at = (index: number) => values[index] ?? 0;
+    this.root.children.forEach((object, index) => {
+      const i = start + 7 * index;
+      object.position.set(at(i), at(i + 1), at(i + 2));
+      object.quaternion.set(at(i + 4), at(i + 5), at(i + 6), at(i + 3)).normalize();
+    });
+  }
+}

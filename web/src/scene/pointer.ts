@@ -1,0 +1,67 @@
+/** What happens when the pointer is over the picture: a name, a glow, a double click. */
+import { language } from "../i18n";
+import { hello, hoveredLink } from "../store";
+import type { Hit } from "./picker";
+import type { Viewer } from "./viewer";
+
+/** What a person calls what was hit. */
+function nameOf(hit: Hit): string {
+  const link = hit.link ?? "";
+  const part = hello.value?.robot.part_names[link]?.[language.value];
+  return hit.object ?? (part === undefined ? link : `${part} · ${link}`);
+}
+
+/** Watch the pointer; the answer ends it. */
+export function watchPointer(
+  host: HTMLElement,
+  canvas: HTMLCanvasElement,
+  viewer: Viewer,
+): () => void {
+  const tip = host.appendChild(document.createElement("div"));
+  tip.className = "scene-tip";
+  tip.hidden = true;
+  let due = 0;
+  let set: string | null = null;
+
+  const hover = (link: string | null) => {
+    // what the tree has set since is not ours to clear
+    if (link === null && hoveredLink.peek() !== set) return;
+    set = link;
+    hoveredLink.value = link;
+  };
+  const leave = () => {
+    cancelAnimationFrame(due);
+    due = 0;
+    tip.hidden = true;
+    hover(null);
+  };
+  const look = (x: number, y: number) => {
+    due = 0;
+    const hit = viewer.isDragging ? undefined : viewer.at(x, y);
+    tip.hidden = hit === undefined;
+    hover(hit?.link ?? null);
+    if (!hit) return;
+    const { left, top, width } = host.getBoundingClientRect();
+    tip.textContent = nameOf(hit);
+    const right = x - left > width / 2;
+    const across = right ? `calc(${x - left - 12}px - 100%)` : `${x - left + 16}px`;
+    tip.style.transform = `translate(${across}, ${y - top + 12}px)`;
+  };
+  const move = (event: PointerEvent) => {
+    if (event.pointerType === "touch") return;
+    const { clientX, clientY } = event;
+    cancelAnimationFrame(due);
+    due = requestAnimationFrame(() => {
+      look(clientX, clientY);
+    });
+  };
+  const focus = (event: MouseEvent) => {
+    const hit = viewer.at(event.clientX, event.clientY);
+    if (hit) viewer.focus(hit.point);
+  };
+  canvas.addEventListener("pointermove", move);
+  canvas.addEventListener("pointerdown", leave);
+  canvas.addEventListener("pointerleave", leave);
+  canvas.addEventListener("dblclick", focus);
+  return leave;
+}
