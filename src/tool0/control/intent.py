@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol, final
+from typing import NamedTuple, Protocol
 
 from tool0.control.angles import shortest_turn
 from tool0.control.playback import Track, active_index, sample_track
@@ -32,10 +31,11 @@ class Intent(Protocol):
         """Return where the joints are to end up [rad | m]."""
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class TrajectoryIntent:
-    """To move along tracks.  Nothing in it changes: a new goal makes new tracks."""
+class TrajectoryIntent(NamedTuple):
+    """To move along tracks.  Nothing in it changes: a new goal makes new tracks.
+
+    A named tuple, since the loop makes one a hundred times a second.
+    """
 
     joint_models: tuple[Joint, ...]
     tracks: tuple[Track, ...]
@@ -72,9 +72,7 @@ class TrajectoryIntent:
         )
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class PositionIntent:
+class PositionIntent(NamedTuple):
     """To go somewhere at once and stay there."""
 
     joint_models: tuple[Joint, ...]

@@ -83,6 +83,7 @@ class ControllerManager:
         self._robot = Robot(joints, hardware.interfaces)
         self._loaded: dict[str, _Loaded] = {}
         self._updates: list[tuple[Controller, slice | None, tuple[int, ...]]] = []
+        self._running: list[tuple[str, Controller]] = []
         self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
@@ -104,6 +105,11 @@ class ControllerManager:
             for item in self._loaded.values()
             if item.controller is not None
             for claims in [item.indices if item.claims else ()]
+        ]
+        self._running = [
+            (name, item.controller)
+            for name, item in self._loaded.items()
+            if item.controller is not None
         ]
         self._statuses = tuple(map(self.status, self._loaded))
 
@@ -313,9 +319,8 @@ class ControllerManager:
         """Return what the running controllers want, of those that want a position."""
         return {
             name: intent
-            for name, item in self._loaded.items()
-            if item.controller is not None
-            and (intent := item.controller.intent()) is not None
+            for name, controller in self._running
+            if (intent := controller.intent()) is not None
         }
 
     def spec(self, name: str) -> ControllerSpec:
