@@ -7,7 +7,7 @@ import { useLive } from "../live";
 import type { JointInfo } from "../protocol";
 import { hello, jointIndex } from "../store";
 import { fixed, NumberField } from "../ui/number-field";
-import { share, Slider } from "../ui/slider";
+import { placeThumb, share, Slider } from "../ui/slider";
 import { angleUnit, spanOf, unitOf } from "../units";
 
 interface JointRowProps {
@@ -41,7 +41,7 @@ export function JointRow({ joint, goal, editable = false, onChange }: JointRowPr
     if (goal !== null || slider.current === null || root.current === null) return;
     slider.current.value = String(value);
     slider.current.setAttribute("aria-valuetext", say(value));
-    root.current.style.setProperty("--value", String(share(value, min, max)));
+    placeThumb(root.current, value, min, max);
     if (field.current && document.activeElement !== field.current) {
       field.current.value = fixed(value, unit.digits);
     }

@@ -27,6 +27,19 @@ export function share(value: number, min: number, max: number): number {
   return max > min ? Math.min(1, Math.max(0, (value - min) / (max - min))) : 0;
 }
 
+/** Fill the track between zero, or the end next to it, and `value`. */
+export function placeThumb(
+  root: HTMLElement | null,
+  value: number,
+  min: number,
+  max: number,
+): void {
+  const at = share(value, min, max);
+  const zero = share(0, min, max);
+  root?.style.setProperty("--low", String(Math.min(at, zero)));
+  root?.style.setProperty("--high", String(Math.max(at, zero)));
+}
+
 /** Return the value after a key, or undefined for a key that sliders do not have. */
 export function stepped(
   event: Pick<KeyboardEvent, "key" | "shiftKey">,
@@ -54,7 +67,7 @@ export function Slider(props: SliderProps) {
   const root = props.root ?? own;
   // always, since who follows the robot writes it too, behind Preact's back
   useLayoutEffect(() => {
-    root.current?.style.setProperty("--value", String(share(value, min, max)));
+    placeThumb(root.current, value, min, max);
   });
   return (
     <div class="slider" ref={root} onDblClick={() => props.onDoubleClick?.()}>

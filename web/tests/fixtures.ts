@@ -1,0 +1,131 @@
+/** Messages of a small robot, and a WebSocket of which the test is the other end. */
+import type {
+  ControllerInfo,
+  Frame,
+  Hello,
+  JointInfo,
+  ServerMessage,
+  Status,
+} from "../src/protocol";
+
+export function joint(name: string, changes: Partial<JointInfo> = {}): JointInfo {
+  return {
+    name,
+    type: "revolute",
+    lower: -3,
+    upper: 3,
+    velocity: 3,
+    effort: 150,
+    driven: true,
+    mimics: null,
+    ...changes,
+  };
+}
+
+export function controller(changes: Partial<ControllerInfo> = {}): ControllerInfo {
+  return {
+    name: "arm",
+    type: "effort_controllers/JointTrajectoryController",
+    state: "running",
+    interface: "effort",
+    joints: ["pan", "lift"],
+    undrivable: null,
+    ...changes,
+  };
+}
+
+export function hello(changes: Partial<Hello> = {}): Hello {
+  return {
+    type: "hello",
+    protocol: 1,
+    version: "0.0.0",
+    mode: "simulation",
+    engine: "mujoco",
+    control_period: 0.001,
+    robot: {
+      name: "two_joints",
+      title: "two joints",
+      root: "world",
+      urdf: "/robot.urdf",
+      ground: 0,
+      joints: [joint("pan"), joint("lift")],
+      grippers: [],
+      part_names: { pan: { en: "Base joint", zh: "底座关节" } },
+    },
+    objects: [],
+    notices: [],
+    ...changes,
+  };
+}
+
+export function status(changes: Partial<Status> = {}): Status {
+  return {
+    type: "status",
+    paused: false,
+    stopped: false,
+    fault: null,
+    speed: 1,
+    real_time_factor: 1,
+    overruns: 0,
+    clients: 1,
+    controllers: [controller()],
+    grippers: [],
+    poses: [],
+    targets: { pan: 0.5, lift: -1 },
+    ...changes,
+  };
+}
+
+export function frame(changes: Partial<Frame> = {}): Frame {
+  return {
+    type: "frame",
+    time: 1,
+    position: [0.49, -0.99],
+    velocity: [0, 0],
+    effort: [0, 0],
+    desired: [0.5, null],
+    objects: [],
+    ...changes,
+  };
+}
+
+export class FakeSocket extends EventTarget {
+  static all: FakeSocket[] = [];
+  readonly sent: Record<string, unknown>[] = [];
+  bufferedAmount = 0;
+
+  constructor(readonly url: string) {
+    super();
+    FakeSocket.all.push(this);
+  }
+
+  static get newest(): FakeSocket {
+    const socket = FakeSocket.all.at(-1);
+    if (!socket) throw new Error("nothing connected");
+    return socket;
+  }
+
+  send(text: string): void {
+    this.sent.push(JSON.parse(text) as Record<string, unknown>);
+  }
+
+  close(): void {
+    this.end(1000);
+  }
+
+  sentOf(type: string): Record<string, unknown>[] {
+    return this.sent.filter((message) => message["type"] === type);
+  }
+
+  say(message: ServerMessage): void {
+    this.sayText(JSON.stringify(message));
+  }
+
+  sayText(data: unknown): void {
+    this.dispatchEvent(new MessageEvent("message", { data }));
+  }
+
+  end(code = 1006): void {
+    this.dispatchEvent(new CloseEvent("close", { code }));
+  }
+}

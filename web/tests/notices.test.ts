@@ -1,0 +1,55 @@
+import { describe, expect, it, vi } from "vitest";
+import { tell, tellNotice, toasts } from "../src/notices";
+import type { Notice } from "../src/protocol";
+import { notices } from "../src/store";
+import { FakeSocket, hello } from "./fixtures";
+import { useFakeServer } from "./setup";
+
+const notice = (severity: Notice["severity"], text: string): Notice => ({
+  type: "notice",
+  number: 1,
+  wall_time: 0,
+  time: 0,
+  severity,
+  code: "log",
+  text,
+});
+const texts = () => toasts.value.map((toast) => toast.text);
+
+describe("notices", () => {
+  useFakeServer();
+
+  it("stay as errors, and pass as warnings", () => {
+    tell("error", "broken");
+    tell("warning", "careful");
+    vi.advanceTimersByTime(60_000);
+    expect(texts()).toEqual(["broken"]);
+    expect(notices.value).toHaveLength(2);
+  });
+
+  it("are merged when repeated", () => {
+    tell("error", "again");
+    tell("error", "again");
+    expect(toasts.value.map((toast) => toast.count)).toEqual([2]);
+  });
+
+  it("are at most four, of which errors stay longest", () => {
+    tell("error", "first");
+    for (const text of ["a", "b", "c", "d", "e"]) tell("warning", text);
+    expect(texts()).toEqual(["first", "c", "d", "e"]);
+  });
+
+  it("that only inform are in the log alone", () => {
+    tellNotice(notice("info", "arrived"));
+    expect(texts()).toEqual([]);
+    expect(notices.value.map((one) => one.text)).toEqual(["arrived"]);
+  });
+
+  it("of before this page are said in one sentence", () => {
+    const before = ["a", "b", "c", "d", "e"].map((text) => notice("warning", text));
+    FakeSocket.newest.say(hello({ notices: before }));
+    expect(toasts.value).toHaveLength(1);
+    expect(texts()[0]).toContain("5");
+    expect(notices.value).toHaveLength(5);
+  });
+});

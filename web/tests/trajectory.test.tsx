@@ -1,0 +1,181 @@
+import { act, fireEvent, render, screen } from "@testing-library/preact";
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import { adopt, endReason, goals, holdStill, watchDriving } from "../src/driving";
+import { TrajectoryPanel } from "../src/panels/trajectory";
+import type { Status } from "../src/protocol";
+import { angleUnit } from "../src/units";
+import { controller, FakeSocket, frame, hello, status } from "./fixtures";
+import { useFakeServer } from "./setup";
+
+const server = () => FakeSocket.newest;
+const input = (id: string) => screen.getByTestId<HTMLInputElement>(id);
+
+function enable(): void {
+  fireEvent.click(screen.getByTestId("enable-toggle"));
+}
+
+function drag(name: string, value: number): void {
+  fireEvent.input(input(`joint-slider-${name}`), { target: { value: String(value) } });
+}
+
+async function pass(milliseconds: number): Promise<void> {
+  await act(async () => {
+    await vi.advanceTimersByTimeAsync(milliseconds);
+  });
+}
+
+/** The server says a status, and a frame in which the page looks at it. */
+async function say(changes: Partial<Status>, time = 1): Promise<void> {
+  await act(() => {
+    server().say(status(changes));
+    server().say(frame({ time }));
+  });
+}
+
+describe("the trajectory panel", () => {
+  useFakeServer();
+  beforeEach(async () => {
+    angleUnit.value = "rad";
+    const end = watchDriving();
+    server().say(hello());
+    server().say(status());
+    server().say(frame());
+    render(<TrajectoryPanel />);
+    await pass(50);
+    return end;
+  });
+
+  it("follows the robot until it is enabled", async () => {
+    expect(input("joint-slider-pan").disabled).toBe(true);
+    await act(() => {
+      server().say(frame({ position: [1.25, 0], time: 1.1 }));
+    });
+    await pass(100);
+    expect(input("joint-slider-pan").valueAsNumber).toBeCloseTo(1.25);
+    expect(screen.getByTestId("joint-actual-pan").textContent).toBe("1.250");
+  });
+
+  it("sends nothing when it is enabled, and begins where the robot is wanted", async () => {
+    enable();
+    await pass(2000);
+    expect(server().sent).toEqual([]);
+    expect(input("joint-slider-pan").valueAsNumber).toBeCloseTo(0.5);
+    expect(input("joint-slider-lift").valueAsNumber).toBeCloseTo(-0.99);
+    expect(input("joint-slider-pan").disabled).toBe(false);
+  });
+
+  it("sends of a drag the newest, with every joint of the controller", async () => {
+    enable();
+    for (let step = 1; step <= 100; step++) drag("pan", step / 100);
+    await pass(100);
+    const steers = server().sentOf("steer");
+    expect(steers).toHaveLength(2);
+    expect(steers.at(-1)).toEqual({
+      type: "steer",
+      controller: "arm",
+      positions: { pan: 1, lift: -0.99 },
+      speed: 0.5,
+    });
+  });
+
+  it("takes degrees and keeps within the limits", async () => {
+    angleUnit.value = "deg";
+    await pass(50);
+    enable();
+    const field = input("joint-field-pan");
+    fireEvent.input(field, { target: { value: "90" } });
+    fireEvent.keyDown(field, { key: "Enter" });
+    await pass(50);
+    fireEvent.input(field, { target: { value: "400" } });
+    fireEvent.blur(field);
+    await pass(50);
+    const [first, second] = server().sentOf("steer") as {
+      positions: { pan: number };
+    }[];
+    expect(first?.positions.pan).toBeCloseTo(Math.PI / 2);
+    expect(second?.positions.pan).toBe(3);
+  });
+
+  it("steps by keys, ten times as far with Shift", async () => {
+    enable();
+    await pass(50);
+    fireEvent.keyDown(input("joint-slider-pan"), { key: "ArrowRight" });
+    await pass(50);
+    fireEvent.keyDown(input("joint-slider-pan"), { key: "ArrowLeft", shiftKey: true });
+    await pass(50);
+    const steers = server().sentOf("steer") as { positions: { pan: number } }[];
+    expect(steers[0]?.positions.pan).toBeCloseTo(0.51);
+    expect(steers[1]?.positions.pan).toBeCloseTo(0.41);
+  });
+
+  it("says value and unit to screen readers", async () => {
+    enable();
+    await pass(50);
+    expect(input("joint-slider-pan").getAttribute("aria-valuetext")).toBe("0.500 rad");
+  });
+
+  const stopped = [controller({ state: "stopped" })];
+  const ends: [string, Partial<Status>, string][] = [
+    ["the emergency stop", { stopped: true }, "stopped"],
+    ["a controller that stops", { controllers: stopped }, "controller"],
+  ];
+  it.each(ends)("ends driving for %s, and says so", async (_, changes, reason) => {
+    enable();
+    await say(changes);
+    expect(goals.value).toBeNull();
+    expect(endReason.value).toBe(reason);
+    expect(screen.getByTestId("driving-state").textContent).toContain("Driving ended");
+  });
+
+  it("ends driving when time begins anew", async () => {
+    enable();
+    await say({}, 0.01);
+    expect(endReason.value).toBe("reset");
+  });
+
+  it("ends driving when the connection is lost", async () => {
+    enable();
+    await act(() => {
+      server().end();
+    });
+    expect(endReason.value).toBe("lost");
+  });
+
+  it("ends driving when somebody else sends the robot elsewhere for half a second", async () => {
+    enable();
+    drag("pan", 1);
+    await pass(50);
+    await say({ targets: { pan: 0.5, lift: -1 } }, 1.1);
+    await pass(300);
+    await say({ targets: { pan: 1, lift: -0.99 } }, 1.2);
+    await pass(1000);
+    await say({ targets: { pan: 1, lift: -0.99 } }, 1.3);
+    expect(goals.value).not.toBeNull();
+    await say({ targets: { pan: 2, lift: 0 } }, 1.4);
+    await pass(600);
+    await say({ targets: { pan: 2, lift: 0 } }, 1.5);
+    expect(endReason.value).toBe("elsewhere");
+  });
+
+  it("takes a pose and a stop of its own for its own", async () => {
+    enable();
+    adopt({ pan: 2, lift: 1, another: 7 });
+    await say({ targets: { pan: 2, lift: 1 } }, 1.1);
+    await pass(1000);
+    await say({ targets: { pan: 2, lift: 1 } }, 1.2);
+    expect(goals.value?.get("pan")?.value).toBe(2);
+    void holdStill();
+    await say({ targets: { pan: 1.3, lift: 0 } }, 1.3);
+    await pass(1000);
+    await say({ targets: { pan: 1.3, lift: 0 } }, 1.4);
+    expect(goals.value).not.toBeNull();
+  });
+
+  it("lists who cannot be driven, with the reason", async () => {
+    const undrivable = controller({ name: "efforts", undrivable: "it takes efforts" });
+    await say({ controllers: [controller(), undrivable] });
+    const option = screen.getByRole<HTMLOptionElement>("option", { name: /efforts/ });
+    expect(option.disabled).toBe(true);
+    expect(option.textContent).toContain("it takes efforts");
+  });
+});
