@@ -17,8 +17,6 @@ const ANSWER_WITHIN_MS = 15_000;
 /** Codes of a close by which a server says that it does not want this page. */
 const REFUSALS: readonly number[] = [1008, 4401, 4403];
 
-export type ConnectionEnd = "lost" | "refused";
-
 export class Connection {
   private socket: WebSocket | null = null;
   private attempts = 0;
@@ -188,6 +186,7 @@ export class Connection {
     this.streams.clear();
     clearTimeout(this.streamTimer);
     this.streamTimer = undefined;
+    this.streamedAt = -Infinity;
     const waiting = [...this.waiting.values()];
     this.waiting.clear();
     for (const answer of waiting) answer(lostProblem());
