@@ -70,7 +70,8 @@ export class Connection {
   stream(message: StreamMessage): void {
     if (connectionState.value !== "open") return;
     const key = message.type === "steer" ? `steer ${message.controller}` : message.type;
-    this.streams.set(key, message);
+    const unsent = this.streams.get(key);
+    this.streams.set(key, unsent ? merged(unsent, message) : message);
     this.scheduleStreams();
   }
 
@@ -191,6 +192,11 @@ export class Connection {
     this.waiting.clear();
     for (const answer of waiting) answer(lostProblem());
   }
+}
+
+/** Return what `newer` says, and what `older` says of other joints. */
+function merged(older: StreamMessage, newer: StreamMessage): StreamMessage {
+  return { ...newer, positions: { ...older.positions, ...newer.positions } };
 }
 
 function lostProblem(): Problem {

@@ -84,7 +84,9 @@ export function tell(severity: Severity, text: string): void {
 /** Tell what the server said; what merely went well is in the log only. */
 export function tellNotice(notice: Notice): void {
   keep(notice);
-  if (notice.severity !== "info") show(notice.severity, notice.text);
+  // who asked has the answer already, and the others did not ask
+  if (notice.severity !== "info" && notice.code !== "refused")
+    show(notice.severity, notice.text);
 }
 
 /** Begin with what the server remembers, and say it in one sentence. */

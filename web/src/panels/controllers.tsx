@@ -1,4 +1,5 @@
 /** The controller manager: what there is, what runs, what it claims; load, start, switch. */
+import { Fragment } from "preact";
 import { useState } from "preact/hooks";
 import { conflicting } from "../conflicts";
 import { connection } from "../connection";
@@ -71,9 +72,16 @@ function ControllerRow({ controller, all }: RowProps) {
         <code class="controller-name">{name}</code>
         <Badge tone={TONES[state]}>{t(`controllers.state.${state}`)}</Badge>
       </div>
-      <p class="muted controller-type">{controller.type}</p>
-      {state !== "unloaded" && <Claims controller={controller} />}
-      <div class="row wrap">
+      <div class="controller-type">
+        <span class="muted">
+          {controller.type.split("/").map((part, index) => (
+            <Fragment key={index}>
+              {index > 0 && "/"}
+              <wbr />
+              {part}
+            </Fragment>
+          ))}
+        </span>
         {state === "unloaded" && action("load", { type: "load_controller", name })}
         {state === "running" &&
           action("stop", { type: "switch_controllers", stop: [name] })}
@@ -83,19 +91,20 @@ function ControllerRow({ controller, all }: RowProps) {
             {action("unload", { type: "unload_controller", name })}
           </>
         )}
-        {state !== "unloaded" && inTheWay.length > 0 && (
-          <Button
-            kind={problem === null ? "default" : "primary"}
-            class="switch"
-            data-testid={`controller-switch-${name}`}
-            onClick={() => {
-              send({ type: "switch_controllers", start: [name], stop: [...inTheWay] });
-            }}
-          >
-            {t("controllers.switch", { stop: inTheWay.join(", "), start: name })}
-          </Button>
-        )}
       </div>
+      {state !== "unloaded" && <Claims controller={controller} />}
+      {state !== "unloaded" && inTheWay.length > 0 && (
+        <Button
+          kind={problem === null ? "default" : "primary"}
+          class="switch"
+          data-testid={`controller-switch-${name}`}
+          onClick={() => {
+            send({ type: "switch_controllers", start: [name], stop: [...inTheWay] });
+          }}
+        >
+          {t("controllers.switch", { stop: inTheWay.join(", "), start: name })}
+        </Button>
+      )}
       {problem && (
         <p class="refusal" role="alert" data-testid={`controller-refusal-${name}`}>
           {problem.message}

@@ -1,8 +1,8 @@
-import { useLayoutEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { connection } from "../connection";
 import { t } from "../i18n";
 import type { GripperInfo, GripperState, Problem } from "../protocol";
-import { status } from "../store";
+import { hello, status } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
 import { Button } from "../ui/button";
@@ -30,7 +30,9 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
   const now = status.value?.grippers.find((state) => state.name === gripper.name);
   const largest = gripper.max_opening * 1000;
   const actual = (now?.opening ?? 0) * 1000;
-  const [wanted, setWanted] = useState<number | null>(null);
+  // mm: while dragged, and as sent until it is there; otherwise where it is
+  const [dragged, setDragged] = useState<number | null>(null);
+  const [sent, setSent] = useState<number | null>(null);
   const [force, setForce] = useState(gripper.max_force);
   const [problem, setProblem] = useState<Problem | null>(null);
   const marker = useRef<HTMLDivElement | null>(null);
@@ -38,20 +40,27 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
     marker.current?.style.setProperty("--actual-at", String(share(actual, 0, largest)));
   });
 
+  useEffect(() => {
+    if (now?.motion === "at_target" || now?.motion === "idle") setSent(null);
+  }, [now?.motion]);
+
   const grip = (opening: number) => {
-    setWanted(opening);
+    setDragged(null);
+    setSent(opening);
     void connection
       .request({ type: "grip", gripper: gripper.name, opening: opening / 1000, force })
       .then(setProblem);
   };
-  const opening = wanted ?? actual;
+  const isOneOfSeveral = (hello.value?.robot.grippers.length ?? 0) > 1;
+  const opening = dragged ?? sent ?? actual;
   const named = (label: string) => `${gripper.name}: ${label}`;
 
   return (
     <section class="group" aria-label={named(t("gripper.title"))}>
       <header>
         <h2>
-          {t("gripper.title")} <code class="muted">{gripper.name}</code>
+          {t("gripper.title")}{" "}
+          {isOneOfSeveral && <code class="muted">{gripper.name}</code>}
         </h2>
         {now && (
           <span role="status">
@@ -72,7 +81,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
           value={opening}
           root={marker}
           data-testid="gripper-opening"
-          onInput={setWanted}
+          onInput={setDragged}
           onChange={grip}
         />
         <NumberField

@@ -42,6 +42,7 @@ export function JointRow({ joint, goal, editable = false, onChange }: JointRowPr
     slider.current.value = String(value);
     slider.current.setAttribute("aria-valuetext", say(value));
     placeThumb(root.current, value, min, max);
+    field.current?.setAttribute("aria-valuenow", String(value));
     if (field.current && document.activeElement !== field.current) {
       field.current.value = fixed(value, unit.digits);
     }

@@ -29,6 +29,12 @@ function obstacle(controller: ControllerInfo): string | null {
   return controller.state === "running" ? null : t("motion.notRunning");
 }
 
+function advice(controller: ControllerInfo): string {
+  if (controller.undrivable !== null) return controller.undrivable;
+  if (controller.state === "running") return t("motion.monitoring");
+  return t("motion.startIt", { name: controller.name });
+}
+
 export function TrajectoryPanel() {
   const now = status.value;
   if (now === null) return null;
@@ -77,7 +83,7 @@ function Drive({ controller }: { controller: ControllerInfo }) {
           ? t("motion.driving")
           : hint !== null
             ? t(`motion.ended.${hint}`)
-            : (obstacle(controller) ?? t("motion.monitoring"))}
+            : advice(controller)}
       </p>
       <ul class={`joints ${driven === null ? "monitor" : ""}`}>
         {moved.map((joint) => (

@@ -1,4 +1,6 @@
 /** `tool0 view`: no physics; sliders put the joints somewhere. */
+import { signal } from "@preact/signals";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { connection } from "../connection";
 import { t } from "../i18n";
 import type { JointInfo } from "../protocol";
@@ -7,6 +9,8 @@ import { Button } from "../ui/button";
 import { spanOf } from "../units";
 import { JointRow } from "./joint-row";
 import { UnitSwitch } from "./unit-switch";
+
+const FOLLOW_AFTER_MS = 500;
 
 function free(): readonly JointInfo[] {
   return joints.value.filter((joint) => joint.mimics === null);
@@ -33,6 +37,36 @@ function anywhere(joint: JointInfo): number {
   return lower + Math.random() * (upper - lower);
 }
 
+/** A slider that goes before its joint while a person moves it, and follows it otherwise. */
+function PosedJoint({ joint }: { joint: JointInfo }) {
+  const goal = useRef(signal(0));
+  const [isMoved, setMoved] = useState(false);
+  const timer = useRef<ReturnType<typeof setTimeout>>(undefined);
+  useEffect(() => {
+    return () => {
+      clearTimeout(timer.current);
+    };
+  }, []);
+
+  const change = (position: number) => {
+    goal.current.value = position;
+    setMoved(true);
+    clearTimeout(timer.current);
+    timer.current = setTimeout(() => {
+      setMoved(false);
+    }, FOLLOW_AFTER_MS);
+    connection.stream({ type: "pose_joints", positions: { [joint.name]: position } });
+  };
+  return (
+    <JointRow
+      joint={joint}
+      goal={isMoved ? goal.current : null}
+      editable
+      onChange={change}
+    />
+  );
+}
+
 export function ViewPanel() {
   return (
     <section class="group" aria-labelledby="view-title">
@@ -43,18 +77,7 @@ export function ViewPanel() {
       <p class="hint">{t("view.explain")}</p>
       <ul class="joints">
         {free().map((joint) => (
-          <JointRow
-            key={joint.name}
-            joint={joint}
-            goal={null}
-            editable
-            onChange={(position) => {
-              connection.stream({
-                type: "pose_joints",
-                positions: { [joint.name]: position },
-              });
-            }}
-          />
+          <PosedJoint key={joint.name} joint={joint} />
         ))}
       </ul>
       <div class="row">

@@ -70,7 +70,7 @@ export function NumberField(props: NumberFieldProps) {
           if (event.key === "Enter") commit();
           if (event.key === "Escape") setDraft(null);
           if (!event.key.startsWith("Arrow") || /Left|Right/.test(event.key)) return;
-          const from = typed ?? props.value;
+          const from = parseNumber(event.currentTarget.value) ?? props.value;
           const next = stepped(event, { value: from, min, max, step });
           event.preventDefault();
           setDraft(null);

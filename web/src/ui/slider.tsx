@@ -89,10 +89,12 @@ export function Slider(props: SliderProps) {
           props.onChange?.(event.currentTarget.valueAsNumber);
         }}
         onKeyDown={(event) => {
-          const next = stepped(event, { value, min, max, step });
+          // the input's own value, since it may follow the robot between two renders
+          const from = event.currentTarget.valueAsNumber;
+          const next = stepped(event, { value: from, min, max, step });
           if (next === undefined) return;
           event.preventDefault();
-          if (next === value) return;
+          if (next === from) return;
           props.onInput(next);
           props.onChange?.(next);
         }}
