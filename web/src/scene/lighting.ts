@@ -17,9 +17,9 @@ export class Lighting {
 
   constructor(scene: Scene, renderer: WebGLRenderer, quality: Quality) {
     const high = quality === "high";
-    const sky = new HemisphereLight("#ffffff", "#a9b2c0", high ? 0.5 : 1.9);
+    const sky = new HemisphereLight("#ffffff", "#a9b2c0", high ? 0.45 : 1.7);
     sky.position.set(0, 0, 1);
-    const key = new DirectionalLight("#fffaf2", high ? 2.1 : 2.2);
+    const key = new DirectionalLight("#fffaf2", high ? 1.75 : 1.9);
     key.position.set(1.6, -1.4, 3.2);
     const fill = new DirectionalLight("#dfe9ff", high ? 0.35 : 0.7);
     fill.position.set(-2, 1.5, 1.2);
@@ -45,7 +45,7 @@ export class Lighting {
     room.dispose();
     generator.dispose();
     scene.environment = environment.texture;
-    scene.environmentIntensity = 0.55;
+    scene.environmentIntensity = 0.42;
     // the room's ceiling is at its +y
     scene.environmentRotation.set(Math.PI / 2, 0, 0);
     this.release = () => {

@@ -102,7 +102,7 @@ export class Robot {
 
   /** Return what surrounds the meshes of `under` and all that hangs on it. */
   boxOf(under: Object3D): Box3 {
-    this.root.updateWorldMatrix(true, true);
+    under.updateWorldMatrix(true, true);
     const box = new Box3();
     under.traverseVisible((object) => {
       if (object instanceof Mesh) box.expandByObject(object, true);

@@ -32,7 +32,9 @@ import { Robot } from "./robot";
 /** A value that moves by less than this is drawn later [rad | m]. */
 const UNSEEN = 2e-6;
 /** Between drawings without a GPU, which also has to serve the rest of the page [ms]. */
-const SLOW_INTERVAL_MS = 50;
+const SLOW_INTERVAL_MS = 33;
+/** Without a GPU, a picture that has stood still for so long is drawn finely [ms]. */
+const STILL_MS = 250;
 
 export interface Colours {
   grid: string;
@@ -77,6 +79,8 @@ export class Viewer {
   private targets: Readonly<Record<string, number>> | undefined = {};
   private colours: Colours | undefined;
   private lit: string | null = null;
+  private size = { width: 1, height: 1 };
+  private refinement: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -86,7 +90,8 @@ export class Viewer {
     const high = quality === "high";
     this.renderer = new WebGLRenderer({
       canvas,
-      antialias: true,
+      // without a GPU it would halve the frames; there what stands still is refined
+      antialias: high,
       alpha: true,
       powerPreference: "high-performance",
     });
@@ -95,7 +100,7 @@ export class Viewer {
     this.renderer.shadowMap.autoUpdate = false;
     this.materials = new Materials(quality);
     this.lighting = new Lighting(this.scene, this.renderer, quality);
-    this.ground = new Ground(hello.robot.ground !== null);
+    this.ground = new Ground(quality, hello.robot.ground !== null);
     this.ground.root.position.z = hello.robot.ground ?? 0;
     if (high && hello.robot.ground !== null) {
       this.contact = new ContactShadow(hello.robot.ground);
@@ -134,9 +139,8 @@ export class Viewer {
   }
 
   resize(width: number, height: number): void {
-    const ratio = this.quality === "high" ? Math.min(2, window.devicePixelRatio) : 1;
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(width, height, false);
+    this.size = { width, height };
+    this.sharpen(this.quality === "high" ? Math.min(2, window.devicePixelRatio) : 1);
     this.rig.resize(width / height);
     this.loop.invalidate();
   }
@@ -302,7 +306,25 @@ export class Viewer {
     if (this.loaded.ghost.show(goal)) this.loop.invalidate();
   }
 
+  /** Draw so many pixels to a CSS pixel. */
+  private sharpen(ratio: number): void {
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(this.size.width, this.size.height, false);
+  }
+
   draw(): void {
+    if (this.quality === "low") {
+      clearTimeout(this.refinement);
+      if (this.renderer.getPixelRatio() !== 1) this.sharpen(1);
+      this.refinement = setTimeout(() => {
+        this.sharpen(2);
+        this.render();
+      }, STILL_MS);
+    }
+    this.render();
+  }
+
+  private render(): void {
     this.axes.update(this.rig.camera);
     this.contact?.update(this.renderer, this.scene);
     this.renderer.render(this.scene, this.rig.camera);
@@ -312,6 +334,7 @@ export class Viewer {
 
   dispose(): void {
     this.loop.stop();
+    clearTimeout(this.refinement);
     this.rig.dispose();
     this.scene.traverse((object) => {
       if ("geometry" in object) (object as Mesh).geometry.dispose();

@@ -1,0 +1,69 @@
+/** What is plotted; it outlives the drawer, and so does the recording. */
+import { computed, effect, signal } from "@preact/signals";
+import { frames } from "../frames";
+import { jointIndex, joints, status } from "../store";
+import { angleUnit } from "../units";
+import { COLOURS, freeColour, type Plotted, scaleOf } from "./quantities";
+import { Recording } from "./recording";
+import type { Line } from "./series";
+
+export const WINDOWS = [5, 10, 30, 60] as const;
+
+export const plotted = signal<Plotted>("position");
+/** Seconds that are seen. */
+export const seconds = signal<number>(10);
+/** What is looked at while the robot goes on; null: the present. */
+export const frozen = signal<Recording | null>(null);
+/** Joint → number of its colour; null until a person chooses. */
+const chosen = signal<ReadonlyMap<string, number> | null>(null);
+
+/** The joints of the first trajectory controller that runs, or the first three; one a line. */
+const usualNames = computed(() => {
+  const running = status.value?.controllers.find(
+    (one) => one.state === "running" && one.type.endsWith("/JointTrajectoryController"),
+  );
+  const names = running?.joints ?? joints.value.slice(0, 3).map(({ name }) => name);
+  // as text, since it is then the same as long as it says the same
+  return names.slice(0, COLOURS).join("\n");
+});
+const usual = computed<ReadonlyMap<string, number>>(
+  () => new Map(usualNames.value.split("\n").map((name, index) => [name, index])),
+);
+
+/** Joint → number of its colour. */
+export const colours = computed(() => chosen.value ?? usual.value);
+
+export const lines = computed<readonly Line[]>(() =>
+  joints.value.flatMap((joint) => {
+    const colour = colours.value.get(joint.name);
+    const index = jointIndex.value.get(joint.name);
+    if (colour === undefined || index === undefined) return [];
+    const scale = scaleOf(plotted.value, joint.type, angleUnit.value);
+    return [{ joint, index, colour, scale }];
+  }),
+);
+
+export function choose(name: string, isChosen: boolean): void {
+  const next = new Map(colours.value);
+  if (isChosen) next.set(name, freeColour(next.values()));
+  else next.delete(name);
+  chosen.value = next;
+}
+
+/** What the joints of this robot did. */
+export const recording = signal(new Recording(0));
+const names = computed(() => joints.value.map(({ name }) => name).join(" "));
+effect(() => {
+  // other joints: another robot
+  if (names.value === "") return;
+  recording.value = new Recording(joints.peek().length);
+  frozen.value = null;
+  chosen.value = null;
+});
+frames.listen((frame) => {
+  recording.peek().push(frame);
+});
+
+export function freeze(isFrozen: boolean): void {
+  frozen.value = isFrozen ? recording.peek().copy() : null;
+}
