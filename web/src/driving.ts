@@ -37,7 +37,7 @@ export function controllerOf(now: Status | null): ControllerInfo | undefined {
   return (
     all.find((controller) => controller.name === chosenController.value) ??
     all.find(canDrive) ??
-    all.find((controller) => controller.undrivable === null)
+    all.find((controller) => controller.joints.length > 0)
   );
 }
 

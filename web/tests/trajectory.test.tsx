@@ -172,10 +172,10 @@ describe("the trajectory panel", () => {
   });
 
   it("lists who cannot be driven, with the reason", async () => {
-    const undrivable = controller({ name: "efforts", undrivable: "it takes efforts" });
+    const undrivable = controller({ name: "efforts", undrivable: "has no limits" });
     await say({ controllers: [controller(), undrivable] });
     const option = screen.getByRole<HTMLOptionElement>("option", { name: /efforts/ });
     expect(option.disabled).toBe(true);
-    expect(option.textContent).toContain("it takes efforts");
+    expect(option.textContent).toContain("has no limits");
   });
 });

@@ -20,20 +20,9 @@ import { StopIcon } from "../ui/icons";
 import { Select } from "../ui/select";
 import { Slider } from "../ui/slider";
 import { Toggle } from "../ui/toggle";
+import { advice, obstacle } from "./obstacle";
 import { JointRow } from "./joint-row";
 import { UnitSwitch } from "./unit-switch";
-
-/** Return why a controller cannot be driven now, or null if it can. */
-function obstacle(controller: ControllerInfo): string | null {
-  if (controller.undrivable !== null) return controller.undrivable;
-  return controller.state === "running" ? null : t("motion.notRunning");
-}
-
-function advice(controller: ControllerInfo): string {
-  if (controller.undrivable !== null) return controller.undrivable;
-  if (controller.state === "running") return t("motion.monitoring");
-  return t("motion.startIt", { name: controller.name });
-}
 
 export function TrajectoryPanel() {
   const now = status.value;
