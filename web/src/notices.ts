@@ -33,12 +33,17 @@ export function dismiss(key: number): void {
   toasts.value = toasts.value.filter((toast) => toast.key !== key);
 }
 
+/** Return the text without its numbers: a slider's refusals differ in nothing else. */
+function kind(text: string): string {
+  return text.replace(/-?\d+(\.\d+)?/g, "#");
+}
+
 function show(severity: Severity, text: string): void {
   const same = toasts.value.find(
-    (toast) => toast.text === text && toast.severity === severity,
+    (toast) => kind(toast.text) === kind(text) && toast.severity === severity,
   );
   const toast = same
-    ? { ...same, count: same.count + 1 }
+    ? { ...same, text, count: same.count + 1 }
     : { key: nextKey++, severity, text, count: 1 };
   if (same) {
     toasts.value = toasts.value.map((other) =>

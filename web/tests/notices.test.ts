@@ -33,6 +33,12 @@ describe("notices", () => {
     expect(toasts.value.map((toast) => toast.count)).toEqual([2]);
   });
 
+  it("are merged when only their numbers differ, and show the newest", () => {
+    tell("error", "position 3.2 is beyond 3.14");
+    tell("error", "position 3.25 is beyond 3.14");
+    expect(texts()).toEqual(["position 3.25 is beyond 3.14"]);
+  });
+
   it("are at most four, of which errors stay longest", () => {
     tell("error", "first");
     for (const text of ["a", "b", "c", "d", "e"]) tell("warning", text);
