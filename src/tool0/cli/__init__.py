@@ -12,6 +12,7 @@ from typing import Final
 
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "bringup": ("bringup", "bring a robot up in simulation, its controllers running"),
+    "view": ("view", "show a robot in a web page and pose it, without physics"),
     "describe": ("describe", "write the robot as a tree, a table, URDF or MJCF"),
     "controllers": ("controllers", "list, load, unload, start, stop or switch them"),
     "move": ("move", "move joints along a trajectory"),
@@ -85,7 +86,7 @@ def _help() -> str:
             "",
             *rows,
             "",
-            "`tool0 COMMAND --help` explains a command.  All but bringup and describe",
+            "`tool0 COMMAND --help` explains a command.  All but the first three",
             "talk to a running bringup, by --name if there are several.",
         ]
     )

@@ -9,13 +9,20 @@ import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
-from tool0.cli.bringup_text import StatusLine, finite, greeting, summary_line
+from tool0.cli.bringup_text import (
+    StatusLine,
+    finite,
+    greeting,
+    panel_line,
+    summary_line,
+)
 from tool0.cli.options import BringupOptions, SimulationOptions, bringup_keywords
 from tool0.cli.quick import read_bringup
 from tool0.errors import EngineError
 
 if TYPE_CHECKING:
     from tool0.cli.stop_signal import StopSignal
+    from tool0.panel.address import Door
     from tool0.remote.address import Claim
     from tool0.runtime.robot import Robot
 
@@ -49,12 +56,21 @@ def bring_up(options: BringupOptions) -> int:
         claim = _claim(simulation)
         if claim is not None:
             exits.callback(claim.close)
+        door = _door(options, exits)
         stop = exits.enter_context(StopSignal())
         robot = exits.enter_context(_robot(options))
         if claim is not None:
-            exits.enter_context(_served(robot, claim))
+            exits.enter_context(_reachable(robot, claim))
+        if door is not None:
+            from tool0.cli.panel import served, show
+
+            exits.enter_context(served(robot, door))
+            show(door.url, options.panel, console)
+        url = None if door is None else door.url
         if simulation.summary != "json" or console.isatty():
-            print(greeting(robot, simulation), file=console, flush=True)
+            print(greeting(robot, simulation, url), file=console, flush=True)
+        elif url is not None:
+            print(panel_line(url), file=console, flush=True)
         status = StatusLine(console)
         try:
             _run(robot, simulation, stop, status)
@@ -93,6 +109,17 @@ def _claim(simulation: SimulationOptions) -> Claim | None:
     return Claim(simulation.name)
 
 
+def _door(options: BringupOptions, exits: contextlib.ExitStack) -> Door | None:
+    """Listen for pages: an address that is taken should be told at once, too."""
+    if options.simulation.headless:
+        return None
+    from tool0.cli.panel import door_of
+
+    door = door_of(options.panel)
+    exits.callback(door.listener.close)
+    return door
+
+
 def _robot(options: BringupOptions) -> Robot:
     from tool0.runtime.bringup import bringup
 
@@ -103,7 +130,7 @@ def _robot(options: BringupOptions) -> Robot:
 
 
 @contextlib.contextmanager
-def _served(robot: Robot, claim: Claim) -> Iterator[None]:
+def _reachable(robot: Robot, claim: Claim) -> Iterator[None]:
     from tool0.remote.server import RemoteServer
 
     server = RemoteServer(robot, claim)

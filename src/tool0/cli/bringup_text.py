@@ -14,8 +14,15 @@ if TYPE_CHECKING:
     from tool0.runtime.robot import Robot
 
 
-def greeting(robot: Robot, simulation: SimulationOptions) -> str:
-    """Return what came up, and how to move it."""
+def panel_line(url: str) -> str:
+    """Return where the panel is, as a line by itself."""
+    return f"Panel: {url}"
+
+
+def greeting(
+    robot: Robot, simulation: SimulationOptions, url: str | None = None
+) -> str:
+    """Return what came up, and how to move it; ``url`` is the panel's."""
     description = robot.description
     parts = [item for item in (description.arm, description.gripper) if item]
     name = " + ".join(parts) or description.source.name
@@ -28,6 +35,7 @@ def greeting(robot: Robot, simulation: SimulationOptions) -> str:
             [(f"  {row.name}", row.state, row.type) for row in robot.controllers()]
         ).splitlines(),
     ]
+    lines += [] if url is None else [panel_line(url)]
     if simulation.duration is None:
         if simulation.remote:
             lines += ["From another terminal:", *_examples(robot, simulation.name)]

@@ -38,7 +38,7 @@ def describe(
         description: Which robot.
         output: The file to write; standard output if left out.
     """
-    text = _render(_describe(description), form)
+    text = _render(described(description), form)
     if output is None:
         print(text, end="")
     else:
@@ -48,7 +48,8 @@ def describe(
             raise ConfigError(f"cannot write '{output}': {error.strerror}") from None
 
 
-def _describe(options: RobotOptions) -> RobotDescription:
+def described(options: RobotOptions) -> RobotDescription:
+    """Return the robot that the options say."""
     from tool0.description.catalogue import assemble, load_robot
 
     keywords = robot_keywords(options)

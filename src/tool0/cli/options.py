@@ -1,4 +1,4 @@
-"""The options of ``bringup`` and ``describe``, as values.
+"""The options of ``bringup``, ``view`` and ``describe``, as values.
 
 No tyro here: ``quick.py`` reads the usual command lines without it.  A field is an
 option; the string below it is the option's help.  Left-out options are None where the
@@ -14,6 +14,9 @@ from pathlib import Path
 from typing import Literal, final
 
 from tool0.errors import ConfigError
+
+DEFAULT_SPAWN_Z = 0.1
+"""As ``bringup`` of the runtime has it, for commands that have no physics [m]."""
 
 
 @final
@@ -96,7 +99,7 @@ class SimulationOptions:
     duration: float | None = None
     """End at this simulated time [s]; otherwise at Ctrl-C."""
     headless: bool = False
-    """Open nothing on the desktop."""
+    """Serve no panel, and open nothing on the desktop."""
     summary: Literal["text", "json", "none"] = "text"
     """What to print at the end; json prints one object and nothing else."""
     name: str = "tool0"
@@ -113,16 +116,32 @@ class SimulationOptions:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PanelOptions:
+    """The web page that shows and drives the robot."""
+
+    panel_host: str | None = None
+    """Where it listens, 0.0.0.0 for everywhere; if left out, only this machine's own
+    browsers reach it.  Given, or with --panel-port, the address has a token."""
+    panel_port: int | None = None
+    """Its port; 8085 if left out, or a free one if that is taken."""
+    open: bool = True
+    """Open it in a browser, where there is a desktop."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BringupOptions:
     """Bring a robot up in simulation, its controllers running.
 
-    It holds its pose until it is told otherwise: from another terminal with
-    `tool0 move`, `tool0 grip` and `tool0 controllers`, or from Python.
+    It holds its pose until it is told otherwise: from the panel, a web page whose
+    address is printed; from another terminal with `tool0 move`, `tool0 grip` and
+    `tool0 controllers`; or from Python.
     """
 
     description: RobotOptions = field(default_factory=RobotOptions)
     control: ControllerOptions = field(default_factory=ControllerOptions)
     simulation: SimulationOptions = field(default_factory=SimulationOptions)
+    panel: PanelOptions = field(default_factory=PanelOptions)
 
 
 _EDGE: frozenset[str] = frozenset({"duration", "headless", "summary", "name", "remote"})

@@ -15,6 +15,7 @@ from typing import Final
 from tool0.cli.options import (
     BringupOptions,
     ControllerOptions,
+    PanelOptions,
     RobotOptions,
     SimulationOptions,
 )
@@ -24,6 +25,7 @@ _SCALAR: Final[dict[str, Callable[[str], object]]] = {
     "str": str,
     "str | None": str,
     "float | None": float,
+    "int | None": int,
     "Path | None": Path,
 }
 _SEVERAL: Final[dict[str, Callable[[str], object]]] = {
@@ -34,7 +36,7 @@ _SEVERAL: Final[dict[str, Callable[[str], object]]] = {
 
 def read_bringup(arguments: Sequence[str]) -> BringupOptions | None:
     """Return the options, or None if tyro should have a look."""
-    groups = (RobotOptions, ControllerOptions, SimulationOptions)
+    groups = (RobotOptions, ControllerOptions, SimulationOptions, PanelOptions)
     form = {f"--{_dashed(f.name)}": (g, f) for g in groups for f in fields(g)}
     values: dict[type, dict[str, object]] = {group: {} for group in groups}
     words = gathered(arguments)
@@ -56,6 +58,7 @@ def read_bringup(arguments: Sequence[str]) -> BringupOptions | None:
         description=RobotOptions(**values[RobotOptions]),  # type: ignore[arg-type]
         control=ControllerOptions(**values[ControllerOptions]),  # type: ignore[arg-type]
         simulation=SimulationOptions(**values[SimulationOptions]),  # type: ignore[arg-type]
+        panel=PanelOptions(**values[PanelOptions]),  # type: ignore[arg-type]
     )
 
 

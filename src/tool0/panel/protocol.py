@@ -17,6 +17,19 @@ PROTOCOL: Final = 1
 
 Mode = Literal["simulation", "view"]
 Severity = Literal["info", "warning", "error"]
+NoticeCode = Literal[
+    "lint",
+    "goal_succeeded",
+    "goal_aborted",
+    "goal_preempted",
+    "overrun",
+    "fault",
+    "reset",
+    "emergency_stop",
+    "controllers",
+    "refused",
+    "log",
+]
 SpeedScale = Annotated[float, Meta(ge=0.01, le=1.0)]
 """Part of each joint's largest velocity."""
 Name = Annotated[str, Meta(min_length=1, max_length=200)]
@@ -144,6 +157,7 @@ class EmergencyStop(_Request, frozen=True, tag="emergency_stop"):
     engaged: bool
 
 
+Stream = Steer | PoseJoints
 ClientMessage = (
     Steer
     | PoseJoints
@@ -285,19 +299,7 @@ class Notice(Struct, frozen=True, kw_only=True, tag="notice"):
     time: float | None
     """Simulated time [s]."""
     severity: Severity
-    code: Literal[
-        "lint",
-        "goal_succeeded",
-        "goal_aborted",
-        "goal_preempted",
-        "overrun",
-        "fault",
-        "reset",
-        "emergency_stop",
-        "controllers",
-        "refused",
-        "log",
-    ]
+    code: NoticeCode
     text: str
     """In English."""
 

@@ -1,0 +1,73 @@
+"""The panel of a command: where it listens, and the browser that shows it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final, TextIO
+
+if TYPE_CHECKING:
+    from tool0.cli.options import PanelOptions
+    from tool0.panel.address import Door
+    from tool0.panel.source import PanelSource
+    from tool0.runtime.robot import Robot
+
+_SWITCH_INTERVAL: Final = 0.0005
+"""Longest time that one thread computes while another waits [s].  Python's own, 5 ms,
+is as long as five ticks of the control loop."""
+
+
+def door_of(options: PanelOptions) -> Door:
+    """Listen where the options say, and warn if that lets others in."""
+    from tool0.panel.address import open_door
+
+    door = open_door(options.panel_host, options.panel_port)
+    if door.token is not None:
+        print(
+            f"tool0: warning: the panel listens at {door.host}, port {door.port}; "
+            "whoever knows its address with the token can drive the robot",
+            file=sys.stderr,
+        )
+    return door
+
+
+@contextlib.contextmanager
+def served(source: Robot | PanelSource, door: Door) -> Iterator[None]:
+    """Serve the panel at ``door``, beside a control loop that is not kept waiting."""
+    from tool0.panel.server import Panel, is_page_built
+
+    if not is_page_built():
+        print(
+            "tool0: warning: the panel's page is not built; `make run` builds it",
+            file=sys.stderr,
+        )
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(_SWITCH_INTERVAL)
+    try:
+        with Panel(source, door=door):
+            yield
+    finally:
+        sys.setswitchinterval(interval)
+
+
+def show(url: str, options: PanelOptions, console: TextIO) -> None:
+    """Open the page in a browser, where a person sits before a desktop."""
+    if not (options.open and console.isatty() and _has_desktop()):
+        return
+    import threading
+    import webbrowser
+
+    # Some browsers come back only when they are closed.
+    threading.Thread(
+        target=webbrowser.open, args=(url,), name="tool0-browser", daemon=True
+    ).start()
+
+
+def _has_desktop() -> bool:
+    if "SSH_CONNECTION" in os.environ and "DISPLAY" not in os.environ:
+        return False
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))

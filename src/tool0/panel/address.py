@@ -1,0 +1,149 @@
+"""Where the panel is: the address that it listens at, and who may come in by it."""
+
+from __future__ import annotations
+
+import errno
+import ipaddress
+import os
+import secrets
+import socket
+from dataclasses import dataclass
+from typing import Final, final
+from urllib.parse import quote
+
+from tool0.errors import TransportError
+
+DEFAULT_HOST: Final = "127.0.0.1"
+DEFAULT_PORT: Final = 8085
+TOKEN_VARIABLE: Final = "TOOL0_PANEL_TOKEN"
+_LOOPBACK_NAMES: Final = frozenset({"127.0.0.1", "localhost", "::1"})
+_SEND_BUFFER: Final = 65536
+"""Bytes that the system keeps for a page which is slow: two seconds of frames.  Its own
+choice, megabytes, would show such a page the robot as it was half a minute ago."""
+_RECEIVE_BUFFER: Final = 32768
+"""Bytes of a flooding page that are read at once."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Door:
+    """A listening socket: connections wait there until the server takes them."""
+
+    listener: socket.socket
+    host: str
+    """As asked for, without brackets."""
+    port: int
+    token: str | None
+    """What ``/ws``, the URDF and the meshes ask for; None at the default address."""
+
+    @property
+    def url(self) -> str:
+        """The page's address, with the token in it."""
+        host = self.host
+        if _is_any(host):
+            host = socket.gethostname()
+        shown = f"[{host}]" if ":" in host else host
+        query = "" if self.token is None else f"?token={quote(self.token, safe='')}"
+        return f"http://{shown}:{self.port}/{query}"
+
+    def is_known_as(self, host_header: str) -> bool:
+        """Return whether the header ``Host`` names this server.
+
+        A page elsewhere can make its own name lead here (DNS rebinding); the browser
+        then says that name.  Behind a token the port may differ, as it does where a
+        container or a tunnel maps it.
+        """
+        name, port = _split(host_header)
+        if self.token is None:
+            return name in _LOOPBACK_NAMES and port == self.port
+        if name in _LOOPBACK_NAMES or name == self.host.lower():
+            return True
+        own_names = {socket.gethostname().lower(), socket.getfqdn().lower()}
+        return _is_any(self.host) and (_is_ip(name) or name in own_names)
+
+
+def open_door(
+    host: str | None = None, port: int | None = None, token: str | None = None
+) -> Door:
+    """Listen, and return where.
+
+    Args:
+        host: A name or address of this machine; only itself can come in if left out.
+        port: The default one, or if that is taken a free one, if left out.
+        token: A host or port of one's own needs a token: this one, that of the
+            environment, or a new one.
+
+    Raises:
+        TransportError: If the address is taken or is not this machine's.
+    """
+    if port is not None and not 0 <= port <= 65535:
+        raise TransportError(f"port {port} is no port; choose one in 0 … 65535")
+    if token is None and (host is not None or port is not None):
+        token = os.environ.get(TOKEN_VARIABLE) or secrets.token_urlsafe(16)
+    where = (host or DEFAULT_HOST).removeprefix("[").removesuffix("]")
+    try:
+        listener = _listen(where, DEFAULT_PORT if port is None else port)
+    except OSError as error:
+        if port is not None or error.errno != errno.EADDRINUSE:
+            raise _refusal(where, port, error) from None
+        listener = _listen(where, 0)
+    return Door(
+        listener=listener, host=where, port=listener.getsockname()[1], token=token
+    )
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    family, kind, protocol, _, address = socket.getaddrinfo(
+        host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+    )[0]
+    listener = socket.socket(family, kind, protocol)
+    try:
+        if os.name == "posix":  # elsewhere it would let two servers share a port
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        # Connections inherit these.
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER)
+        listener.bind(address)
+        listener.listen(128)
+        listener.setblocking(False)
+    except OSError:
+        listener.close()
+        raise
+    return listener
+
+
+def _refusal(host: str, port: int | None, error: OSError) -> TransportError:
+    if error.errno == errno.EADDRINUSE:
+        return TransportError(
+            f"port {port} of {host} is taken; choose another with --panel-port, or "
+            "end what listens there"
+        )
+    return TransportError(
+        f"cannot listen at {host}, port {port or DEFAULT_PORT}: "
+        f"{error.strerror or error}; give a name or address of this machine"
+    )
+
+
+def _split(host_header: str) -> tuple[str, int | None]:
+    """Return the name in lower case, without brackets, and the port.
+
+    HTTP's own port is not written; None is none at all.
+    """
+    name, colon, port = host_header.strip().lower().rpartition(":")
+    if not colon or "]" in port:
+        name, port = host_header.strip().lower(), "80"
+    if name.startswith("[") and name.endswith("]"):
+        name = name[1:-1]
+    return name, int(port) if port.isascii() and port.isdigit() else None
+
+
+def _is_any(host: str) -> bool:
+    return _is_ip(host) and ipaddress.ip_address(host).is_unspecified
+
+
+def _is_ip(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
