@@ -68,7 +68,7 @@ export class Chart {
       {
         width: Math.max(120, host.clientWidth),
         height: Math.max(80, host.clientHeight),
-        padding: [10, 12, 0, 0],
+        padding: [10, 24, 0, 0],
         legend: { show: false },
         cursor: {
           y: false,

@@ -144,7 +144,7 @@ function lineColours(positions: readonly number[], colours: GridColours) {
     const colour = (onX ? x : onY ? y : line) ?? new Color();
     for (const reach of [Math.hypot(ax, ay), Math.hypot(bx, by)]) {
       const fade = Math.max(0, 1 - reach / REACH) ** 1.5;
-      values.push(colour.r, colour.g, colour.b, fade * (onX || onY ? 0.8 : 0.9));
+      values.push(colour.r, colour.g, colour.b, fade * (onX || onY ? 0.8 : 1));
     }
   }
   return new Float32BufferAttribute(values, 4);

@@ -1,6 +1,9 @@
 /** Words over the scene, as crisp as the rest of the page. */
 import { type PerspectiveCamera, Vector3 } from "three";
 
+/** Of a label [px]. */
+const HEIGHT = 22;
+
 export class Labels {
   readonly element = document.createElement("div");
   private readonly shown: HTMLSpanElement[] = [];
@@ -11,20 +14,26 @@ export class Labels {
     this.element.ariaHidden = "true";
   }
 
-  /** Write each text beside its point of the world. */
+  /** Write each text beside its point of the world, below those that it would cover. */
   update(
     labels: readonly { text: string; at: Vector3 }[],
     camera: PerspectiveCamera,
   ): void {
     while (this.shown.length > labels.length) this.shown.pop()?.remove();
     const { clientWidth, clientHeight } = this.element;
+    const taken: { x: number; y: number }[] = [];
     labels.forEach(({ text, at }, index) => {
       const span = this.shown[index] ?? this.element.appendChild(this.made(index));
       if (span.textContent !== text) span.textContent = text;
       this.point.copy(at).project(camera);
       span.hidden = this.point.z > 1;
+      if (span.hidden) return;
       const x = ((this.point.x + 1) / 2) * clientWidth;
-      const y = ((1 - this.point.y) / 2) * clientHeight;
+      let y = ((1 - this.point.y) / 2) * clientHeight;
+      while (taken.some((one) => Math.hypot((one.x - x) / 4, one.y - y) < HEIGHT)) {
+        y += 1;
+      }
+      taken.push({ x, y });
       span.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
     });
   }

@@ -1,9 +1,7 @@
 /** The scene on its canvas: what the page calls. */
 import {
   type Box3,
-  Color,
   type Mesh,
-  MeshLambertMaterial,
   NeutralToneMapping,
   type Object3D,
   Scene,
@@ -13,6 +11,7 @@ import {
 import type { Frame, Hello } from "../protocol";
 import { Axes } from "./axes";
 import { CameraRig } from "./camera";
+import { CollisionLook } from "./collision";
 import { ContactShadow } from "./contact";
 import { directionOf, toolDirection, type View } from "./framing";
 import { Ghost } from "./ghost";
@@ -66,11 +65,7 @@ export class Viewer {
   private readonly contact: ContactShadow | undefined;
   private readonly axes = new Axes();
   private readonly materials: Materials;
-  private readonly collisionLook = new MeshLambertMaterial({
-    transparent: true,
-    opacity: 0.4,
-    depthWrite: false,
-  });
+  private readonly collision = new CollisionLook();
   private readonly loop: Loop;
   private readonly interpolator = new Interpolator();
   private readonly pose: Pose = { time: 0, values: new Float64Array(0) };
@@ -150,7 +145,7 @@ export class Viewer {
     this.ground.paint({ ...colours, line: colours.grid });
     this.contact?.paint(colours.dark);
     this.axes.paint([colours.x, colours.y, colours.z]);
-    this.collisionLook.color = new Color(colours.collision);
+    this.collision.paint(colours.collision);
     this.loaded?.ghost.paint(colours.ghost);
     this.loop.invalidate();
   }
@@ -175,8 +170,7 @@ export class Viewer {
 
   showCollision(visible: boolean): void {
     const look = (mesh: Mesh) => {
-      mesh.material = this.collisionLook;
-      mesh.renderOrder = 3;
+      this.collision.dress(mesh);
     };
     void this.loaded?.robot.showCollision(visible, look).then(() => {
       this.loop.invalidate();
@@ -344,7 +338,7 @@ export class Viewer {
     this.ground.dispose();
     this.contact?.dispose();
     this.lighting.dispose();
-    this.collisionLook.dispose();
+    this.collision.dispose();
     this.materials.dispose();
     this.renderer.dispose();
   }
