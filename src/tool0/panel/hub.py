@@ -10,6 +10,8 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Final, cast, final
 
+from starlette.responses import PlainTextResponse
+
 from tool0.errors import Tool0Error
 from tool0.panel.client import Client
 from tool0.panel.notices import NoticeBook
@@ -40,8 +42,7 @@ MOST_CLIENTS: Final = 64
 WORKERS: Final = 16
 """Requests that are carried out at once; further ones wait."""
 GOING_AWAY: Final = 1001
-FULL: Final = 1013
-"""Try again later."""
+FULL: Final = 503
 _GOODBYE: Final = 0.5
 """Longest wait for a page to hear that the server ends [wall s]."""
 
@@ -75,7 +76,8 @@ class Hub:
     async def serve(self, socket: WebSocket) -> None:
         """Serve a page until it goes."""
         if len(self._clients) >= MOST_CLIENTS:
-            await socket.close(FULL, f"{MOST_CLIENTS} pages are connected already")
+            text = f"{MOST_CLIENTS} pages are connected already; close one\n"
+            await socket.send_denial_response(PlainTextResponse(text, FULL))
             return
         await socket.accept()
         client = Client(socket)
