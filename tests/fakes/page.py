@@ -29,11 +29,13 @@ class Page:
         self.socket = socket
         self._number = 0
         self._kept: list[Message] = []
+        self._newest: dict[str, Message] = {}
         self.hello = self.next("hello")
 
     def receive(self, deadline: float) -> Message:
         text = self.socket.recv(max(0.0, deadline - time.monotonic()))
         message: Message = json.loads(text)
+        self._newest[message["type"]] = message
         return message
 
     def next(
@@ -54,6 +56,13 @@ class Page:
                 return message
             if message["type"] in ("notice", "reply"):
                 self._kept.append(message)
+
+    def see(self, kind: str, which: Callable[[Message], bool]) -> Message:
+        """Return the newest frame or status as soon as ``which`` is true of it."""
+        newest = self._newest.get(kind)
+        if newest is not None and which(newest):
+            return newest
+        return self.next(kind, which)
 
     def close_code(self) -> int:
         """Read until the server ends the connection, and return the code it gave."""

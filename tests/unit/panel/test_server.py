@@ -57,7 +57,7 @@ def test_each_controller_says_whether_sliders_drive_it(panel: Panel) -> None:
         group = rows["joint_group_eff_controller"]
         assert "JointGroupEffortController" in group["undrivable"]
         assert page.ask("switch_controllers", stop=[ARM]) is None
-        stopped = page.next(
+        stopped = page.see(
             "status",
             lambda status: any(
                 row["name"] == ARM and row["state"] == "stopped"
@@ -75,7 +75,7 @@ def test_a_slider_moves_the_joint_for_every_page(panel: Panel) -> None:
         one.send("steer", controller=ARM, positions={"elbow_joint": 1.4}, speed=1.0)
         other.wait_for_joint("elbow_joint", 1.4)
         one.wait_for_joint("elbow_joint", 1.4)
-        status = other.next(
+        status = other.see(
             "status", lambda status: status["targets"]["elbow_joint"] == 1.4
         )
         assert status["clients"] == 2
@@ -130,7 +130,7 @@ def test_a_request_overtakes_no_steering_that_was_sent_before(
             goal = {"elbow_joint": 0.5 + k / 100}
             page.send("steer", controller=ARM, positions=goal)
         assert page.ask("hold_still", controller=ARM) is None
-        still = page.next("status", lambda s: s["targets"]["elbow_joint"] > 1.4)
+        still = page.see("status", lambda s: s["targets"]["elbow_joint"] > 1.4)
         for _ in range(30):  # half a second: five turns of a stream
             page.next("frame")
         assert robot.snapshot.intents[ARM].target()[
@@ -172,7 +172,7 @@ def test_the_gripper_tells_what_it_does(panel: Panel) -> None:
     with page_at(panel.url) as page:
         name = page.hello["robot"]["grippers"][0]["name"]
         assert page.ask("grip", gripper=name, opening=0.04, force=50.0) is None
-        page.next("status", at(0.04))
+        page.see("status", at(0.04))
         error = page.ask("grip", gripper=name, opening=0.2)
         assert error is not None
         assert error["kind"] == "ModelError"
@@ -251,8 +251,8 @@ def test_nothing_is_sent_while_nothing_changes(
 ) -> None:
     with page_at(panel.url) as page:
         page.ask("pause")
-        page.next("status", lambda status: status["paused"])
-        page.next("frame", lambda frame: frame["time"] == round(robot.time, 6))
+        page.see("status", lambda status: status["paused"])
+        page.see("frame", lambda frame: frame["time"] == round(robot.time, 6))
         with pytest.raises(TimeoutError):
             page.receive(time.monotonic() + 0.5)
 
@@ -339,7 +339,7 @@ def test_a_page_that_never_reads_hinders_nobody_and_is_given_up(
             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode()
         )
         page = exits.enter_context(page_at(panel.url))
-        page.next("status", lambda status: status["clients"] == 2)
+        page.see("status", lambda status: status["clients"] == 2)
         frames = 0
         deadline = time.monotonic() + 30.0
         gone = False
@@ -364,7 +364,7 @@ def test_a_flooding_page_is_slowed_down_and_others_are_not(panel: Panel) -> None
     thread = threading.Thread(target=flood, args=(panel.url,), daemon=True)
     thread.start()
     with page_at(panel.url) as page:
-        page.next("status", lambda status: status["clients"] == 2)
+        page.see("status", lambda status: status["clients"] == 2)
         start = time.monotonic()
         for _ in range(20):
             assert page.ask("hold_still", controller=ARM) is None
