@@ -55,12 +55,12 @@ export function App() {
         <section class="stage" aria-label={t("app.scene")}>
           <div class="scene">
             <Lazy load={loadScene} />
+            <Toasts />
           </div>
           <PlotsDrawer />
         </section>
         <Column />
       </main>
-      <Toasts />
     </>
   );
 }

@@ -11,6 +11,8 @@ export type EndReason = "stopped" | "controller" | "reset" | "lost" | "elsewhere
 
 /** Another page's target must differ for so long, since messages cross. */
 const ELSEWHERE_AFTER_MS = 500;
+/** After Stop the target is where the brakes bring it. */
+const SETTLES_WITHIN_MS = 1500;
 /** [rad | m] */
 const SAME_TARGET = 2e-3;
 
@@ -25,6 +27,7 @@ export const endReason = signal<EndReason | null>(null);
 /** Joint → what the server should be heading for; it is somebody else's doing if it is not. */
 let expected: ReadonlyMap<string, number> = new Map();
 let differsSince: number | null = null;
+let settlesUntil = -Infinity;
 let lastTime = -Infinity;
 
 export function canDrive(controller: ControllerInfo): boolean {
@@ -48,10 +51,10 @@ export function enable(): void {
   if (!now || !controller || !canDrive(controller) || now.stopped) return;
   chosenController.value = controller.name;
   endReason.value = null;
+  expect(now.targets);
   goals.value = new Map(
     controller.joints.map((joint) => [joint, signal(wantedNow(joint) ?? 0)]),
   );
-  expect(now.targets);
 }
 
 /** Let the sliders follow the robot again; what it was told it still does. */
@@ -79,19 +82,12 @@ export function adopt(positions: Readonly<Record<string, number>>): void {
 }
 
 /** Stop the controller where it is. */
-export async function holdStill(): Promise<Problem | null> {
+export function holdStill(): Promise<Problem | null> {
   const controller = controllerOf(status.value);
-  if (!controller) return null;
+  if (!controller) return Promise.resolve(null);
   connection.dropStreams();
-  expected = new Map();
-  const problem = await connection.request({
-    type: "hold_still",
-    controller: controller.name,
-  });
-  for (const [joint, goal] of goals.value ?? []) {
-    goal.value = wantedNow(joint) ?? goal.value;
-  }
-  return problem;
+  settlesUntil = performance.now() + SETTLES_WITHIN_MS;
+  return connection.request({ type: "hold_still", controller: controller.name });
 }
 
 function sendGoals(): void {
@@ -115,6 +111,7 @@ function wantedNow(joint: string): number | undefined {
 
 function expect(targets: Readonly<Record<string, number>>): void {
   expected = new Map(Object.entries(targets));
+  settlesUntil = -Infinity;
   differsSince = null;
 }
 
@@ -125,6 +122,15 @@ function isElsewhere(now: Status): boolean {
     if (target === undefined || mine === undefined) return false;
     return Math.abs(target - mine) > SAME_TARGET;
   });
+}
+
+/** Put the sliders where the robot is going by itself. */
+function takeTargets({ targets }: Status): void {
+  for (const [joint, goal] of goals.value ?? []) {
+    goal.value = targets[joint] ?? goal.value;
+  }
+  expected = new Map(Object.entries(targets));
+  differsSince = null;
 }
 
 /** End driving if what the server says leaves no other way. */
@@ -139,6 +145,8 @@ export function review(now: Status | null, wallTimeMs: number): void {
     disable("stopped");
   } else if (controller === undefined || !canDrive(controller)) {
     disable("controller");
+  } else if (wallTimeMs < settlesUntil) {
+    takeTargets(now);
   } else if (now.paused || !isElsewhere(now)) {
     differsSince = null;
   } else {

@@ -86,18 +86,28 @@ export function tell(severity: Severity, text: string): void {
   show(severity, text);
 }
 
+/** Told elsewhere on the page: by a banner, in the bar, or as an answer to who asked. */
+const QUIET: readonly Notice["code"][] = [
+  "emergency_stop",
+  "fault",
+  "overrun",
+  "refused",
+];
+
+function isLoud(notice: Notice): boolean {
+  return notice.severity !== "info" && !QUIET.includes(notice.code);
+}
+
 /** Tell what the server said; what merely went well is in the log only. */
 export function tellNotice(notice: Notice): void {
   keep(notice);
-  // who asked has the answer already, and the others did not ask
-  if (notice.severity !== "info" && notice.code !== "refused")
-    show(notice.severity, notice.text);
+  if (isLoud(notice)) show(notice.severity, notice.text);
 }
 
 /** Begin with what the server remembers, and say it in one sentence. */
 export function forgetNotices(known: readonly Notice[]): void {
   for (const toast of toasts.value) dismiss(toast.key);
   notices.value = known;
-  const count = known.filter((notice) => notice.severity !== "info").length;
+  const count = known.filter(isLoud).length;
   if (count > 0) show("warning", t("notices.earlier", { count }));
 }

@@ -1,5 +1,6 @@
 import { describe, expect, it, vi } from "vitest";
 import { tell, tellNotice, toasts } from "../src/notices";
+import { grouped } from "../src/panels/log";
 import type { Notice } from "../src/protocol";
 import { notices } from "../src/store";
 import { FakeSocket, hello } from "./fixtures";
@@ -49,6 +50,19 @@ describe("notices", () => {
     tellNotice(notice("info", "arrived"));
     expect(texts()).toEqual([]);
     expect(notices.value.map((one) => one.text)).toEqual(["arrived"]);
+  });
+
+  it("that the page tells elsewhere are in the log alone, overruns as one", () => {
+    for (const text of ["3 late", "5 late"]) {
+      tellNotice({ ...notice("warning", text), code: "overrun" });
+    }
+    tellNotice({ ...notice("warning", "engaged"), code: "emergency_stop" });
+    expect(texts()).toEqual([]);
+    const groups = grouped(notices.value);
+    expect(groups.map((group) => [group.notice.text, group.count])).toEqual([
+      ["5 late", 2],
+      ["engaged", 1],
+    ]);
   });
 
   it("of before this page are said in one sentence", () => {

@@ -155,6 +155,9 @@ describe("the trajectory panel", () => {
     await pass(600);
     await say({ targets: { pan: 2, lift: 0 } }, 1.5);
     expect(endReason.value).toBe("elsewhere");
+    enable();
+    await say({ targets: { pan: 2, lift: 0 } }, 1.6);
+    expect(endReason.value).toBeNull();
   });
 
   it("takes a pose and a stop of its own for its own", async () => {
@@ -167,8 +170,10 @@ describe("the trajectory panel", () => {
     void holdStill();
     await say({ targets: { pan: 1.3, lift: 0 } }, 1.3);
     await pass(1000);
-    await say({ targets: { pan: 1.3, lift: 0 } }, 1.4);
-    expect(goals.value).not.toBeNull();
+    await say({ targets: { pan: 1.31, lift: 0 } }, 1.4);
+    await pass(1000);
+    await say({ targets: { pan: 1.31, lift: 0 } }, 1.5);
+    expect(goals.value?.get("pan")?.value).toBe(1.31);
   });
 
   it("lists who cannot be driven, with the reason", async () => {

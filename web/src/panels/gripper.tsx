@@ -48,9 +48,15 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
     setDragged(null);
     setSent(opening);
     void connection
-      .request({ type: "grip", gripper: gripper.name, opening: opening / 1000, force })
+      .request({
+        type: "grip",
+        gripper: gripper.name,
+        opening: opening / 1000,
+        ...(hasForce && { force }),
+      })
       .then(setProblem);
   };
+  const hasForce = hello.value?.mode === "simulation";
   const isOneOfSeveral = (hello.value?.robot.grippers.length ?? 0) > 1;
   const opening = dragged ?? sent ?? actual;
   const named = (label: string) => `${gripper.name}: ${label}`;
@@ -62,7 +68,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
           {t("gripper.title")}{" "}
           {isOneOfSeveral && <code class="muted">{gripper.name}</code>}
         </h2>
-        {now && (
+        {now && hasForce && (
           <span role="status">
             <Badge tone={TONES[now.motion]} data-testid="gripper-state">
               {describeGripper(now)}
@@ -96,7 +102,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
           onCommit={grip}
         />
       </div>
-      {gripper.max_force > gripper.min_force && (
+      {hasForce && gripper.max_force > gripper.min_force && (
         <div class="row labelled">
           <span class="caption">{t("gripper.force")}</span>
           <Slider

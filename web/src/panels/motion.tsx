@@ -7,10 +7,9 @@ import { ViewPanel } from "./view";
 export function MotionPanel() {
   const now = hello.value;
   if (now === null) return null;
-  if (now.mode === "view") return <ViewPanel />;
   return (
     <>
-      <TrajectoryPanel />
+      {now.mode === "view" ? <ViewPanel /> : <TrajectoryPanel />}
       {now.robot.grippers.map((gripper) => (
         <GripperPanel key={gripper.name} gripper={gripper} />
       ))}

@@ -1,6 +1,6 @@
 /** Time: run, pause, step, reset, how fast, and how well it keeps up. */
 import { signal } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { ask } from "../connection";
 import { t } from "../i18n";
 import { useLive } from "../live";
@@ -9,6 +9,7 @@ import { IconButton } from "../ui/button";
 import { PauseIcon, PlayIcon, ResetIcon, StepIcon } from "../ui/icons";
 import { Select } from "../ui/select";
 
+const CALM_AFTER_MS = 3000;
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 const STEPS = [1, 10, 100, 1000];
 
@@ -63,12 +64,7 @@ export function Simulation() {
           testId="sim-rtf"
           value={`${(now?.real_time_factor ?? 0).toFixed(2)}×`}
         />
-        <Reading
-          label={t("simulation.overrunsShort")}
-          title={t("simulation.overruns")}
-          testId="sim-overruns"
-          value={String(now?.overruns ?? 0)}
-        />
+        <Overruns count={now?.overruns ?? 0} />
       </dl>
     </div>
   );
@@ -129,14 +125,40 @@ function SimulatedTime() {
   );
 }
 
+/** The count, in the colour of warnings while it grows. */
+function Overruns({ count }: { count: number }) {
+  const before = useRef(count);
+  const [grows, setGrows] = useState(false);
+  useEffect(() => {
+    setGrows(count > before.current);
+    before.current = count;
+    const calm = setTimeout(() => {
+      setGrows(false);
+    }, CALM_AFTER_MS);
+    return () => {
+      clearTimeout(calm);
+    };
+  }, [count]);
+  return (
+    <Reading
+      label={t("simulation.overrunsShort")}
+      title={t("simulation.overruns")}
+      testId="sim-overruns"
+      value={String(count)}
+      isWarning={grows}
+    />
+  );
+}
+
 function Reading(props: {
   label: string;
   title: string;
   value: string;
   testId: string;
+  isWarning?: boolean;
 }) {
   return (
-    <div title={props.title}>
+    <div title={props.title} class={props.isWarning === true ? "warning" : ""}>
       <dt>{props.label}</dt>
       <dd data-testid={props.testId}>{props.value}</dd>
     </div>
