@@ -10,7 +10,7 @@ import { MotionPanel } from "./panels/motion";
 import { Toasts } from "./panels/toasts";
 import { TopBar } from "./panels/top-bar";
 import { TreePanel } from "./panels/tree";
-import { hello } from "./store";
+import { connectionState, hello } from "./store";
 import { Tabs } from "./ui/choice";
 import { ChevronDownIcon, ChevronUpIcon, PlotIcon } from "./ui/icons";
 import { Lazy } from "./ui/lazy";
@@ -38,6 +38,10 @@ export function App() {
     return () => {
       document.removeEventListener("keydown", engageOnEscape, { capture: true });
     };
+  }, []);
+  useEffect(() => {
+    // the plots' recording goes on while their drawer is closed; the scene goes first
+    void loadScene().then(() => import("./plots/state"));
   }, []);
   useEffect(() => {
     const title = hello.value?.robot.title;
@@ -121,7 +125,7 @@ function Column() {
         {hello.value ? (
           <Panel />
         ) : (
-          <p class="placeholder">{t("connection.connecting")}</p>
+          <p class="placeholder">{t(`connection.${connectionState.value}`)}</p>
         )}
       </div>
     </aside>
