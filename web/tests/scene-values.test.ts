@@ -22,9 +22,11 @@ describe("the goal is shown", () => {
     );
   });
 
-  test("not for a difference that nobody sees", () => {
-    expect(goalOf(joints, [0, 0, 0], { elbow: 0.0049 })).toBeUndefined();
-    expect(goalOf(joints, [0, 0, 0], { elbow: 0.0051 })).toBeDefined();
+  test("not for the error of a controller at rest", () => {
+    expect(goalOf(joints, [0, 0, 0], { elbow: 0.02 })).toBeUndefined();
+    expect(goalOf(joints, [0, 0, 0], { elbow: -0.03 })).toBeDefined();
+    const slide = [joint("slide", { type: "prismatic" })];
+    expect(goalOf(slide, [0], { slide: 0.005 })).toBeDefined();
   });
 
   test("not where there is none", () => {

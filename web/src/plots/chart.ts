@@ -2,7 +2,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { token } from "../ui/theme";
-import { COLOURS, type Plotted, rangeOf } from "./quantities";
+import { COLOURS, limitsNear, type Plotted, rangeOf } from "./quantities";
 import type { Recording } from "./recording";
 import { type Line, strokesOf, type Table, tableOf } from "./series";
 
@@ -45,6 +45,8 @@ export class Chart {
   private readonly plot: uPlot;
   /** What is drawn. */
   private table: Table = [[]];
+  /** Limits of effort that are seen. */
+  private limits: number[] = [];
 
   /** @param onCursor called with the index in the table under the cursor, or null */
   constructor(
@@ -53,8 +55,6 @@ export class Chart {
     onCursor: (index: number | null) => void,
   ) {
     const { plotted, lines, frozen } = setup;
-    const limits =
-      plotted === "effort" ? lines.flatMap(({ joint }) => joint.effort ?? []) : [];
     const axis = (label?: string): uPlot.Axis => ({
       stroke: token("--text-3"),
       font: `11px ${token("--font")}`,
@@ -77,7 +77,7 @@ export class Chart {
         },
         scales: {
           x: frozen ? { time: false } : { time: false, range: () => this.window() },
-          y: { range: (_plot, least, most) => rangeOf(least, most, limits) },
+          y: { range: (_plot, least, most) => rangeOf(least, most, this.limits) },
         },
         axes: [
           {
@@ -123,6 +123,11 @@ export class Chart {
     const newest = recording.time(recording.length - 1);
     const from = frozen || Number.isNaN(newest) ? -Infinity : newest - seconds;
     this.table = tableOf(recording, lines, plotted, from);
+    if (plotted === "effort") {
+      this.limits = lines.flatMap(({ joint }, i) =>
+        limitsNear(joint.effort, this.table[1 + i] ?? []),
+      );
+    }
     this.plot.setData(this.table);
     if (frozen && recording.length > 0) {
       this.plot.setScale("x", { min: newest - seconds, max: newest });

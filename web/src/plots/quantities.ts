@@ -35,25 +35,32 @@ export function siUnit(quantity: Quantity, type: JointInfo["type"]): string {
   return quantity === "velocity" ? `${unit}/s` : unit;
 }
 
-/**
- * Return the range of an axis: what there is, with some air; with the limits of effort
- * too, once half of one is used, since only then does the distance to it matter.
- */
+/** Return the range of an axis: what there is, and `also`, with some air. */
 export function rangeOf(
   least: number | null,
   most: number | null,
-  limits: readonly number[] = [],
+  also: readonly number[] = [],
 ): [number, number] {
-  let low = least ?? 0;
-  let high = most ?? 0;
-  for (const limit of limits) {
-    if (high > limit / 2) high = Math.max(high, limit);
-    if (low < -limit / 2) low = Math.min(low, -limit);
-  }
+  const low = Math.min(least ?? 0, ...also);
+  const high = Math.max(most ?? 0, ...also);
   const air = 0.06 * (high - low);
   if (air > 1e-9) return [low - air, high + air];
   const around = Math.max(0.01, 0.05 * Math.abs(high));
   return [low - around, high + around];
+}
+
+/**
+ * Return the limits, of `limit` and its negative, that a joint comes near to: only once
+ * half of a limit is used does the distance to it matter.
+ */
+export function limitsNear(
+  limit: number | null,
+  values: readonly (number | null)[],
+): number[] {
+  if (limit === null) return [];
+  const isNear = (bound: number) =>
+    values.some((value) => value !== null && value / bound > 0.5);
+  return [limit, -limit].filter(isNear);
 }
 
 export const COLOURS = 6;

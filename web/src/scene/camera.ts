@@ -6,7 +6,7 @@ import { distanceFor } from "./framing";
 const FOV = 32;
 const FLIGHT_MS = 320;
 /** Air around what is framed. */
-const MARGIN = 1.12;
+const MARGIN = 1.06;
 /** What an arrow key turns the view by [rad]. */
 const TURN = Math.PI / 36;
 

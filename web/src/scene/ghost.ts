@@ -2,8 +2,8 @@
 import { LessEqualDepth, Mesh, MeshBasicMaterial, MeshLambertMaterial } from "three";
 import { meshesOf, type Robot, type SolidMesh } from "./robot";
 
-/** Links that lie closer than this are not doubled [m, rad]. */
-const SAME = 1.5e-3;
+/** Links that lie closer than this are not doubled: they would only flicker [m, rad]. */
+const SAME = 0.012;
 
 export class Ghost {
   /** Fills the depth buffer first, so that no far side shines through. */

@@ -1,8 +1,11 @@
 /** When there is a commanded goal worth showing.  Pure. */
 import type { JointInfo } from "../protocol";
 
-/** Less than this is no difference that a person sees [rad | m]. */
-const NOTICEABLE = 0.005;
+/**
+ * Less than this is no goal but an error: an effort controller without an integral holds
+ * an elbow some 10 mrad from where it is wanted.
+ */
+const NOTICEABLE = { revolute: 0.025, continuous: 0.025, prismatic: 0.004 };
 
 /**
  * Return where the joints are to go, joint → position, or undefined if they are there.
@@ -22,7 +25,7 @@ export function goalOf(
     const present = positions[index] ?? 0;
     const target = targets[joint.name] ?? present;
     goal.set(joint.name, target);
-    if (Math.abs(target - present) > NOTICEABLE) differs = true;
+    if (Math.abs(target - present) > NOTICEABLE[joint.type]) differs = true;
   }
   return differs ? goal : undefined;
 }

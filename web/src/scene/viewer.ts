@@ -28,10 +28,10 @@ import { type Hit, Picker } from "./picker";
 import type { Quality } from "./quality";
 import { Robot } from "./robot";
 
-/** A value that moves by less than this is drawn later [rad | m]. */
-const UNSEEN = 2e-6;
+/** What moved by less than this since it was drawn is not drawn again [rad | m]: a tenth of a pixel. */
+const UNSEEN = 5e-5;
 /** Between drawings without a GPU, which also has to serve the rest of the page [ms]. */
-const SLOW_INTERVAL_MS = 33;
+const SLOW_INTERVAL_MS = 50;
 /** Without a GPU, a picture that has stood still for so long is drawn finely [ms]. */
 const STILL_MS = 250;
 
