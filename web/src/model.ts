@@ -6,6 +6,8 @@ import { parseUrdf } from "./urdf";
 import type { UrdfModel } from "./urdf";
 
 export const model = signal<UrdfModel | null>(null);
+/** What `model` was read from; it is set just before. */
+export const urdfText = signal("");
 /** Why there is no model. */
 export const modelFailure = signal<string | null>(null);
 
@@ -13,7 +15,9 @@ async function load(path: string, aborted: AbortSignal): Promise<void> {
   try {
     const answer = await fetch(serverUrl(path), { signal: aborted });
     if (!answer.ok) throw new Error(`${answer.status} ${answer.statusText}`);
-    model.value = parseUrdf(await answer.text());
+    const text = await answer.text();
+    urdfText.value = text;
+    model.value = parseUrdf(text);
     modelFailure.value = null;
   } catch (reason) {
     if (aborted.aborted) return;

@@ -53,7 +53,6 @@ beforeEach(() => {
   window.history.replaceState(null, "", "/?token=secret");
   vi.stubGlobal("fetch", (url: string) => {
     asked.push(url);
-    if (url.includes("robot.urdf")) return Promise.resolve(new Response(URDF));
     if (url.includes("post.stl")) return Promise.resolve(new Response(stl()));
     return Promise.resolve(new Response("", { status: 404 }));
   });
@@ -66,7 +65,7 @@ afterEach(() => {
 
 function load(): Promise<Robot> {
   const materials = new Materials("low");
-  return Robot.load(INFO, new Meshes(materials), materials);
+  return Robot.load(INFO, URDF, new Meshes(materials), materials);
 }
 
 function placeOf(robot: Robot, link: string): Vector3 {
@@ -75,11 +74,10 @@ function placeOf(robot: Robot, link: string): Vector3 {
 }
 
 describe("the robot", () => {
-  test("is read with the token of the page, meshes too", async () => {
+  test("fetches its meshes with the token of the page", async () => {
     await load();
-    expect(asked).toHaveLength(2);
-    for (const url of asked)
-      expect(new URL(url).searchParams.get("token")).toBe("secret");
+    expect(asked).toHaveLength(1);
+    expect(new URL(asked[0] ?? "").searchParams.get("token")).toBe("secret");
   });
 
   test("has its shapes by link, and the colours of the URDF", async () => {
@@ -124,12 +122,8 @@ describe("the robot", () => {
   });
 
   test("says which mesh is missing, and stands without it", async () => {
-    vi.stubGlobal("fetch", (url: string) =>
-      Promise.resolve(
-        url.includes("robot.urdf")
-          ? new Response(URDF)
-          : new Response("", { status: 404, statusText: "Not Found" }),
-      ),
+    vi.stubGlobal("fetch", () =>
+      Promise.resolve(new Response("", { status: 404, statusText: "Not Found" })),
     );
     const robot = await load();
     expect(robot.failures).toHaveLength(1);

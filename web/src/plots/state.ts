@@ -57,6 +57,7 @@ effect(() => {
   // other joints: another robot
   if (names.value === "") return;
   recording.value = new Recording(joints.peek().length);
+  for (const { frame } of frames.last) recording.peek().push(frame);
   frozen.value = null;
   chosen.value = null;
 });

@@ -13,6 +13,7 @@ import type { View } from "./framing";
 
 interface CanvasProps {
   hello: Hello;
+  urdf: string;
   quality: Quality;
   onReady: (viewer: Viewer | null) => void;
   onProblem: (text: string | null) => void;
@@ -82,7 +83,7 @@ function start(host: HTMLDivElement, props: CanvasProps): () => void {
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "application");
   canvas.setAttribute("aria-label", t("scene.canvas"));
-  const viewer = new Viewer(canvas, props.hello, props.quality);
+  const viewer = new Viewer(canvas, props.hello, props.urdf, props.quality);
   host.append(canvas, viewer.labels.element);
   const ends: (() => void)[] = [];
 

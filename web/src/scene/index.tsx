@@ -1,13 +1,29 @@
 /** The 3D view.  Preact draws the frame and the buttons; the picture is the viewer's. */
-import { useSignal } from "@preact/signals";
+import { computed, useSignal } from "@preact/signals";
 import { useCallback } from "preact/hooks";
 import { t } from "../i18n";
+import { model, modelFailure, urdfText } from "../model";
 import { hello, status } from "../store";
 import { Canvas } from "./canvas";
 import { quality } from "./quality";
 import "./scene.css";
 import { Toolbar } from "./toolbar";
 import type { Viewer } from "./viewer";
+
+function failureText(): string | null {
+  const reason = modelFailure.value;
+  return reason === null ? null : t("scene.failed", { reason });
+}
+
+/** What is to be shown; the key says when it is something else than before. */
+const source = computed(() => {
+  const greeting = hello.peek();
+  // read anew after every hello, and only then do both belong together
+  if (!model.value || !greeting) return null;
+  const urdf = urdfText.peek();
+  const { robot, objects } = greeting;
+  return { hello: greeting, urdf, key: JSON.stringify([robot, objects, urdf]) };
+});
 
 export default function SceneView() {
   const viewer = useSignal<Viewer | null>(null);
@@ -21,20 +37,21 @@ export default function SceneView() {
     }, 500);
   }, []);
 
-  const greeting = hello.value;
+  const shown = source.value;
   const chosen = quality.value;
   const message =
     chosen === null
       ? t("scene.noWebgl")
-      : (problem.value ?? (viewer.value ? null : t("scene.loading")));
+      : (problem.value ?? failureText() ?? (viewer.value ? null : t("scene.loading")));
 
   return (
     <div class="scene-view" data-stopped={status.value?.stopped ?? false}>
-      {greeting && chosen && (
+      {shown && chosen && (
         <Canvas
           // another robot, another quality or a lost context: all anew
-          key={`${greeting.robot.urdf} ${chosen} ${generation.value}`}
-          hello={greeting}
+          key={`${generation.value} ${chosen} ${shown.key}`}
+          hello={shown.hello}
+          urdf={shown.urdf}
           quality={chosen}
           onReady={(ready) => {
             viewer.value = ready;

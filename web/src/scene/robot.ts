@@ -1,7 +1,6 @@
 /** The robot of the URDF, posed by the values of its joints. */
 import { Box3, Group, Mesh, MeshPhongMaterial, type Object3D } from "three";
 import URDFLoader, { type URDFLink, type URDFRobot } from "urdf-loader";
-import { serverUrl } from "../address";
 import type { RobotInfo } from "../protocol";
 import { MODEL_LAYER } from "./layers";
 import type { Materials, Solid } from "./materials";
@@ -69,14 +68,13 @@ export class Robot {
     }
   }
 
+  /** @param text the URDF, its meshes being paths on the server */
   static async load(
     info: RobotInfo,
+    text: string,
     meshes: Meshes,
     materials: Materials,
   ): Promise<Robot> {
-    const response = await fetch(serverUrl(info.urdf));
-    if (!response.ok) throw new Error(`${info.urdf}: ${response.status}`);
-    const text = await response.text();
     const { robot, failures, loaded } = parsed(text, meshes, "visual");
     await loaded;
     robot.traverse((object) => {

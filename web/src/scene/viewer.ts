@@ -80,6 +80,7 @@ export class Viewer {
   constructor(
     readonly canvas: HTMLCanvasElement,
     private readonly hello: Hello,
+    private readonly urdf: string,
     private readonly quality: Quality,
   ) {
     const high = quality === "high";
@@ -113,7 +114,7 @@ export class Viewer {
   async load(): Promise<readonly string[]> {
     const meshes = new Meshes(this.materials);
     const [robot, objects] = await Promise.all([
-      Robot.load(this.hello.robot, meshes, this.materials),
+      Robot.load(this.hello.robot, this.urdf, meshes, this.materials),
       Objects.load(this.hello.objects, meshes, this.materials),
     ]);
     const ghost = new Ghost(robot);
