@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from benchmarks import golden, process, rest, tick
+from benchmarks import golden, panel, process, rest, tick
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,20 @@ def figures() -> Iterator[Figure]:
     for name, opening in rest.OPENINGS.items():
         velocity = rest.rms_velocity(opening)
         yield Figure(f"gripper at rest, {name}: rms [rad/s]", velocity, 1e-4, 1e-6)
+    yield from _panel_figures()
+
+
+def _panel_figures() -> Iterator[Figure]:
+    costs = panel.costs()
+    alone = costs.pop(panel.ALONE)
+    yield Figure("ticks late per 10 s, panel without pages", alone.overruns, 1e4, 0.0)
+    for name, cost in costs.items():
+        more = cost.overruns - alone.overruns
+        yield Figure(f"more ticks late per 10 s, {name}", more, 200.0, 20.0)
+        processor = 100.0 * (cost.cpu - alone.cpu)
+        yield Figure(f"more of a processor [%], {name}", processor, 25.0, 10.0)
+    rate = costs[panel.FEW].bytes_per_second / 1e3
+    yield Figure("sent to a page [kB/s]", rate, 100.0, 50.0)
 
 
 def main() -> int:

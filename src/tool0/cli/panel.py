@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final, TextIO
 
 if TYPE_CHECKING:
+    from threading import Thread
+
     from tool0.cli.options import PanelOptions
     from tool0.panel.address import Door
     from tool0.panel.source import PanelSource
@@ -35,7 +37,7 @@ def door_of(options: PanelOptions) -> Door:
 
 @contextlib.contextmanager
 def served(source: Robot | PanelSource, door: Door) -> Iterator[None]:
-    """Serve the panel at ``door``, beside a control loop that is not kept waiting."""
+    """Serve the panel at ``door``."""
     from tool0.panel.server import Panel, is_page_built
 
     if not is_page_built():
@@ -43,26 +45,38 @@ def served(source: Robot | PanelSource, door: Door) -> Iterator[None]:
             "tool0: warning: the panel's page is not built; `make run` builds it",
             file=sys.stderr,
         )
+    with responsive(), Panel(source, door=door):
+        yield
+
+
+@contextlib.contextmanager
+def responsive() -> Iterator[None]:
+    """Keep threads that compute from delaying the control loop's."""
     interval = sys.getswitchinterval()
     sys.setswitchinterval(_SWITCH_INTERVAL)
     try:
-        with Panel(source, door=door):
-            yield
+        yield
     finally:
         sys.setswitchinterval(interval)
 
 
-def show(url: str, options: PanelOptions, console: TextIO) -> None:
-    """Open the page in a browser, where a person sits before a desktop."""
+def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
+    """Open the page in a browser, where a person sits before a desktop.
+
+    Returns:
+        The thread that opens it; None if there is nobody to see it.
+    """
     if not (options.open and console.isatty() and _has_desktop()):
-        return
+        return None
     import threading
     import webbrowser
 
     # Some browsers come back only when they are closed.
-    threading.Thread(
+    opener = threading.Thread(
         target=webbrowser.open, args=(url,), name="tool0-browser", daemon=True
-    ).start()
+    )
+    opener.start()
+    return opener
 
 
 def _has_desktop() -> bool:

@@ -30,7 +30,7 @@ def run(line: str) -> int:
 @pytest.fixture
 def running() -> Iterator["subprocess.Popen[str]"]:
     with subprocess.Popen(
-        [sys.executable, "-m", "tool0", "bringup"],
+        [sys.executable, "-m", "tool0", "bringup", "--headless"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -102,14 +102,14 @@ def test_the_signals_are_given_back() -> None:
 
 @pytest.mark.parametrize("duration", ["0", "0.0004", "0.0015", "0.25"])
 def test_any_duration_ends(duration: str, capsys: pytest.CaptureFixture[str]) -> None:
-    line = f"--no-realtime --summary json --duration {duration}"
+    line = f"--headless --no-realtime --summary json --duration {duration}"
     assert run(line) == OK
     time = json.loads(capsys.readouterr().out)["sim_time"]
     assert abs(time - float(duration)) <= 0.0005 + 1e-9
 
 
 def test_real_time_ends_too(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("--duration 0.05 --speed 2 --summary json") == OK
+    assert run("--headless --duration 0.05 --speed 2 --summary json") == OK
     assert json.loads(capsys.readouterr().out)["sim_time"] >= 0.05
 
 

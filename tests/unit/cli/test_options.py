@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 
 from tool0.cli.options import (
+    DEFAULT_SPAWN_Z,
     BringupOptions,
     ControllerOptions,
     RobotOptions,
@@ -57,6 +58,7 @@ def test_defaults_are_those_of_bringup() -> None:
     for name, value in bringup_keywords(BringupOptions()).items():
         default = parameters[name].default
         assert value == (written_out.get(name) if default is None else default), name
+    assert parameters["spawn_z"].default == DEFAULT_SPAWN_Z
 
 
 def test_a_pose_is_a_name_or_joints() -> None:

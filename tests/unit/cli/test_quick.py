@@ -36,6 +36,10 @@ OPTIONS = st.sampled_from(
         "--no-remote",
         "--name",
         "--no-name",
+        "--panel-host",
+        "--panel-port",
+        "--open",
+        "--no-open",
         "--help",
         "--wrong",
         "positional",
@@ -66,6 +70,7 @@ def test_what_it_reads_tyro_reads_alike(arguments: list[str]) -> None:
         "--controllers-file a.yaml --controllers-file b.yaml --gripper none",
         "--robot my.urdf.xacro --args x:=1 y:=2 --prefix left_ --meshes upstream",
         "--initial-pose elbow_joint=-1.2 finger_joint=0.4 --paused --speed 0.5",
+        "--panel-host 0.0.0.0 --panel-port 9000 --no-open",
         "--initial-pose home --safety-limits --safety-pos-margin 0.1 --no-remote",
     ],
 )
