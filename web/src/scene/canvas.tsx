@@ -8,7 +8,8 @@ import { hoveredLink, showCollision, showGhost, shownFrames, status } from "../s
 import { shownTheme, token } from "../ui/theme";
 import { watchPointer } from "./pointer";
 import type { Quality } from "./quality";
-import { type Colours, Viewer } from "./viewer";
+import type { Colours } from "./stage";
+import { Viewer } from "./viewer";
 import type { View } from "./framing";
 
 interface CanvasProps {
@@ -84,7 +85,7 @@ function start(host: HTMLDivElement, props: CanvasProps): () => void {
   canvas.setAttribute("role", "application");
   canvas.setAttribute("aria-label", t("scene.canvas"));
   const viewer = new Viewer(canvas, props.hello, props.urdf, props.quality);
-  host.append(canvas, viewer.labels.element);
+  host.append(canvas, viewer.labels);
   const ends: (() => void)[] = [];
 
   const size = new ResizeObserver(() => {

@@ -1,12 +1,20 @@
 /** The robot of the URDF, posed by the values of its joints. */
-import { Box3, Group, Mesh, MeshPhongMaterial, type Object3D } from "three";
+import {
+  Box3,
+  type BufferGeometry,
+  Group,
+  Mesh,
+  MeshPhongMaterial,
+  type Object3D,
+} from "three";
 import URDFLoader, { type URDFLink, type URDFRobot } from "urdf-loader";
 import type { RobotInfo } from "../protocol";
 import { MODEL_LAYER } from "./layers";
 import type { Materials, Solid } from "./materials";
 import type { Meshes } from "./meshes";
 
-export type SolidMesh = Mesh & { material: Solid };
+/** COLLADA may have several materials in one mesh. */
+export type SolidMesh = Mesh<BufferGeometry, Solid | Solid[]>;
 
 function parsed(text: string, meshes: Meshes, part: "visual" | "collision") {
   const loading: Promise<unknown>[] = [];
@@ -92,6 +100,14 @@ export class Robot {
     this.info.joints.forEach((joint, index) => {
       this.root.joints[joint.name]?.setJointValue(values[index] ?? 0);
     });
+  }
+
+  /** Change the materials of a link's meshes. */
+  dress(link: string | null, change: (material: Solid) => Solid): void {
+    for (const mesh of this.visuals.get(link ?? "") ?? []) {
+      const { material } = mesh;
+      mesh.material = Array.isArray(material) ? material.map(change) : change(material);
+    }
   }
 
   link(name: string): URDFLink | undefined {

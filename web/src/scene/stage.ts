@@ -1,0 +1,136 @@
+/** What the robot stands on and is seen by: renderer, light, ground, camera, frames, labels. */
+import {
+  type Mesh,
+  NeutralToneMapping,
+  NoToneMapping,
+  Scene,
+  WebGLRenderer,
+} from "three";
+import { Axes } from "./axes";
+import { CameraRig } from "./camera";
+import { ContactShadow } from "./contact";
+import { Ground } from "./ground";
+import { Labels } from "./labels";
+import { Lighting } from "./lighting";
+import type { Quality } from "./quality";
+
+/** Without a GPU, a picture that has stood still for so long is drawn finely [ms]. */
+const STILL_MS = 250;
+
+export interface Colours {
+  grid: string;
+  ghost: string;
+  highlight: string;
+  collision: string;
+  x: string;
+  y: string;
+  z: string;
+  dark: boolean;
+}
+
+export class Stage {
+  readonly scene = new Scene();
+  readonly axes = new Axes();
+  readonly labels = new Labels();
+  readonly rig: CameraRig;
+  /** Pictures drawn so far. */
+  drawn = 0;
+  private readonly renderer: WebGLRenderer;
+  private readonly lighting: Lighting;
+  private readonly ground: Ground;
+  private readonly contact: ContactShadow | undefined;
+  private size = { width: 1, height: 1 };
+  private refinement: ReturnType<typeof setTimeout> | undefined;
+
+  /**
+   * @param ground its height [m], or null for none
+   * @param changed called when it should be drawn anew
+   */
+  constructor(
+    canvas: HTMLCanvasElement,
+    ground: number | null,
+    private readonly quality: Quality,
+    private readonly changed: () => void,
+  ) {
+    const high = quality === "high";
+    this.renderer = new WebGLRenderer({
+      canvas,
+      // without a GPU it would halve the frames; there what stands still is refined
+      antialias: high,
+      alpha: true,
+      powerPreference: "high-performance",
+    });
+    this.renderer.toneMapping = high ? NeutralToneMapping : NoToneMapping;
+    this.renderer.shadowMap.enabled = high;
+    this.renderer.shadowMap.autoUpdate = false;
+    this.lighting = new Lighting(this.scene, this.renderer, quality);
+    this.ground = new Ground(quality, ground !== null);
+    this.ground.root.position.z = ground ?? 0;
+    if (high && ground !== null) {
+      this.contact = new ContactShadow(ground);
+      this.scene.add(this.contact.root);
+    }
+    this.scene.add(this.ground.root, this.axes.root);
+    this.rig = new CameraRig(canvas, changed);
+  }
+
+  resize(width: number, height: number): void {
+    this.size = { width, height };
+    this.sharpen(this.quality === "high" ? Math.min(2, window.devicePixelRatio) : 1);
+    this.rig.resize(width / height);
+    this.changed();
+  }
+
+  paint(colours: Colours): void {
+    this.ground.paint({ ...colours, line: colours.grid });
+    this.contact?.paint(colours.dark);
+    this.axes.paint([colours.x, colours.y, colours.z]);
+    this.changed();
+  }
+
+  /** What throws shadows moved. */
+  castAnew(): void {
+    this.renderer.shadowMap.needsUpdate = true;
+    if (this.contact) this.contact.needsUpdate = true;
+    this.changed();
+  }
+
+  draw(): void {
+    if (this.quality === "low") {
+      clearTimeout(this.refinement);
+      if (this.renderer.getPixelRatio() !== 1) this.sharpen(1);
+      this.refinement = setTimeout(() => {
+        this.sharpen(2);
+        this.render();
+      }, STILL_MS);
+    }
+    this.render();
+  }
+
+  dispose(): void {
+    clearTimeout(this.refinement);
+    this.rig.dispose();
+    this.scene.traverse((object) => {
+      if ("geometry" in object) (object as Mesh).geometry.dispose();
+    });
+    this.axes.dispose();
+    this.ground.dispose();
+    this.contact?.dispose();
+    this.lighting.dispose();
+    this.renderer.dispose();
+  }
+
+  /** Draw so many pixels to a CSS pixel. */
+  private sharpen(ratio: number): void {
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(this.size.width, this.size.height, false);
+  }
+
+  private render(): void {
+    this.axes.update(this.rig.camera);
+    this.contact?.update(this.renderer, this.scene);
+    this.renderer.render(this.scene, this.rig.camera);
+    this.labels.update(this.axes.labels, this.rig.camera);
+    this.drawn += 1;
+  }
+}
