@@ -42,12 +42,15 @@ class Client:
         self._queue: deque[str] = deque()
         self._status: str | None = None
         self._frame: str | None = None
-        self._asked: asyncio.Queue[ClientMessage | Unreadable] = asyncio.Queue(_ASKED)
+        self._asked: asyncio.Queue[ClientMessage | Unreadable | None]
+        self._asked = asyncio.Queue(_ASKED)
         self._loop = asyncio.get_running_loop()
         self._allowance = BURST
         self._allowance_at = self._loop.time()
         self._sending_since: float | None = None
         self._tasks: list[asyncio.Task[None]] = []
+        self._is_gone = False
+        """Whether it can neither send nor receive any more."""
         self.is_lost = False
         """Whether it was given up: its connection is to be cut, not closed."""
 
@@ -81,31 +84,35 @@ class Client:
             task.cancel()
 
     async def serve(self, urgent: Urgent, in_turn: Receiver) -> None:
-        """Send and receive until the connection ends.
+        """Send and receive until the connection ends, and what was asked is done.
 
         Args:
             urgent: Is given each message that must wait for no other.
             in_turn: Is given the others, one after the other.
         """
-        work = (self._send(), self._read(urgent), self._work(in_turn))
-        self._tasks = [asyncio.create_task(part) for part in work]
+        worker = asyncio.create_task(self._work(in_turn))
+        parts = (self._send(), self._read(urgent))
+        self._tasks = [worker, *map(asyncio.create_task, parts)]
         try:
-            await asyncio.wait(self._tasks, return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait([worker])
         finally:
             self.end()
             ends = await asyncio.gather(*self._tasks, return_exceptions=True)
         for end in ends:
-            if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect):
+            if isinstance(end, Exception):
                 logger.error("a page's connection failed", exc_info=end)
 
     async def _send(self) -> None:
-        while True:
-            await self._wake.wait()
-            self._wake.clear()
-            while (text := self._next()) is not None:
-                self._sending_since = self._loop.time()
-                await self._socket.send_text(text)
-                self._sending_since = None
+        try:
+            while True:
+                await self._wake.wait()
+                self._wake.clear()
+                while (text := self._next()) is not None:
+                    self._sending_since = self._loop.time()
+                    await self._socket.send_text(text)
+                    self._sending_since = None
+        except WebSocketDisconnect:
+            self._is_gone = True
 
     def _next(self) -> str | None:
         if self._queue:
@@ -117,6 +124,14 @@ class Client:
         return frame
 
     async def _read(self, urgent: Urgent) -> None:
+        try:
+            await self._read_all(urgent)
+        except Exception:
+            logger.exception("a page's connection failed")
+        self._is_gone = True
+        await self._asked.put(None)
+
+    async def _read_all(self, urgent: Urgent) -> None:
         while True:
             event = await self._socket.receive()
             if event["type"] == "websocket.disconnect":
@@ -136,9 +151,9 @@ class Client:
         gained = (now - self._allowance_at) * RATE
         self._allowance = min(BURST, self._allowance + gained) - cost
         self._allowance_at = now
-        if self._allowance < 0.0:
+        if self._allowance < 0.0 and not self._is_gone:
             await asyncio.sleep(-self._allowance / RATE)
 
     async def _work(self, in_turn: Receiver) -> None:
-        while True:
-            await in_turn(self, await self._asked.get())
+        while (message := await self._asked.get()) is not None:
+            await in_turn(self, message)

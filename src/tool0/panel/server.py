@@ -103,6 +103,7 @@ class Panel:
             logger.exception("the panel's server failed")
         finally:
             self._door.listener.close()
+            self._loop.run_until_complete(_end_tasks())
             self._loop.close()
 
     async def _serve(self) -> None:
@@ -141,6 +142,14 @@ class Panel:
         await hub.close()
         server.should_exit = True
         await serving
+
+
+async def _end_tasks() -> None:
+    """End what is left in the loop, such as a page that never said goodbye."""
+    tasks = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
 
 
 def _as_source(source: Robot | PanelSource) -> PanelSource:

@@ -122,6 +122,18 @@ def test_a_motion_goes_on_when_its_page_closes(
     )
 
 
+def test_what_a_program_asked_before_it_went_is_done(
+    panel: Panel, robot: tool0.Robot
+) -> None:
+    with page_at(panel.url) as page:
+        page.send("steer", controller=ARM, positions={"wrist_3_joint": 0.2})
+        page.send("pause", id=1)
+        page.send("step", id=2, ticks=300)
+        page.send("save_pose", id=3, name="last")
+    eventually(lambda: "last" in robot.poses(), "all requests are carried out")
+    assert robot.snapshot.is_paused
+
+
 def test_a_request_overtakes_no_steering_that_was_sent_before(
     panel: Panel, robot: tool0.Robot
 ) -> None:
