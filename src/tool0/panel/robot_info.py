@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal, cast
 
 from tool0.description.catalogue import RobotDescription, part_names
@@ -12,6 +12,7 @@ from tool0.description.model import (
     Cylinder,
     Geometry,
     Joint,
+    JointLimits,
     JointType,
     Mesh,
     RobotModel,
@@ -32,7 +33,10 @@ ONE_AXIS = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMA
 
 
 def robot_info(
-    description: RobotDescription, joints: Sequence[str], ground: float | None
+    description: RobotDescription,
+    joints: Sequence[str],
+    ground: float | None,
+    limits: Mapping[str, JointLimits],
 ) -> RobotInfo:
     """Return what a page needs to draw the robot.
 
@@ -40,6 +44,7 @@ def robot_info(
         description: The robot.
         joints: In the order of the arrays of every frame.
         ground: Its height in the robot's root [m].
+        limits: Of joints whose limits are not those of the URDF.
     """
     model = description.model
     parts = [item for item in (description.arm, description.gripper) if item]
@@ -49,7 +54,9 @@ def robot_info(
         root=model.root,
         urdf=URDF_PATH,
         ground=ground,
-        joints=[_joint_info(model, model.joint(name)) for name in joints],
+        joints=[
+            _joint_info(model, model.joint(name), limits.get(name)) for name in joints
+        ],
         grippers=[
             GripperInfo(
                 name=gripper.name,
@@ -79,8 +86,10 @@ def object_info(item: SceneObject, files: RobotFiles) -> ObjectInfo:
     )
 
 
-def _joint_info(model: RobotModel, joint: Joint) -> JointInfo:
-    limits = joint.limits
+def _joint_info(
+    model: RobotModel, joint: Joint, limits: JointLimits | None
+) -> JointInfo:
+    limits = limits or joint.limits
     turns_on = joint.type is JointType.CONTINUOUS
     return JointInfo(
         name=joint.name,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, final
 
 from tool0.errors import ConfigError, ControlError, nearest_name
@@ -37,10 +38,16 @@ class SimulationSource:
             mode="simulation",
             engine=robot.engine.name,
             control_period=robot.control_period,
-            robot=robot_info(robot.description, joints, robot.ground),
+            robot=robot_info(
+                robot.description, joints, robot.ground, robot.joint_limits
+            ),
             objects=[object_info(item, files) for item in robot.objects],
             files=files,
         )
+        self._joints = {
+            name: replace(joint, limits=robot.joint_limits.get(name, joint.limits))
+            for name, joint in robot.description.model.joint_by_name.items()
+        }
         self._seen: Snapshot | None = None
         self._frame = _frame_of(robot.snapshot)
         self._watcher = Watcher(robot)
@@ -81,7 +88,7 @@ class SimulationSource:
             controllers=controller_infos(
                 robot.defined_controllers,
                 snapshot.controllers,
-                robot.description.model.joint_by_name,
+                self._joints,
             ),
             grippers=self._grippers,
             poses=self._poses(),

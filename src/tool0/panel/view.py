@@ -50,7 +50,7 @@ class ViewSource:
             mode="view",
             engine=None,
             control_period=None,
-            robot=robot_info(description, self._names, ground),
+            robot=robot_info(description, self._names, ground, {}),
             objects=(),
             files=RobotFiles(description),
         )

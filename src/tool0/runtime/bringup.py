@@ -175,6 +175,7 @@ def bringup(
         bus=bus,
         poses=poses,
         defined_controllers=config.types,
+        joint_limits=core.hardware.limits,
         scene=surroundings,
         ground=-spawn_z,
         warnings=_warnings(config, model),

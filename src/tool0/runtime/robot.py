@@ -11,6 +11,7 @@ from typing import final
 from tool0.control.manager import ControllerStatus, Strictness
 from tool0.description.catalogue import RobotDescription
 from tool0.description.kinematics import Transform, link_pose
+from tool0.description.model import JointLimits
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.yaml_tree import ConfigWarning
 from tool0.errors import ControlError, nearest_name
@@ -53,6 +54,7 @@ class Robot:
         bus: Bus,
         poses: PoseBook,
         defined_controllers: Mapping[str, str],
+        joint_limits: Mapping[str, JointLimits],
         scene: Scene | None = None,
         ground: float | None = None,
         warnings: Sequence[ConfigWarning] = (),
@@ -68,6 +70,8 @@ class Robot:
         """What the controllers' YAML says that nothing reads."""
         self.defined_controllers = defined_controllers
         """The type of each controller of the YAML, loaded or not, in its order."""
+        self.joint_limits = joint_limits
+        """Of each driven joint: the URDF's, or what the YAML puts in their place."""
         self._poses = poses
         self._loop = loop
         self._bus = bus
