@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 MOST_AT_ONCE: Final = 20
 """Happenings that are told one by one; a script can end thousands of goals a second."""
+_GRAVITY: Final[dict[Severity, int]] = {"info": 0, "warning": 1, "error": 2}
 _GOAL_CODES: Final[dict[GoalStatus, tuple[Severity, NoticeCode]]] = {
     GoalStatus.SUCCEEDED: ("info", "goal_succeeded"),
     GoalStatus.PREEMPTED: ("info", "goal_preempted"),
@@ -53,14 +54,21 @@ class Watcher:
         if snapshot is not self._before:
             found += _changes(self._before, snapshot)
             self._before = snapshot
-        if len(found) > MOST_AT_ONCE:
-            left_out = len(found) - MOST_AT_ONCE
-            more = Happening(severity="info", code="log", text=f"… and {left_out} more")
-            found = [*found[:MOST_AT_ONCE], more]
-        return found
+        return _shortened(found)
 
     def close(self) -> None:
         self._subscription.close()
+
+
+def _shortened(found: list[Happening]) -> list[Happening]:
+    """Return at most MOST_AT_ONCE, the grave ones rather than the others."""
+    if len(found) <= MOST_AT_ONCE:
+        return found
+    by_gravity = sorted(found, key=lambda item: -_GRAVITY[item.severity])
+    kept = {id(item) for item in by_gravity[:MOST_AT_ONCE]}
+    text = f"… and {len(found) - MOST_AT_ONCE} more"
+    more = Happening(severity="info", code="log", text=text, time=found[-1].time)
+    return [*(item for item in found if id(item) in kept), more]
 
 
 def _in_words(event: Event, now: float) -> Happening:

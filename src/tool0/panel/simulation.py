@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, final
 
+from tool0.description.catalogue import named_poses
 from tool0.errors import ConfigError, ControlError, nearest_name
 from tool0.panel import protocol as ask
 from tool0.panel.controller_info import controller_infos
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 _DIGITS = 6
 """Of positions and the like: micrometres.  What rests is then the same every time."""
-_NO_POSES: list[PoseInfo] = []
 
 
 @final
@@ -188,11 +188,15 @@ class SimulationSource:
         return grippers[name]
 
     def _poses(self) -> list[PoseInfo]:
+        robot = self._robot
         try:
-            poses = self._robot.poses()
+            poses = robot.poses()
         except ConfigError as error:
             self._watcher.tell_once("warning", "log", str(error))
-            return _NO_POSES
+            return [
+                PoseInfo(name=name, saved=False, positions=dict(positions))
+                for name, positions in named_poses(robot.description).items()
+            ]
         return [
             PoseInfo(name=pose.name, saved=pose.saved, positions=dict(pose.positions))
             for pose in poses.values()
