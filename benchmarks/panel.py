@@ -21,8 +21,7 @@ from urllib.parse import urlsplit
 from websockets.asyncio.client import connect
 
 import tool0
-from tool0.cli.panel import responsive
-from tool0.panel.server import Panel
+from tool0.panel.server import Panel, load
 
 DURATION: Final = 3.0
 """Of one round of one load [wall s]."""
@@ -80,10 +79,11 @@ def costs() -> dict[str, Cost]:
     """
     logging.getLogger("tool0.runtime.loop").setLevel(logging.ERROR)
     rounds: dict[str, list[Cost]] = {name: [] for name in LOADS}
-    with tool0.bringup() as robot, responsive(), Panel(robot) as panel:
+    load()
+    with tool0.bringup() as robot, Panel(robot) as panel:
         for _ in range(ROUNDS):
-            for name, load in LOADS.items():
-                rounds[name].append(_cost(robot, panel.url, load))
+            for name, pages in LOADS.items():
+                rounds[name].append(_cost(robot, panel.url, pages))
     return {
         name: min(found, key=lambda cost: cost.overruns)
         for name, found in rounds.items()

@@ -6,7 +6,7 @@ import contextlib
 import os
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Final, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 if TYPE_CHECKING:
     from threading import Thread
@@ -16,14 +16,11 @@ if TYPE_CHECKING:
     from tool0.panel.source import PanelSource
     from tool0.runtime.robot import Robot
 
-_SWITCH_INTERVAL: Final = 0.0005
-"""Longest time that one thread computes while another waits [s].  Python's own, 5 ms,
-is as long as five ticks of the control loop."""
-
 
 def door_of(options: PanelOptions) -> Door:
     """Listen where the options say, and warn if that lets others in."""
     from tool0.panel.address import open_door
+    from tool0.panel.server import load
 
     door = open_door(options.panel_host, options.panel_port)
     if door.token is not None:
@@ -32,6 +29,7 @@ def door_of(options: PanelOptions) -> Door:
             "whoever knows its address with the token can drive the robot",
             file=sys.stderr,
         )
+    load()
     return door
 
 
@@ -45,19 +43,8 @@ def served(source: Robot | PanelSource, door: Door) -> Iterator[None]:
             "tool0: warning: the panel's page is not built; `make run` builds it",
             file=sys.stderr,
         )
-    with responsive(), Panel(source, door=door):
+    with Panel(source, door=door):
         yield
-
-
-@contextlib.contextmanager
-def responsive() -> Iterator[None]:
-    """Keep threads that compute from delaying the control loop's."""
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(_SWITCH_INTERVAL)
-    try:
-        yield
-    finally:
-        sys.setswitchinterval(interval)
 
 
 def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:

@@ -36,6 +36,19 @@ def is_page_built() -> bool:
     return (STATIC / "index.html").is_file()
 
 
+def load() -> None:
+    """Import what the server needs: 0.1 s in which a control loop would be late.
+
+    The server's thread does it otherwise, so that a panel can be had at once.
+    """
+    import uvicorn.protocols.http.h11_impl
+    import uvicorn.protocols.websockets.websockets_sansio_impl  # noqa: F401
+
+    import tool0.panel.app
+    import tool0.panel.hub
+    import tool0.panel.simulation  # noqa: F401
+
+
 @final
 class Panel:
     """Serves a robot as a web page, from construction to ``close``.

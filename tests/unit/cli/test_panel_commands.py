@@ -17,7 +17,7 @@ from served import use_folder
 
 from tool0.cli import FAILED, OK, main
 from tool0.cli.options import PanelOptions
-from tool0.cli.panel import responsive, show
+from tool0.cli.panel import show
 from tool0.panel.address import Door, open_door
 
 
@@ -157,10 +157,3 @@ def test_a_browser_opens_only_before_a_person_with_a_desktop(
     assert thread is not None
     thread.join(10.0)
     assert opened == ["http://here/"]
-
-
-def test_threads_are_switched_between_faster_while_a_panel_is_served() -> None:
-    before = sys.getswitchinterval()
-    with responsive():
-        assert sys.getswitchinterval() < 0.001
-    assert sys.getswitchinterval() == before
