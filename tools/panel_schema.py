@@ -1,4 +1,4 @@
-"""Write ``web/protocol.schema.json``: the panel's protocol, for the page's TypeScript."""
+"""Write ``web/protocol.schema.json``: the panel's protocol, for TypeScript."""
 
 from __future__ import annotations
 
