@@ -1,23 +1,27 @@
 # make run    set up a fresh machine and bring the robot up   (ARGS="--headless --duration 5")
 # make test   every test          make check   format, lint, types, layers, unit tests
 # make bench  the measurements    make clean   remove what was made
+# make web    the panel's page    make web-dev the page from its sources, beside a bringup
 
 VENV ?= .venv
 ARGS ?=
 BIN  := $(VENV)/bin
 RUN  := $(VENV)/.stamp-run
 DEV  := $(VENV)/.stamp-dev
+PAGE := src/tool0/panel/static/.stamp
+WEB  := $(BIN)/python tools/web.py
+BROWSER := $(VENV)/.stamp-browser
 
 .DEFAULT_GOAL := help
-.PHONY: help run setup dev check lint format unit test bench clean
+.PHONY: help run setup dev check lint format unit test bench web web-dev clean
 
 help:
 	@sed -n 's/^# //p' Makefile
 
-run: $(RUN)
+run: setup
 	@$(BIN)/tool0 bringup $(ARGS)
 
-setup: $(RUN)
+setup: $(RUN) $(PAGE)
 
 dev: $(DEV)
 
@@ -28,25 +32,35 @@ lint: $(DEV)
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(WEB) run check:static
 
 format: $(DEV)
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+	$(WEB) run format
 
 unit: $(DEV)
+	$(WEB) run test
 	$(BIN)/python -m pytest tests/unit $(ARGS)
 
-test: $(DEV)
+test: $(DEV) $(PAGE) $(BROWSER)
+	$(WEB) run test
 	$(BIN)/python -m pytest $(ARGS)
 
 bench: $(DEV)
 	$(BIN)/python benchmarks/run.py $(ARGS)
 
+web: $(PAGE)
+
+web-dev: $(RUN)
+	$(WEB) run dev
+
 clean:
-	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) build dist src/tool0/panel/static web/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 # The stamps: what they depend on is newer, so install again; otherwise do nothing.
 $(RUN): pyproject.toml tools/setup-venv
+	@echo 'setting up $(VENV), and the panel with it: about a minute' >&2
 	@tools/setup-venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
@@ -55,4 +69,13 @@ $(RUN): pyproject.toml tools/setup-venv
 $(DEV): $(RUN)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'pip>=25.1'
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group dev
+	@touch $@
+
+# The install above makes the page, too; after that it is made when its sources change.
+$(PAGE): $(filter-out %/protocol.ts,$(shell find web -name node_modules -prune -o -type f -print)) | $(RUN)
+	$(WEB) build
+	@touch $@
+
+$(BROWSER): tools/setup-browser | $(RUN)
+	@tools/setup-browser
 	@touch $@
