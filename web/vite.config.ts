@@ -34,5 +34,9 @@ export default defineConfig({
       ]),
     ),
   },
-  test: { environment: "happy-dom", include: ["tests/**/*.test.{ts,tsx}"] },
+  test: {
+    environment: "happy-dom",
+    reporters: "dot",
+    include: ["tests/**/*.test.{ts,tsx}"],
+  },
 });
