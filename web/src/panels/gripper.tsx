@@ -29,7 +29,8 @@ export function describeGripper({ motion, width }: GripperState): string {
 export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
   const now = status.value?.grippers.find((state) => state.name === gripper.name);
   const largest = gripper.max_opening * 1000;
-  const actual = (now?.opening ?? 0) * 1000;
+  // the pads of a gripper that is open as wide as it can may be a little farther apart
+  const actual = Math.min((now?.opening ?? 0) * 1000, largest);
   // mm: while dragged, and as sent until it is there; otherwise where it is
   const [dragged, setDragged] = useState<number | null>(null);
   const [sent, setSent] = useState<number | null>(null);

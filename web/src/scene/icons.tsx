@@ -1,25 +1,6 @@
 /** A cube seen from each side; the side that is looked at is filled. */
-import type { ComponentChildren } from "preact";
+import { icon } from "../ui/icons";
 import type { View } from "./framing";
-
-function icon(children: ComponentChildren) {
-  return function Icon() {
-    return (
-      <svg
-        class="icon"
-        viewBox="0 0 16 16"
-        fill="none"
-        stroke="currentColor"
-        stroke-width="1.3"
-        stroke-linejoin="round"
-        stroke-linecap="round"
-        aria-hidden="true"
-      >
-        {children}
-      </svg>
-    );
-  };
-}
 
 const CUBE = "M8 1.8 13.5 4.9v6.2L8 14.2l-5.5-3.1V4.9zM2.5 4.9 8 8l5.5-3.1M8 8v6.2";
 

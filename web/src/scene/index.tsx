@@ -3,7 +3,7 @@ import { computed, useSignal } from "@preact/signals";
 import { useCallback } from "preact/hooks";
 import { t } from "../i18n";
 import { model, modelFailure, urdfText } from "../model";
-import { hello, status } from "../store";
+import { connectionState, hello, status } from "../store";
 import { Canvas } from "./canvas";
 import { quality } from "./quality";
 import "./scene.css";
@@ -39,10 +39,12 @@ export default function SceneView() {
 
   const shown = source.value;
   const chosen = quality.value;
+  // the banner says it if the server wants no page
+  const isLoading = viewer.value === null && connectionState.value !== "refused";
   const message =
     chosen === null
       ? t("scene.noWebgl")
-      : (problem.value ?? failureText() ?? (viewer.value ? null : t("scene.loading")));
+      : (problem.value ?? failureText() ?? (isLoading ? t("scene.loading") : null));
 
   return (
     <div class="scene-view" data-stopped={status.value?.stopped ?? false}>

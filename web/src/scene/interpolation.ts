@@ -38,8 +38,7 @@ function flattened(frame: Frame, previous: Float64Array | undefined): Float64Arr
   const count = frame.position.length;
   const values = new Float64Array(count + frame.objects.length * PER_OBJECT);
   values.set(frame.position);
-  const objects = frame.objects as unknown as readonly [number[], number[]][];
-  objects.forEach(([position, quaternion], index) => {
+  frame.objects.forEach(([position, quaternion], index) => {
     const at = count + index * PER_OBJECT;
     values.set(position, at);
     values.set(quaternion, at + 3);

@@ -13,9 +13,6 @@ import { MODEL_LAYER } from "./layers";
 import type { Materials } from "./materials";
 import type { Meshes } from "./meshes";
 
-type RGBA = readonly [number, number, number, number];
-type Triple = readonly [number, number, number];
-
 function primitive(shape: ObjectInfo["shape"]): BufferGeometry {
   const radius = shape.radius ?? 0;
   if (shape.kind === "sphere") return new SphereGeometry(radius, 48, 24);
@@ -25,7 +22,7 @@ function primitive(shape: ObjectInfo["shape"]): BufferGeometry {
       Math.PI / 2,
     );
   }
-  const [x, y, z] = (shape.size ?? [1, 1, 1]) as unknown as Triple;
+  const [x, y, z] = shape.size ?? [1, 1, 1];
   return new BoxGeometry(x, y, z);
 }
 
@@ -44,15 +41,13 @@ export class Objects {
       const holder = new Group();
       holder.name = name;
       objects.root.add(holder);
-      const colour = rgba as unknown as RGBA;
       if (shape.kind === "mesh") {
-        const scale = shape.size as unknown as Triple | undefined;
-        if (scale) holder.scale.set(...scale);
-        const look = new MeshPhongMaterial({ opacity: colour[3] });
-        look.color.setRGB(colour[0], colour[1], colour[2]);
+        if (shape.size) holder.scale.set(...shape.size);
+        const look = new MeshPhongMaterial({ opacity: rgba[3] });
+        look.color.setRGB(rgba[0], rgba[1], rgba[2]);
         holder.add(await meshes.load(shape.url ?? "", look));
       } else {
-        holder.add(new Mesh(primitive(shape), materials.of(colour)));
+        holder.add(new Mesh(primitive(shape), materials.of(rgba)));
       }
       holder.traverse((one) => {
         one.layers.enable(MODEL_LAYER);

@@ -1,7 +1,7 @@
 /** Icons of 16 × 16, drawn in the colour of the text.  They are decoration: the button says its name. */
 import type { ComponentChildren } from "preact";
 
-function icon(children: ComponentChildren) {
+export function icon(children: ComponentChildren) {
   return function Icon() {
     return (
       <svg

@@ -1,0 +1,85 @@
+"""Take a picture of the panel as a browser shows it.
+
+usage: python tools/screenshot_panel.py docs/images/panel.png [--width 1440] …
+
+It brings the example's scene up, moves the arm with the plots open, and waits until the
+page has drawn it.  Needs Chromium (tools/setup-browser).
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from playwright.sync_api import Page, sync_playwright
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests/fakes"))
+
+import tool0
+from browser import find_chromium, launch
+from tool0.panel.server import Panel
+
+SCENE = ROOT / "examples/scenes/table_and_cubes.yaml"
+_SLOW = 120_000
+"""Longest wait for software GL at its best quality [ms]."""
+
+
+def main() -> None:
+    """Take the picture that the arguments describe."""
+    options = _options()
+    chromium = find_chromium()
+    if chromium is None:
+        sys.exit("there is no Chromium here; run tools/setup-browser")
+    with (
+        tool0.bringup(scene=SCENE) as robot,
+        Panel(robot) as panel,
+        sync_playwright() as playwright,
+    ):
+        browser = launch(playwright, chromium)
+        context = browser.new_context(
+            viewport={"width": options.width, "height": options.height},
+            color_scheme=options.theme,
+            locale={"en": "en-US", "zh": "zh-CN"}[options.language],
+        )
+        context.set_default_timeout(_SLOW)
+        page = context.new_page()
+        page.goto(f"{panel.url}?quality={options.quality}")
+        page.locator("[data-testid=scene][data-ready=true]").wait_for()
+        if options.plots:
+            page.get_by_test_id("plots-toggle").click()
+            page.get_by_test_id("plots-chart").wait_for()
+        for goal in robot.go_to_pose("ready"):
+            goal.wait(60.0)
+        robot.gripper.move(opening=0.05).wait(60.0)
+        _wait_for_frames(page, 4)
+        page.screenshot(path=options.output)
+        browser.close()
+
+
+def _wait_for_frames(page: Page, count: int) -> None:
+    """Wait until the scene was drawn some more times, or has nothing new to draw."""
+    frames = "Number(document.querySelector('[data-testid=scene]').dataset.frames)"
+    start = page.evaluate(frames)
+    end = page.evaluate("performance.now()") + 10_000
+    page.wait_for_function(
+        f"([start, count, end]) => {frames} >= start + count || performance.now() > end",
+        arg=[start, count, end],
+    )
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("output", type=Path)
+    parser.add_argument("--width", type=int, default=1440)
+    parser.add_argument("--height", type=int, default=900)
+    parser.add_argument("--theme", choices=("light", "dark"), default="light")
+    parser.add_argument("--language", choices=("en", "zh"), default="en")
+    parser.add_argument("--quality", choices=("low", "high"), default="high")
+    parser.add_argument("--plots", action=argparse.BooleanOptionalAction, default=True)
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()
