@@ -45,7 +45,7 @@ unit: $(DEV)
 
 test: $(DEV) $(PAGE) $(BROWSER)
 	$(WEB) run test
-	$(BIN)/python -m pytest $(ARGS)
+	TOOL0_REQUIRE=browser $(BIN)/python -m pytest $(ARGS)
 
 bench: $(DEV)
 	$(BIN)/python benchmarks/run.py $(ARGS)

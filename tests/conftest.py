@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from skew_robot import build_model
 
+import tool0
 from tool0.description.model import RobotModel
+
+if TYPE_CHECKING:
+    from tool0.panel.server import Panel
 
 
 @pytest.fixture(autouse=True)
@@ -21,3 +27,19 @@ def data_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture
 def skew_model() -> RobotModel:
     return build_model()
+
+
+@pytest.fixture
+def robot() -> Iterator[tool0.Robot]:
+    """Bring the usual robot up, in real time."""
+    with tool0.bringup() as robot:
+        yield robot
+
+
+@pytest.fixture
+def panel(robot: tool0.Robot) -> Iterator[Panel]:
+    """Serve it."""
+    from tool0.panel.server import Panel
+
+    with Panel(robot) as panel:
+        yield panel

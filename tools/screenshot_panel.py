@@ -14,13 +14,10 @@ from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tests/fakes"))
-
 import tool0
-from browser import find_chromium, launch
 from tool0.panel.server import Panel
 
+ROOT = Path(__file__).resolve().parent.parent
 SCENE = ROOT / "examples/scenes/table_and_cubes.yaml"
 _SLOW = 120_000
 """Longest wait for software GL at its best quality [ms]."""
@@ -28,6 +25,9 @@ _SLOW = 120_000
 
 def main() -> None:
     """Take the picture that the arguments describe."""
+    sys.path.insert(0, str(ROOT / "tests/fakes"))
+    from browser import find_chromium, launch  # noqa: PLC0415  # beside the tests
+
     options = _options()
     chromium = find_chromium()
     if chromium is None:
@@ -64,8 +64,8 @@ def _wait_for_frames(page: Page, count: int) -> None:
     start = page.evaluate(frames)
     end = page.evaluate("performance.now()") + 10_000
     page.wait_for_function(
-        f"([start, count, end]) => {frames} >= start + count || performance.now() > end",
-        arg=[start, count, end],
+        f"([last, end]) => {frames} >= last || performance.now() > end",
+        arg=[start + count, end],
     )
 
 

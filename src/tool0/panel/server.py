@@ -148,6 +148,7 @@ class Panel:
             )
         )
         connections.append(server)
+        logging.getLogger("uvicorn.error").addFilter(_is_news)
         serving = asyncio.create_task(server.serve(sockets=[self._door.listener]))
         stopping = asyncio.create_task(self._stop.wait())
         await asyncio.wait((serving, stopping), return_when=asyncio.FIRST_COMPLETED)
@@ -163,6 +164,11 @@ async def _end_tasks() -> None:
     for task in tasks:
         task.cancel()
     await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _is_news(record: logging.LogRecord) -> bool:
+    """Return False for what uvicorn says of every refused page: nothing went wrong."""
+    return "without completing handshake" not in record.getMessage()
 
 
 def _as_source(source: Robot | PanelSource) -> PanelSource:

@@ -1,0 +1,176 @@
+"""Servers that restart, several browsers, and pages that have no business here."""
+
+import http.server
+import os
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from browser import Tab, comes_to_rest, eventually, time_passes
+from page import page_at
+
+import tool0
+from conftest import OpenTab
+from tool0.panel.server import Panel
+
+CONNECTED = "[data-testid=connection][data-state=open]"
+LOST = "[data-testid=connection][data-state=lost]"
+NEAR = 0.03
+"""[rad]"""
+
+
+@contextmanager
+def bringup_at(port: int) -> Iterator[subprocess.Popen[str]]:
+    """Run ``tool0 bringup`` in a process of its own, its panel ready."""
+    command = [
+        *(sys.executable, "-m", "tool0", "bringup", "--no-remote", "--no-open"),
+        *("--panel-port", str(port)),
+    ]
+    with subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        env={**os.environ, "TOOL0_PANEL_TOKEN": "secret"},
+    ) as process:
+        try:
+            assert process.stdout is not None
+            assert any(str(port) in line for line in process.stdout)
+            yield process
+        finally:
+            process.kill()
+
+
+def free_port() -> int:
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        port: int = listener.getsockname()[1]
+        return port
+
+
+def test_a_page_comes_back_after_the_server_restarts(open_tab: OpenTab) -> None:
+    port = free_port()
+    url = f"http://127.0.0.1:{port}/?token=secret"
+    with bringup_at(port):
+        tab = open_tab(url)
+        tab.drive()
+    tab.see(LOST)
+    tab.get("connection-banner").wait_for()
+    with bringup_at(port):
+        tab.see(CONNECTED)
+        tab.get("connection-banner").wait_for(state="hidden")
+        # driving has ended, and begins again only by hand
+        assert not tab.get("enable-toggle").is_checked()
+        tab.drive()
+        tab.send_joint("elbow_joint", 1.4)
+        with page_at(url) as other:
+            other.wait_for_joint("elbow_joint", 1.4, NEAR)
+        tab.shows_joint("elbow_joint", 1.4, NEAR)
+    tab.complaints = [x for x in tab.complaints if "ERR_CONNECTION_REFUSED" not in x]
+
+
+def test_a_page_without_the_token_is_told_so(
+    open_tab: OpenTab, robot: tool0.Robot
+) -> None:
+    with Panel(robot, port=0, token="secret") as panel:
+        tab = open_tab()
+        tab.page.goto(panel.url.partition("?")[0])
+        tab.see("[data-testid=connection][data-state=refused]")
+        tab.text("connection-banner", "token")
+        assert tab.complaints
+        tab.complaints.clear()
+
+
+def test_two_browsers_see_and_drive_the_same_robot(
+    panel: Panel, open_tab: OpenTab
+) -> None:
+    one, other = open_tab(panel.url), open_tab(panel.url)
+    one.text("connection", "2")
+    one.drive()
+    one.send_joint("elbow_joint", 1.4)
+    for tab in (one, other):
+        tab.shows_joint("elbow_joint", 1.4, NEAR)
+    other.drive()
+    other.send_joint("elbow_joint", 1.2)
+    for tab in (one, other):
+        tab.shows_joint("elbow_joint", 1.2, NEAR)
+    one.text("driving-state", "elsewhere")
+    other.get("estop").click()
+    one.get("estop-banner").wait_for()
+
+
+ATTACK = """async ([target, steer]) => {
+    const results = {};
+    results.socket = await new Promise((resolve) => {
+        const socket = new WebSocket(`ws://${target}/ws`);
+        socket.onopen = () => { socket.send(steer); };
+        socket.onmessage = () => resolve("open");
+        socket.onerror = () => resolve("refused");
+    });
+    for (const mode of ["cors", "no-cors"]) {
+        results[mode] = await fetch(`http://${target}/ws`, {
+            method: "POST", mode, body: steer,
+        }).then((answer) => answer.type, () => "refused");
+    }
+    results.read = await fetch(`http://${target}/robot.urdf`)
+        .then((answer) => answer.text(), () => "refused");
+    return results;
+}"""
+STEER = (
+    '{"type": "steer", "controller": "eff_joint_traj_controller", '
+    '"positions": {"elbow_joint": 0.5}, "speed": 1.0}'
+)
+
+
+@pytest.fixture
+def elsewhere(tmp_path: Path) -> Iterator[str]:
+    """A page of another origin: another server on this machine."""
+    (tmp_path / "index.html").write_text("<title>elsewhere</title>", encoding="utf-8")
+
+    class Quiet(http.server.SimpleHTTPRequestHandler):
+        def __init__(self, *args: object, **options: object) -> None:
+            super().__init__(*args, directory=str(tmp_path), **options)  # type: ignore[arg-type]
+
+        def log_message(self, *_: object) -> None:
+            pass
+
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Quiet) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+        thread.join()
+
+
+def attack(tab: Tab, panel: Panel) -> dict[str, str]:
+    target = panel.url.removeprefix("http://").rstrip("/")
+    results: dict[str, str] = tab.page.evaluate(ATTACK, [target, STEER])
+    return results
+
+
+def test_a_page_of_another_origin_cannot_drive_the_robot(
+    panel: Panel, open_tab: OpenTab, robot: tool0.Robot, elsewhere: str
+) -> None:
+    comes_to_rest(robot)
+    before = robot.joint_state.position["elbow_joint"]
+    tab = open_tab()
+    tab.page.goto(elsewhere)
+    assert set(attack(tab, panel).values()) == {"refused"}
+    time_passes(robot, 0.5)
+    assert robot.joint_state.position["elbow_joint"] == pytest.approx(before, abs=1e-3)
+    tab.complaints.clear()
+    tab.requested.clear()
+
+    # the same from the panel's own page does drive it: the attempt was a real one
+    tab.page.goto(panel.url)
+    assert attack(tab, panel)["socket"] == "open"
+    eventually(
+        lambda: abs(robot.joint_state.position["elbow_joint"] - 0.5) < NEAR,
+        "the arm moves",
+    )
+    tab.complaints.clear()

@@ -1,0 +1,114 @@
+"""Controllers, the emergency stop and the simulation's time, by a real browser."""
+
+import pytest
+from browser import Tab, eventually, time_passes
+
+import tool0
+
+ARM = "eff_joint_traj_controller"
+GROUP = "joint_group_eff_controller"
+
+
+def state(robot: tool0.Robot, name: str) -> str:
+    return next(item.state for item in robot.controllers() if item.name == name)
+
+
+def row(name: str, is_state: str) -> str:
+    return f"[data-testid=controller-row-{name}][data-state={is_state}]"
+
+
+def is_at_rest(robot: tool0.Robot) -> bool:
+    return all(abs(v) < 1e-3 for v in robot.joint_state.velocity.values())
+
+
+def test_a_controller_is_stopped_and_started(tab: Tab, robot: tool0.Robot) -> None:
+    tab.drive()
+    tab.get("tab-controllers").click()
+    tab.see(row(ARM, "running"))
+    tab.get(f"controller-stop-{ARM}").click()
+    tab.see(row(ARM, "stopped"))
+    assert state(robot, ARM) == "stopped"
+    tab.get("tab-motion").click()
+    toggle = tab.get("enable-toggle")
+    assert toggle.is_disabled()
+    assert not toggle.is_checked()
+    tab.get("tab-controllers").click()
+    tab.get(f"controller-start-{ARM}").click()
+    tab.see(row(ARM, "running"))
+    assert state(robot, ARM) == "running"
+
+
+def test_a_refused_start_says_why_and_offers_the_switch(
+    tab: Tab, robot: tool0.Robot
+) -> None:
+    tab.get("tab-controllers").click()
+    tab.get(f"controller-start-{GROUP}").click()
+    tab.text(f"controller-refusal-{GROUP}", ARM)
+    assert state(robot, ARM) == "running"
+    assert state(robot, GROUP) != "running"
+    tab.get(f"controller-switch-{GROUP}").click()
+    tab.see(row(GROUP, "running"))
+    tab.see(row(ARM, "stopped"))
+    assert state(robot, GROUP) == "running"
+
+
+@pytest.mark.parametrize("by", ["button", "Escape"])
+def test_the_emergency_stop_stops_a_moving_arm(
+    tab: Tab, robot: tool0.Robot, by: str
+) -> None:
+    tab.get("speed-scale").press("Home")
+    for _ in range(2):
+        tab.get("speed-scale").press("PageUp")
+    tab.get("pose-go-zero").click()
+    start = robot.joint_state.position["elbow_joint"]
+    eventually(
+        lambda: robot.joint_state.position["elbow_joint"] < start - 0.05,
+        "the arm is on its way",
+    )
+    if by == "button":
+        tab.get("estop").click()
+    else:
+        tab.page.keyboard.press("Escape")
+    tab.get("estop-banner").wait_for()
+    assert robot.snapshot.is_stopped
+    eventually(lambda: is_at_rest(robot), "the brakes hold")
+    assert robot.joint_state.position["elbow_joint"] > 0.5
+    assert tab.get("enable-toggle").is_disabled()
+
+    # Escape never releases; the button does, and nothing moves on its own then
+    tab.page.keyboard.press("Escape")
+    held = robot.joint_state.position["elbow_joint"]
+    tab.see("[data-testid=estop][data-engaged=true]").click()
+    tab.get("estop-banner").wait_for(state="hidden")
+    assert not robot.snapshot.is_stopped
+    time_passes(robot, 0.5)
+    assert robot.joint_state.position["elbow_joint"] == pytest.approx(held, abs=0.02)
+
+
+def test_time_is_paused_stepped_resumed_and_reset(tab: Tab, robot: tool0.Robot) -> None:
+    assert tab.get("sim-step").is_disabled()
+    tab.get("sim-pause").click()
+    tab.get("sim-resume").wait_for()
+    assert robot.snapshot.is_paused
+    paused = robot.time
+    tab.text("sim-time", f"{paused:.2f} s")
+
+    tab.get("sim-step-length").select_option("100")
+    tab.get("sim-step").click()
+    stepped = paused + 100 * robot.control_period
+    eventually(lambda: robot.time > paused, "a step passes")
+    tab.text("sim-time", f"{stepped:.2f} s")
+    assert robot.time == pytest.approx(stepped)
+
+    tab.get("sim-resume").click()
+    eventually(lambda: robot.time > stepped + 0.2, "time passes again")
+    before = robot.time
+    tab.get("sim-reset").click()
+    eventually(lambda: robot.time < before, "time begins again")
+
+
+def test_a_reset_ends_driving_and_says_so(tab: Tab, robot: tool0.Robot) -> None:
+    tab.drive()
+    tab.get("sim-reset").click()
+    tab.text("driving-state", "reset")
+    assert not tab.get("enable-toggle").is_checked()

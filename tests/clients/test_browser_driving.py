@@ -1,0 +1,142 @@
+"""A person drives the robot in a real browser, and it moves in the physics."""
+
+import time
+from unittest.mock import patch
+
+import pytest
+from browser import Tab, comes_to_rest, eventually
+
+import tool0
+from tool0.runtime.handles import ControllerHandle
+
+MONITOR = "[data-testid=joint-slider-elbow_joint][disabled]"
+NEAR = 0.03
+"""What the arm's PID leaves of a goal [rad]."""
+
+
+def position(robot: tool0.Robot, joint: str = "elbow_joint") -> float:
+    return robot.joint_state.position[joint]
+
+
+def arrives(robot: tool0.Robot, joint: str, goal: float) -> None:
+    eventually(
+        lambda: (
+            abs(position(robot, joint) - goal) < NEAR
+            and abs(robot.joint_state.velocity[joint]) < 1e-2
+        ),
+        f"{joint} is at {goal}",
+    )
+
+
+def test_a_number_moves_its_joint_in_the_physics(tab: Tab, robot: tool0.Robot) -> None:
+    tab.drive()
+    tab.send_joint("elbow_joint", 1.4)
+    arrives(robot, "elbow_joint", 1.4)
+    tab.shows_joint("elbow_joint", 1.4, NEAR)
+
+
+def test_arrow_keys_on_a_slider_move_its_joint(tab: Tab, robot: tool0.Robot) -> None:
+    tab.drive()
+    before = position(robot, "wrist_1_joint")
+    slider = tab.get("joint-slider-wrist_1_joint")
+    start = float(slider.input_value())
+    for _ in range(5):
+        slider.press("Shift+ArrowRight")
+    goal = float(slider.input_value())
+    assert goal > start
+    arrives(robot, "wrist_1_joint", goal)
+    assert position(robot, "wrist_1_joint") > before + 0.01
+
+
+def test_a_slider_is_dragged_with_the_mouse(tab: Tab, robot: tool0.Robot) -> None:
+    tab.drive()
+    slider = tab.get("joint-slider-shoulder_pan_joint")
+    box = slider.bounding_box()
+    assert box is not None
+    middle = box["y"] + box["height"] / 2
+    tab.page.mouse.move(box["x"] + box["width"] / 2, middle)
+    tab.page.mouse.down()
+    tab.page.mouse.move(box["x"] + box["width"] * 0.55, middle, steps=10)
+    tab.page.mouse.up()
+    goal = float(slider.input_value())
+    assert goal > 0.1
+    arrives(robot, "shoulder_pan_joint", goal)
+
+
+def test_sliders_follow_until_driving_is_enabled(tab: Tab, robot: tool0.Robot) -> None:
+    tab.see(MONITOR)
+    robot.move_joints({"elbow_joint": 0.9}, speed=1.0)
+    tab.shows_joint("elbow_joint", 0.9, NEAR)
+    arrives(robot, "elbow_joint", 0.9)
+    for control in ("slider", "field"):
+        followed = tab.get(f"joint-{control}-elbow_joint").input_value()
+        assert float(followed) == pytest.approx(position(robot), abs=2e-3)
+
+
+def test_enabling_moves_nothing(tab: Tab, robot: tool0.Robot) -> None:
+    robot.move_joints({"elbow_joint": 0.9}, speed=1.0)
+    arrives(robot, "elbow_joint", 0.9)
+    comes_to_rest(robot)
+    before = dict(robot.joint_state.position)
+    tab.drive()
+    until = robot.time + 1.0
+    strayed = 0.0
+
+    def has_stayed() -> bool:
+        nonlocal strayed
+        now = robot.joint_state.position
+        strayed = max(strayed, *(abs(now[name] - before[name]) for name in before))
+        return robot.time > until
+
+    eventually(has_stayed, "a second passes")
+    assert strayed < 1e-3
+
+
+def test_a_thousand_slider_events_cost_few_trajectories(
+    tab: Tab, robot: tool0.Robot
+) -> None:
+    tab.drive()
+    with patch.object(
+        ControllerHandle, "steer", autospec=True, side_effect=ControllerHandle.steer
+    ) as steer:
+        began = time.monotonic()
+        goal = tab.get("joint-slider-elbow_joint").evaluate(
+            """async (slider) => {
+                const start = slider.valueAsNumber;
+                for (let i = 1; i <= 1000; i++) {
+                    slider.value = String(start + (0.5 * i) / 1000);
+                    slider.dispatchEvent(new Event("input", { bubbles: true }));
+                    if (i % 5 === 0) await new Promise((next) => setTimeout(next, 4));
+                }
+                return start + 0.5;
+            }"""
+        )
+        arrives(robot, "elbow_joint", goal)
+        took = time.monotonic() - began
+    assert 1 <= steer.call_count <= 10 * took + 2
+
+
+def test_a_pose_is_gone_to_and_the_present_one_saved(
+    tab: Tab, robot: tool0.Robot
+) -> None:
+    tab.get("speed-scale").press("End")
+    tab.get("pose-go-zero").click()
+    arrives(robot, "elbow_joint", 0.0)
+    arrives(robot, "shoulder_lift_joint", 0.0)
+    tab.get("pose-name").fill("stretched")
+    tab.get("pose-save").click()
+    tab.get("pose-go-stretched").wait_for()
+    assert robot.poses()["stretched"].saved
+    tab.get("pose-go-home").click()
+    home = robot.poses()["home"].positions["elbow_joint"]
+    arrives(robot, "elbow_joint", home)
+    tab.get("pose-go-stretched").click()
+    arrives(robot, "elbow_joint", 0.0)
+
+
+def test_the_gripper_closes_and_opens(tab: Tab, robot: tool0.Robot) -> None:
+    tab.get("gripper-close").click()
+    eventually(lambda: robot.gripper.opening < 1e-3, "the gripper closes")
+    tab.text("gripper-state", "target")
+    tab.get("gripper-open").click()
+    eventually(lambda: robot.gripper.opening > 0.084, "the gripper opens")
