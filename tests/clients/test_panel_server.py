@@ -5,12 +5,12 @@ import socket
 import threading
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from unittest.mock import patch
 
 import pytest
 from page import PATIENCE, page_at, socket_url
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import tool0
@@ -316,9 +316,12 @@ def test_whatever_comes_is_answered_and_the_server_lives(panel: Panel) -> None:
 
 
 def test_a_monstrous_message_ends_the_connection_only(panel: Panel) -> None:
-    with page_at(panel.url) as page, page_at(panel.url) as other:
-        page.socket.send("x" * (2 << 20))
-        assert page.close_code() == 1009
+    with page_at(panel.url) as other:
+        # The code may be lost with the rest of the message, which nobody reads.
+        with suppress(ConnectionClosed, OSError), page_at(panel.url) as page:
+            page.socket.send("x" * (2 << 20))
+            assert page.close_code() in (0, 1009)
+        other.see("status", lambda status: status["clients"] == 1)
         assert other.ask("pause") is None
 
 
