@@ -20,6 +20,7 @@ from tool0.panel.server import Panel
 
 CONNECTED = "[data-testid=connection][data-state=open]"
 LOST = "[data-testid=connection][data-state=lost]"
+READY = "[data-testid=scene][data-ready=true]"
 NEAR = 0.03
 """[rad]"""
 
@@ -58,6 +59,7 @@ def test_a_page_comes_back_after_the_server_restarts(open_tab: OpenTab) -> None:
     url = f"http://127.0.0.1:{port}/?token=secret"
     with bringup_at(port):
         tab = open_tab(url)
+        tab.see(READY)  # what is still to be fetched then would be refused
         tab.drive()
     tab.see(LOST)
     tab.get("connection-banner").wait_for()
@@ -71,7 +73,9 @@ def test_a_page_comes_back_after_the_server_restarts(open_tab: OpenTab) -> None:
         with page_at(url) as other:
             other.wait_for_joint("elbow_joint", 1.4, NEAR)
         tab.shows_joint("elbow_joint", 1.4, NEAR)
-    tab.complaints = [x for x in tab.complaints if "ERR_CONNECTION_REFUSED" not in x]
+        refused = "ERR_CONNECTION_REFUSED"
+        tab.complaints = [text for text in tab.complaints if refused not in text]
+        tab.close()
 
 
 def test_a_page_without_the_token_is_told_so(
@@ -84,6 +88,7 @@ def test_a_page_without_the_token_is_told_so(
         tab.text("connection-banner", "token")
         assert tab.complaints
         tab.complaints.clear()
+        tab.close()
 
 
 def test_two_browsers_see_and_drive_the_same_robot(

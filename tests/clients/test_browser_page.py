@@ -1,7 +1,7 @@
 """The page itself: how big it is, when it paints, in which language, in which mode."""
 
 import gzip
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import pytest
 from browser import Tab
@@ -95,20 +95,24 @@ def test_themes_change_the_colours(tab: Tab) -> None:
     tab.page.wait_for_function(f"(light) => ({background})() !== light", arg=light)
 
 
-def test_view_poses_joints_for_every_page(open_tab: OpenTab) -> None:
+@pytest.fixture
+def view() -> Iterator[Panel]:
     with Panel(ViewSource(assemble(), ground=-0.1)) as panel:
-        one, other = open_tab(panel.url), open_tab(panel.url)
-        one.send_joint("elbow_joint", 0.7)
-        for tab in (one, other):
-            tab.shows_joint("elbow_joint", 0.7, 1e-3)
-        slider = other.get("joint-slider-elbow_joint")
-        slider.press("ArrowRight")
-        for tab in (one, other):
-            tab.shows_joint("elbow_joint", 0.71, 1e-3)
-        assert one.get("estop").count() == 0
-        assert one.get("tab-controllers").count() == 0
-        for tab in (one, other):
-            tab.see(READY)
+        yield panel
+
+
+def test_view_poses_joints_for_every_page(view: Panel, open_tab: OpenTab) -> None:
+    one, other = open_tab(view.url), open_tab(view.url)
+    one.send_joint("elbow_joint", 0.7)
+    for tab in (one, other):
+        tab.shows_joint("elbow_joint", 0.7, 1e-3)
+    other.get("joint-slider-elbow_joint").press("ArrowRight")
+    for tab in (one, other):
+        tab.shows_joint("elbow_joint", 0.71, 1e-3)
+    assert one.get("estop").count() == 0
+    assert one.get("tab-controllers").count() == 0
+    for tab in (one, other):
+        tab.see(READY)
 
 
 def test_a_tablet_has_every_control_in_its_width(

@@ -172,7 +172,8 @@ export class Chart {
   }
 
   private window(): [number, number] {
-    const newest = this.table[0].at(-1) ?? this.setup.seconds;
-    return [newest - this.setup.seconds, newest];
+    // there is no time before zero
+    const end = Math.max(this.table[0].at(-1) ?? 0, this.setup.seconds);
+    return [end - this.setup.seconds, end];
   }
 }

@@ -39,8 +39,9 @@ export default function SceneView() {
 
   const shown = source.value;
   const chosen = quality.value;
-  // the banner says it if the server wants no page
-  const isLoading = viewer.value === null && connectionState.value !== "refused";
+  // the banner says it if there will be none
+  const isLoading =
+    viewer.value === null && !["refused", "outdated"].includes(connectionState.value);
   const message =
     chosen === null
       ? t("scene.noWebgl")
