@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent / "tools"))
 import web
 
 SKIP = "TOOL0_SKIP_PANEL"
-"""Set to 1, it builds a tool0 whose panel has no page."""
+"""Set to 1, no page is made: the package has the one that is there, or none."""
 
 
 class PageHook(BuildHookInterface):  # type: ignore[type-arg]  # any build's config
@@ -38,7 +38,7 @@ class PageHook(BuildHookInterface):  # type: ignore[type-arg]  # any build's con
             web.build()
         except web.WebError as error:
             raise SystemExit(
-                f"tool0: {error}\ntool0: or set {SKIP}=1 to install it without its page"
+                f"tool0: {error}\ntool0: or set {SKIP}=1 to do without a new page"
             ) from None
 
 

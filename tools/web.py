@@ -75,7 +75,7 @@ def build() -> None:
     Raises:
         WebError: If there is no Node, or it fails.
     """
-    with _alone():
+    with _alone(WEB / "package.json"):
         if is_fresh():
             return
         run("build")
@@ -85,11 +85,14 @@ def build() -> None:
 def run(script: str) -> None:
     """Run a script of ``web/package.json``, its packages installed."""
     npm, environment = _npm()
-    lock = hashlib.sha256((WEB / "package-lock.json").read_bytes()).hexdigest()
+    lock = WEB / "package-lock.json"
+    wanted = hashlib.sha256(lock.read_bytes()).hexdigest()
     installed = WEB / "node_modules/.tool0-lock"
-    if not installed.is_file() or installed.read_text(encoding="ascii") != lock:
-        _call([*npm, "ci", "--no-audit", "--no-fund", "--ignore-scripts"], environment)
-        installed.write_text(lock, encoding="ascii")
+    with _alone(lock):
+        if not installed.is_file() or installed.read_text(encoding="ascii") != wanted:
+            ci = ("ci", "--no-audit", "--no-fund", "--ignore-scripts")
+            _call([*npm, *ci], environment)
+            installed.write_text(wanted, encoding="ascii")
     _call([*npm, "run", "--silent", script], environment)
 
 
@@ -136,12 +139,12 @@ def _digest() -> str:
 
 
 @contextlib.contextmanager
-def _alone() -> Iterator[None]:
-    """Wait until no other process builds the page."""
+def _alone(file_of_ours: Path) -> Iterator[None]:
+    """Wait until no other process is in here with that file."""
     if fcntl is None:  # Windows: there a person builds one at a time
         yield
         return
-    with (WEB / "package.json").open("rb") as file:
+    with file_of_ours.open("rb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield
 
