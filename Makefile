@@ -13,7 +13,8 @@ WEB  := $(BIN)/python tools/web.py
 BROWSER := $(VENV)/.stamp-browser
 
 .DEFAULT_GOAL := help
-.PHONY: help run setup dev check lint format unit test bench web web-dev clean
+.PHONY: help run setup dev check lint lint-python lint-web format unit unit-python unit-web
+.PHONY: test bench web web-dev clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -25,13 +26,18 @@ setup: $(RUN) $(PAGE)
 
 dev: $(DEV)
 
-check: lint unit
+check: $(DEV)
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync unit lint
 
-lint: $(DEV)
+lint: lint-python lint-web
+
+lint-python: $(DEV)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+lint-web: $(DEV)
 	$(WEB) run check:static
 
 format: $(DEV)
@@ -39,12 +45,15 @@ format: $(DEV)
 	$(BIN)/ruff format .
 	$(WEB) run format
 
-unit: $(DEV)
-	$(WEB) run test
+unit: unit-python unit-web
+
+unit-python: $(DEV)
 	$(BIN)/python -m pytest tests/unit $(ARGS)
 
-test: $(DEV) $(PAGE) $(BROWSER)
+unit-web: $(DEV)
 	$(WEB) run test
+
+test: $(DEV) $(PAGE) $(BROWSER) unit-web
 	TOOL0_REQUIRE=browser $(BIN)/python -m pytest $(ARGS)
 
 bench: $(DEV)

@@ -74,7 +74,6 @@ class Tab:
         )
         self.context.set_default_timeout(PATIENCE * 1000)
         self.page = self.context.new_page()
-        self.is_closed = False
         self.complaints: list[str] = []
         """Errors on the console, with those of the content security policy."""
         self.expected: list[str] = []
@@ -140,7 +139,7 @@ class Tab:
     def close(self) -> None:
         """Leave, and fail if the page complained or asked outside.
 
-        It complains if its server goes first.
+        It complains if its server goes first.  Closing twice is allowed.
         """
         strangers = self.strangers()
         self.context.close()
