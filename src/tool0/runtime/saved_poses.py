@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, final
 from urllib.parse import quote
 
 from tool0.errors import ConfigError, SourceLocation
+from tool0.user_data import data_folder, locked
 
 if TYPE_CHECKING:
     import yaml
@@ -25,15 +25,8 @@ Positions = Mapping[str, float]
 
 
 def poses_file(robot: str) -> Path:
-    """Return where the poses of a robot of that name are kept.
-
-    By the XDG Base Directory Specification, on every system: a relative
-    ``XDG_DATA_HOME`` is ignored.
-    """
-    data = Path(os.environ.get("XDG_DATA_HOME", ""))
-    if not data.is_absolute():
-        data = Path.home() / ".local" / "share"
-    return data / "tool0" / "poses" / f"{quote(robot, safe=' ')}.yaml"
+    """Return where the poses of a robot of that name are kept."""
+    return data_folder() / "poses" / f"{quote(robot, safe=' ')}.yaml"
 
 
 @final
@@ -90,7 +83,7 @@ class SavedPoses:
     def _changing(self) -> Iterator[dict[str, Positions]]:
         try:
             self.file.parent.mkdir(parents=True, exist_ok=True)
-            with _locked(self.file.with_suffix(".lock")):
+            with locked(self.file.with_suffix(".lock")):
                 poses = dict(self.read())
                 yield poses
                 _replace(self.file, poses)
@@ -102,21 +95,6 @@ class SavedPoses:
             f"cannot {verb} the saved poses: {error.strerror}",
             SourceLocation(self.file),
         )
-
-
-@contextmanager
-def _locked(file: Path) -> Iterator[None]:
-    """Wait until no other process or thread holds the lock, and hold it."""
-    with file.open("a") as handle:
-        if sys.platform == "win32":
-            import msvcrt
-
-            msvcrt.locking(handle.fileno(), msvcrt.LK_LOCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
 
 
 def _replace(file: Path, poses: Mapping[str, Positions]) -> None:

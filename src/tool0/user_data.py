@@ -1,0 +1,49 @@
+"""Where tool0 keeps what belongs to one person, and how processes take turns there."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+def data_folder() -> Path:
+    """Return tool0's folder in the person's data home; it may not exist yet."""
+    return _home("XDG_DATA_HOME", ".local/share") / "tool0"
+
+
+def cache_folder() -> Path:
+    """Return tool0's folder for what can be made again; it may not exist yet."""
+    return _home("XDG_CACHE_HOME", ".cache") / "tool0"
+
+
+def _home(variable: str, default: str) -> Path:
+    """By the XDG Base Directory Specification: a relative path is ignored."""
+    folder = Path(os.environ.get(variable, ""))
+    return folder if folder.is_absolute() else Path.home() / default
+
+
+@contextmanager
+def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
+    """Hold the lock ``file``, which no other process or thread then does.
+
+    Args:
+        file: Made if it is not there; what it holds does not matter.
+        wait: Whether to wait for one who holds it.
+
+    Raises:
+        BlockingIOError: If another holds it and ``wait`` is false.
+    """
+    with file.open("a") as handle:
+        if sys.platform == "win32":
+            import msvcrt
+
+            mode = msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK
+            msvcrt.locking(handle.fileno(), mode, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        yield
