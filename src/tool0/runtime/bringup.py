@@ -44,7 +44,7 @@ DEFAULT_CONTROLLERS = (
 DEFAULT_STOPPED_CONTROLLERS = ("joint_group_eff_controller",)
 """As the launch file ``ur5_bringup.launch`` has them; those that the YAML defines."""
 DEFAULT_POSE = "home"
-ENGINES = ("mujoco",)
+ENGINES = ("mujoco", "gazebo")
 
 Names = str | Sequence[str]
 
@@ -73,6 +73,8 @@ def bringup(
     engine: str = "mujoco",
     spawn_z: float = 0.1,
     scene: Scene | Path | str | None = None,
+    world: Path | str | None = None,
+    gazebo_gui: bool = False,
     dt: float = 0.001,
     control_period: float | None = None,
     controllers_file: Path | str | Sequence[Path | str] | None = None,
@@ -105,10 +107,12 @@ def bringup(
         mount_xyz: Where the gripper sits on tool0 [m].
         mount_rpy: How it is turned there [rad].
         meshes: "tool0" for ours, "upstream" for those of ur_description.
-        engine: The physics: "mujoco".
+        engine: The physics: "mujoco", or "gazebo" (docs/gazebo.md).
         spawn_z: Height of the robot's root above the ground [m], as in the launch
             files of ur_gazebo: the outstretched arm must clear the ground.
         scene: What stands and lies around the robot, or the YAML file that says so.
+        world: A world file of Gazebo's; left out, an empty one with ground.
+        gazebo_gui: Whether to open Gazebo's own window, gzclient.
         dt: Length of a physics step [s].
         control_period: Time between controller updates [s]; ``dt`` if left out.
         controllers_file: ros_control YAML, one or several; later ones override.
@@ -155,7 +159,9 @@ def bringup(
     started, stopped = _controller_names(config, controllers, stopped_controllers)
     poses = PoseBook(description)
     position = _initial_position(model, poses, initial_pose)
-    physics = _engine(engine, model, dt, spawn_z, surroundings)
+    physics = _engine(
+        engine, description, dt, spawn_z, surroundings, _path(world), gazebo_gui
+    )
     try:
         core = _core(model, physics, config, position, control_period)
         for name in (*started, *stopped):
@@ -267,14 +273,30 @@ def _scene(scene: Scene | Path | str | None) -> Scene:
 
 
 def _engine(
-    name: str, model: RobotModel, dt: float, spawn_z: float, scene: Scene
+    name: str,
+    description: RobotDescription,
+    dt: float,
+    spawn_z: float,
+    scene: Scene,
+    world: Path | None,
+    gazebo_gui: bool,
 ) -> Engine:
     if name not in ENGINES:
         hint = nearest_name(name, set(ENGINES))
         raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
+    if name == "gazebo":
+        from tool0.engines.gazebo.engine import GazeboEngine
+
+        return GazeboEngine(
+            description, dt, spawn_z=spawn_z, scene=scene, world=world, gui=gazebo_gui
+        )
+    if world is not None or gazebo_gui:
+        raise ConfigError(
+            f"a world file and Gazebo's window need engine 'gazebo', not '{name}'"
+        )
     from tool0.engines.mujoco.engine import MujocoEngine
 
-    return MujocoEngine(model, dt, ground=-spawn_z, scene=scene)
+    return MujocoEngine(description.model, dt, ground=-spawn_z, scene=scene)
 
 
 def _core(

@@ -1,0 +1,431 @@
+// The bridge: a plugin of gzserver that hands the clock of the world to tool0.
+//
+// gzserver loads it beside any world (`gzserver -s`).  It connects to the socket that
+// TOOL0_BRIDGE names, a SOCK_SEQPACKET of the Unix kind, and answers requests there:
+// one packet in, one packet out.  A step is a request, too: the efforts come in, the
+// world makes one step, the new state goes out.  While nothing is asked the world is
+// paused, so that gzclient stays alive; when the socket closes, the server ends.
+//
+// Packets are native: both ends are one machine.  A request begins with its kind as
+// uint32; an answer with 0, or with 1 and then says what is wrong.  The rest is listed
+// at each request below.  Version is raised whenever any of this changes.
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <algorithm>
+#include <functional>
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gazebo/common/Console.hh>
+#include <gazebo/common/Events.hh>
+#include <gazebo/common/Plugin.hh>
+#include <gazebo/gazebo_config.h>
+#include <gazebo/physics/ode/ODEJoint.hh>
+#include <gazebo/physics/physics.hh>
+
+namespace tool0 {
+
+using ignition::math::Pose3d;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kLargest = 1 << 16;             // [bytes] of a packet
+constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or go
+constexpr int kIdleAfter = 20;                        // [ms] without a request
+constexpr double kIdleRate = 100.0;                   // [Hz] of a paused world's loop
+
+constexpr double kSlack = 0.02;                       // [rad] of an armature's stops
+
+enum Kind : std::uint32_t { kStep = 1, kReset, kBind, kPoses, kSpawn, kDelete };
+
+/// A packet that is being read or written, piece by piece.
+class Packet {
+ public:
+  void Clear() { size_ = at_ = 0; }
+  char* Room() { return bytes_; }
+  void Fill(std::size_t size) { size_ = size, at_ = 0; }
+  const char* Bytes() const { return bytes_; }
+  std::size_t Size() const { return size_; }
+
+  template <typename T>
+  void Put(const T& value) {
+    if (size_ + sizeof value > kLargest) throw std::runtime_error("answer too long");
+    std::memcpy(bytes_ + size_, &value, sizeof value);
+    size_ += sizeof value;
+  }
+  void Put(const std::string& text) {
+    const std::size_t n = std::min(text.size(), kLargest - size_);
+    std::memcpy(bytes_ + size_, text.data(), n);
+    size_ += n;
+  }
+  void Put(const Pose3d& pose) {
+    for (double x : {pose.Pos().X(), pose.Pos().Y(), pose.Pos().Z(), pose.Rot().W(),
+                     pose.Rot().X(), pose.Rot().Y(), pose.Rot().Z()})
+      Put(x);
+  }
+
+  template <typename T>
+  T Take() {
+    T value;
+    if (at_ + sizeof value > size_) throw std::runtime_error("request too short");
+    std::memcpy(&value, bytes_ + at_, sizeof value);
+    at_ += sizeof value;
+    return value;
+  }
+  /// A text that ends with a zero byte.
+  std::string TakeText() {
+    const void* end = std::memchr(bytes_ + at_, 0, size_ - at_);
+    if (!end) throw std::runtime_error("text without end");
+    const std::string text(bytes_ + at_, static_cast<const char*>(end) - bytes_ - at_);
+    at_ += text.size() + 1;
+    return text;
+  }
+  Pose3d TakePose() {
+    double v[7];
+    for (double& x : v) x = Take<double>();
+    return Pose3d(v[0], v[1], v[2], v[3], v[4], v[5], v[6]);
+  }
+
+ private:
+  char bytes_[kLargest];
+  std::size_t size_ = 0, at_ = 0;
+};
+
+/// A joint of the robot, with what Gazebo's own lacks: full turns and armature.
+///
+/// An armature A resists by -A (v' - v) / dt, where v' is the velocity after the step.
+/// That is a damper of A/dt, which Gazebo makes implicitly, and an effort of A/dt v.
+struct Drive {
+  gazebo::physics::JointPtr joint;
+  gazebo::physics::LinkPtr child;
+  double armature_rate;  // A/dt [N·m·s/rad]
+  bool turns;            // whether the angle wraps at ±π
+  double position, velocity;
+
+  void Measure() {
+    const double angle = joint->Position(0);
+    position = turns ? position + std::remainder(angle - position, 2.0 * M_PI) : angle;
+    velocity = joint->GetVelocity(0);
+  }
+  void Push(double effort, double dt) {
+    // Beyond its stops a joint has no damper (ODEJoint::ApplyImplicitStiffnessDamping).
+    const double ahead = joint->Position(0) + 2.0 * velocity * dt;
+    if (ahead > joint->LowerLimit(0) && ahead < joint->UpperLimit(0))
+      effort += armature_rate * velocity;
+    joint->SetForce(0, effort);
+  }
+};
+
+class Bridge : public gazebo::SystemPlugin {
+ public:
+  ~Bridge() override { ::_exit(0); }  // its threads refer to it
+
+  /// Connects: `uint32 version, text of Gazebo's version` out, `uint32 version,
+  /// double dt` in.  Nobody could end a server without a socket, so it ends itself.
+  void Load(int, char**) override {
+    const char* path = std::getenv("TOOL0_BRIDGE");
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    if (!path || std::strlen(path) >= sizeof address.sun_path)
+      Die("TOOL0_BRIDGE must name the socket");
+    std::strcpy(address.sun_path, path);
+    socket_ = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    if (::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address))
+      Die(std::string("cannot connect to ") + path + ": " + std::strerror(errno));
+    packet_.Put(kVersion);
+    packet_.Put(std::string(GAZEBO_VERSION_FULL));
+    Send();
+    pollfd waiting{socket_, POLLIN, 0};
+    if (::poll(&waiting, 1, 5000) != 1 || !Receive()) Die("nobody answers");
+    if (packet_.Take<std::uint32_t>() != kVersion) Die("wrong version of the bridge");
+    dt_ = packet_.Take<double>();
+    // A gearbox writes three lines a step into the log file, that it has no angle.
+    gazebo::common::Console::log.setstate(std::ios_base::badbit);
+    created_ = gazebo::event::Events::ConnectWorldCreated(
+        [this](const std::string& name) { Adopt(name); });
+    std::thread([this] { Watch(); }).detach();
+  }
+
+ private:
+  void Adopt(const std::string& name) {
+    world_ = gazebo::physics::get_world(name);
+    world_->SetPaused(false);
+    update_ = gazebo::event::Events::ConnectWorldUpdateBegin(
+        [this](const gazebo::common::UpdateInfo&) { Serve(); });
+    adopted_ = true;
+  }
+
+  /// Ends the server with the socket, and wakes a paused world when asked.
+  void Watch() {
+    for (;;) {
+      const bool is_paused = adopted_ && world_->IsPaused();
+      pollfd waiting{socket_, static_cast<short>(is_paused ? POLLIN : 0), 0};
+      ::poll(&waiting, 1, is_paused ? 100 : 10);
+      if (waiting.revents & (POLLHUP | POLLERR)) ::_exit(0);
+      if (waiting.revents & POLLIN) Wake();
+    }
+  }
+
+  void Wake() {
+    world_->Physics()->SetRealTimeUpdateRate(0.0);
+    world_->SetPaused(false);
+  }
+
+  /// Answers requests until one needs the world to go on.
+  void Serve() {
+    if (!world_->PhysicsEnabled()) Resume();
+    if (until_ && !Settled()) return Skip();
+    if (stepping_) {
+      stepping_ = false;
+      Begin();
+      PutState();
+      Send();
+    }
+    for (;;) {
+      pollfd waiting{socket_, POLLIN, 0};
+      if (::poll(&waiting, 1, kIdleAfter) == 0) return Sleep();
+      if (!Receive()) ::_exit(0);
+      try {
+        const bool goes_on = Handle(static_cast<Kind>(packet_.Take<std::uint32_t>()));
+        if (stepping_) return;
+        if (goes_on) return Skip();
+      } catch (const std::exception& error) {
+        Fail(error.what());
+      }
+      Send();
+    }
+  }
+
+  /// Returns whether the world must go on before there is an answer.
+  bool Handle(Kind kind) {
+    switch (kind) {
+      case kStep: Step(); return true;
+      case kReset: Reset(); return false;
+      case kBind: Bind(); return false;
+      case kPoses: Poses(); return false;
+      case kSpawn: Spawn(); return true;
+      case kDelete: Delete(); return true;
+    }
+    throw std::runtime_error("unknown request");
+  }
+
+  /// In: effort of each joint [N·m | N].  Out: see PutState.
+  void Step() {
+    for (Drive& drive : drives_) drive.Push(packet_.Take<double>(), dt_);
+    stepping_ = true;
+  }
+
+  /// Time [s], then position [rad | m] of each joint, then velocity.
+  void PutState() {
+    packet_.Put((world_->SimTime() - dt_).Double());
+    for (Drive& drive : drives_) drive.Measure(), packet_.Put(drive.position);
+    for (const Drive& drive : drives_) packet_.Put(drive.velocity);
+  }
+
+  /// In: position of each joint, pose of each joint's child link, pose of each object.
+  /// Puts them there at rest, at time zero.  Out: see PutState.
+  void Reset() {
+    world_->ResetTime();
+    world_->SetSimTime(gazebo::common::Time(dt_));
+    for (Drive& drive : drives_) drive.position = packet_.Take<double>();
+    for (const Drive& drive : drives_) Place(drive.child, packet_.TakePose());
+    for (const auto& object : objects_) Place(object, packet_.TakePose());
+    world_->Physics()->Reset();
+    Begin();
+    PutState();
+  }
+
+  static void Place(const gazebo::physics::EntityPtr& entity, const Pose3d& pose) {
+    entity->SetWorldPose(pose);
+    if (const auto model = boost::dynamic_pointer_cast<gazebo::physics::Model>(entity))
+      model->ResetPhysicsStates();
+    else if (const auto link = boost::dynamic_pointer_cast<gazebo::physics::Link>(entity))
+      link->ResetPhysicsStates();
+  }
+
+  /// In: name of the robot; n; of each joint its name, armature [kg·m²] and position
+  /// [rad | m] now; m; names of the objects whose poses Poses tells.
+  void Bind() {
+    const auto robot = Model(packet_.TakeText());
+    std::vector<Drive> drives;
+    for (auto n = packet_.Take<std::uint32_t>(); n > 0; --n) {
+      const std::string name = packet_.TakeText();
+      const auto joint = robot->GetJoint(name);
+      if (!joint)
+        throw std::runtime_error("Gazebo's model has no joint '" + name + "'");
+      const double armature = packet_.Take<double>();
+      if (armature > 0.0) Damp(joint, armature / dt_);
+      drives.push_back({joint, joint->GetChild(), armature / dt_,
+                        joint->HasType(gazebo::physics::Base::HINGE_JOINT),
+                        packet_.Take<double>(), 0.0});
+    }
+    std::vector<gazebo::physics::ModelPtr> objects;
+    for (auto m = packet_.Take<std::uint32_t>(); m > 0; --m)
+      objects.push_back(Model(packet_.TakeText()));
+    world_->Physics()->SetMaxStepSize(dt_);
+    world_->Physics()->SetRealTimeUpdateRate(0.0);
+    drives_.swap(drives);
+    objects_.swap(objects);
+    Begin();
+  }
+
+  /// Adds to the damping, implicitly.  What is pushed beside it (see Drive::Push) is
+  /// above the joint's own limits, which so are left to tool0's drives.
+  static void Damp(const gazebo::physics::JointPtr& joint, double rate) {
+    const auto ode = boost::dynamic_pointer_cast<gazebo::physics::ODEJoint>(joint);
+    if (!ode) throw std::runtime_error("armature needs the physics engine ode");
+    ode->UseImplicitSpringDamper(true);
+    joint->SetEffortLimit(0, -1.0);
+    joint->SetVelocityLimit(0, -1.0);
+    joint->SetDamping(0, joint->GetDamping(0) + rate);
+    joint->SetLowerLimit(0, joint->LowerLimit(0) - kSlack);
+    joint->SetUpperLimit(0, joint->UpperLimit(0) + kSlack);
+  }
+
+  /// Out: pose of each object in the world [m, quaternion w x y z].
+  void Poses() {
+    Begin();
+    for (const auto& object : objects_) packet_.Put(object->WorldPose());
+  }
+
+  /// In: name, file of the URDF or SDF, pose.
+  void Spawn() {
+    const std::string name = packet_.TakeText(), file = packet_.TakeText();
+    const Pose3d pose = packet_.TakePose();
+    if (world_->ModelByName(name))
+      throw std::runtime_error("the world has a model '" + name + "' already");
+    std::ifstream stream(file);
+    std::stringstream text;
+    text << stream.rdbuf();
+    if (!stream) throw std::runtime_error("cannot read " + file);
+    const sdf::SDFPtr sdf(new sdf::SDF);
+    sdf::init(sdf);
+    if (!sdf::readString(text.str(), sdf) || !sdf->Root()->HasElement("model"))
+      throw std::runtime_error("Gazebo finds no model in " + file);
+    const auto model = sdf->Root()->GetElement("model");
+    model->GetAttribute("name")->SetFromString(name);
+    model->GetElement("pose")->Set(pose);
+    world_->InsertModelSDF(*sdf);
+    WaitUntil([this, name] { return bool(world_->ModelByName(name)); },
+              "Gazebo did not take the model '" + name + "'");
+  }
+
+  /// In: name.
+  void Delete() {
+    const std::string name = packet_.TakeText();
+    const auto model = Model(name);
+    for (const Drive& drive : drives_)
+      if (drive.child->GetModel() == model)
+        throw std::runtime_error("'" + name + "' is the robot");
+    world_->RemoveModel(name);
+    WaitUntil([this, name] { return !world_->ModelByName(name); },
+              "Gazebo did not remove the model '" + name + "'");
+  }
+
+  gazebo::physics::ModelPtr Model(const std::string& name) const {
+    const auto model = world_->ModelByName(name);
+    if (!model) throw std::runtime_error("the world has no model '" + name + "'");
+    return model;
+  }
+
+  void WaitUntil(std::function<bool()> happened, std::string otherwise) {
+    until_ = std::move(happened);
+    otherwise_ = std::move(otherwise);
+    deadline_ = Clock::now() + kPatience;
+  }
+
+  /// Returns whether what was waited for has come, or will not.
+  bool Settled() {
+    const bool happened = until_();
+    if (!happened && Clock::now() < deadline_) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      return false;
+    }
+    until_ = nullptr;
+    Begin();
+    if (!happened) Fail(otherwise_);
+    Send();
+    return true;
+  }
+
+  /// Lets the world make a turn in which nothing moves and no time passes.
+  void Skip() {
+    world_->SetPhysicsEnabled(false);
+    world_->SetSimTime(world_->SimTime() - gazebo::common::Time(dt_));
+  }
+
+  /// Moves again; forces that plugins added in vain must not add up.
+  void Resume() {
+    for (const auto& model : world_->Models())
+      for (const auto& link : model->GetLinks()) {
+        link->SetForce(ignition::math::Vector3d::Zero);
+        link->SetTorque(ignition::math::Vector3d::Zero);
+      }
+    world_->SetPhysicsEnabled(true);
+  }
+
+  void Sleep() {
+    Skip();
+    world_->Physics()->SetRealTimeUpdateRate(kIdleRate);
+    world_->SetPaused(true);
+  }
+
+  void Begin() {
+    packet_.Clear();
+    packet_.Put(std::uint32_t{0});
+  }
+
+  void Fail(const std::string& why) {
+    packet_.Clear();
+    packet_.Put(std::uint32_t{1});
+    packet_.Put(why);
+  }
+
+  void Send() {
+    if (::send(socket_, packet_.Bytes(), packet_.Size(), MSG_NOSIGNAL) < 0) ::_exit(0);
+  }
+
+  bool Receive() {
+    const ssize_t size = ::recv(socket_, packet_.Room(), kLargest, 0);
+    if (size <= 0) return false;
+    packet_.Fill(size);
+    return true;
+  }
+
+  [[noreturn]] static void Die(const std::string& why) {
+    std::cerr << "tool0's bridge: " << why << std::endl;
+    ::_exit(1);
+  }
+
+  int socket_ = -1;
+  double dt_ = 0.0;
+  Packet packet_;
+  gazebo::physics::WorldPtr world_;
+  std::atomic<bool> adopted_{false};
+  bool stepping_ = false;
+  std::vector<Drive> drives_;
+  std::vector<gazebo::physics::ModelPtr> objects_;
+  std::function<bool()> until_;
+  std::string otherwise_;
+  Clock::time_point deadline_;
+  gazebo::event::ConnectionPtr created_, update_;
+};
+
+GZ_REGISTER_SYSTEM_PLUGIN(Bridge)
+
+}  // namespace tool0

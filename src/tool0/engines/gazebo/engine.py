@@ -1,0 +1,221 @@
+"""Gazebo behind the Engine port."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Sequence
+from pathlib import Path
+from typing import final
+
+import numpy as np
+
+from tool0.description.catalogue import RobotDescription
+from tool0.description.model import Pose
+from tool0.description.scene import Scene
+from tool0.engines.gazebo.connection import (
+    Connection,
+    Kind,
+    Listener,
+    numbers,
+    pose_bytes,
+    text,
+)
+from tool0.engines.gazebo.installation import find_installation
+from tool0.engines.gazebo.model import gazebo_urdf, joint_poses
+from tool0.engines.gazebo.objects import object_sdf
+from tool0.engines.gazebo.plugin import bridge_libraries
+from tool0.engines.gazebo.server import Server
+from tool0.engines.gazebo.world import check_world, empty_world
+from tool0.errors import ConfigError, DivergenceError, EngineError
+from tool0.hardware.bodies import moving_bodies, transform
+from tool0.hardware.engine import ObjectPose
+from tool0.hardware.joint_state import JointState
+
+START_PATIENCE = 30.0
+"""[s] until gzserver has loaded the bridge; a cold disk takes ten."""
+
+
+@final
+class GazeboEngine:
+    """One robot and its scene in a gzserver of our own, step by step with the loop."""
+
+    name = "gazebo"
+
+    def __init__(
+        self,
+        description: RobotDescription,
+        dt: float = 0.001,
+        *,
+        spawn_z: float = 0.0,
+        scene: Scene | None = None,
+        world: Path | None = None,
+        gui: bool = False,
+    ) -> None:
+        """Start gzserver and put the robot and what is around it into its world.
+
+        Args:
+            description: The robot.
+            dt: Length of a step [s].
+            spawn_z: Height of the robot's root above the world's origin [m].
+            scene: The objects around it; None for none.
+            world: A world file; None for an empty one with the ground at z = 0.
+            gui: Whether to open gzclient.
+
+        Raises:
+            EngineUnavailableError: If there is no Gazebo, or it does not start.
+            EngineError: If Gazebo refuses the robot or an object.
+        """
+        if not 0.0 < dt < math.inf:
+            raise ConfigError(f"the step must be above 0 s and finite, got {dt}")
+        if world is not None:
+            check_world(world)
+        model = description.model
+        self._scene = scene or Scene()
+        self._model = model
+        self._bodies = moving_bodies(model)
+        self._joint_names = tuple(joint.name for joint in model.movable_joints)
+        self._root = transform(Pose(xyz=(0.0, 0.0, spawn_z)))
+        self._dt = dt
+        self._steps = 0
+        n = len(self._joint_names)
+        self._effort = [0.0] * n
+        self._pack_step = struct.Struct(f"=I{n}d").pack
+        self._unpack_state = struct.Struct(f"={1 + 2 * n}d").unpack_from
+        self._stepped = False
+        urdf = gazebo_urdf(description.urdf, model)
+        installation = find_installation()
+        self.server = Server(installation, bridge_libraries(installation), dt)
+        try:
+            self._connection, self.version = self._start(world)
+            self._populate(urdf)
+            self.reset([0.0] * n)
+            if gui:
+                self.server.open_window()
+        except BaseException:
+            self.server.close()
+            raise
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        return self._joint_names
+
+    @property
+    def dt(self) -> float:
+        return self._dt
+
+    def reset(self, position: Sequence[float]) -> None:
+        """Put the joints at ``position`` [rad | m], at rest, at time zero."""
+        self._await_step()
+        poses = joint_poses(self._model, self._bodies, list(position))
+        answer = self._connection.ask(
+            Kind.RESET,
+            numbers(position),
+            *(pose_bytes(self._root @ pose) for pose in poses),
+            *(pose_bytes(self._root @ transform(o.pose)) for o in self._scene.objects),
+        )
+        self._numbers = self._unpack_state(answer)
+        self._effort = [0.0] * len(self._joint_names)
+        self._steps = 0
+
+    def read(self) -> JointState:
+        """Return the measured state, or raise DivergenceError."""
+        if self._stepped:
+            self._await_step()
+        values, n = self._numbers, len(self._joint_names)
+        time = self._steps * self._dt
+        if not math.isfinite(sum(values)):
+            raise self._divergence(values[1:], time)
+        return JointState(
+            time, list(values[1 : n + 1]), list(values[n + 1 :]), self._effort
+        )
+
+    def write(self, effort: Sequence[float]) -> None:
+        """Hold ``effort`` [N·m | N] until the next call, or raise DivergenceError."""
+        held = list(effort)
+        if not math.isfinite(sum(held)):
+            worst = next((i for i, u in enumerate(held) if not math.isfinite(u)), 0)
+            name = self._joint_names[worst]
+            raise DivergenceError(name, self._steps * self._dt, "effort")
+        self._effort = held
+
+    def step(self) -> None:
+        """Advance simulated time by ``dt``; ``read`` waits until Gazebo has."""
+        if self._stepped:
+            self._await_step()
+        self._connection.send(self._pack_step(Kind.STEP, *self._effort))
+        self._stepped = True
+        self._steps += 1
+
+    def object_poses(self) -> tuple[ObjectPose, ...]:
+        """Return where the objects of the scene are now."""
+        if not self._scene.objects:
+            return ()
+        self._await_step()
+        answer = self._connection.ask(Kind.POSES)
+        return tuple(
+            self._seen_from_root(item.name, pose)
+            for item, pose in zip(
+                self._scene.objects, struct.iter_unpack("=7d", answer), strict=True
+            )
+        )
+
+    def close(self) -> None:
+        """End gzserver, and gzclient; closing twice is allowed."""
+        self._connection.close()
+        self.server.close()
+
+    def _start(self, world: Path | None) -> tuple[Connection, str]:
+        listener = Listener(self.server.socket_path)
+        try:
+            if world is None:
+                world = self.server.folder / "empty.world"
+                world.write_text(empty_world(ground=True))
+            self.server.start(world.resolve())
+            peer, version = listener.accept(self._dt, self.server.check, START_PATIENCE)
+        finally:
+            listener.close()
+        return Connection(peer, self.server.lost), version
+
+    def _populate(self, urdf: str) -> None:
+        file = self.server.folder / "robot.urdf"
+        file.write_text(urdf)
+        self._connection.spawn(self._model.name, file, self._root)
+        for item in self._scene.objects:
+            file = self.server.folder / f"{item.name}.sdf"
+            file.write_text(object_sdf(item))
+            try:
+                pose = self._root @ transform(item.pose)
+                self._connection.spawn(item.name, file, pose)
+            except EngineError as error:
+                raise EngineError(f"object '{item.name}': {error}") from error
+        transmissions = self._model.transmission_by_joint
+        armatures = [
+            transmissions[name].armature if name in transmissions else 0.0
+            for name in self._joint_names
+        ]
+        self._connection.ask(
+            Kind.BIND,
+            text(self._model.name),
+            struct.pack("=I", len(self._joint_names)),
+            *(
+                text(name) + numbers([armature, 0.0])
+                for name, armature in zip(self._joint_names, armatures, strict=True)
+            ),
+            struct.pack("=I", len(self._scene.objects)),
+            *(text(item.name) for item in self._scene.objects),
+        )
+
+    def _await_step(self) -> None:
+        """Take the answer to the step, if there is one to come."""
+        if self._stepped:
+            self._stepped = False
+            self._numbers = self._unpack_state(self._connection.receive())
+
+    def _seen_from_root(self, name: str, pose: tuple[float, ...]) -> ObjectPose:
+        x, y, z, qw, qx, qy, qz = pose
+        return ObjectPose(name, (x, y, z - float(self._root[2, 3])), (qw, qx, qy, qz))
+
+    def _divergence(self, values: Sequence[float], time: float) -> DivergenceError:
+        worst = int(np.argmin(np.isfinite(values))) % len(self._joint_names)
+        return DivergenceError(self._joint_names[worst], time)

@@ -1,0 +1,107 @@
+"""The scene's objects as Gazebo takes them: a model of one link each, in SDF."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.scene import SceneObject
+from tool0.errors import ModelError
+
+STIFFNESS, DAMPING = 1e5, 10.0
+"""Of contact [N/m, N·s/m], as of the pads: calm at rest, and no visible depth."""
+MIN_DEPTH, MAX_VEL = 0.0005, 0.1
+"""Overlap that is left alone [m], and the fastest that a deeper one is undone [m/s]."""
+
+
+def object_sdf(item: SceneObject) -> str:
+    """Return the object as an SDF document, at its model's origin.
+
+    Raises:
+        ModelError: If it is a mesh that is to move: Gazebo takes no inertia from it.
+    """
+    sdf = ET.Element("sdf", version="1.6")
+    model = ET.SubElement(sdf, "model", name=item.name)
+    _add(model, "static", "false" if item.mass else "true")
+    link = ET.SubElement(model, "link", name="link")
+    if item.mass is not None:
+        _add_inertial(link, item, item.mass)
+    collision = ET.SubElement(link, "collision", name="collision")
+    collision.append(_geometry(item.geometry))
+    _add_surface(collision, item.friction)
+    visual = ET.SubElement(link, "visual", name="visual")
+    visual.append(_geometry(item.geometry))
+    material = ET.SubElement(visual, "material")
+    colour = " ".join(map(repr, item.rgba))
+    for tag in ("ambient", "diffuse"):
+        _add(material, tag, colour)
+    _add(visual, "transparency", repr(1.0 - item.rgba[3]))
+    return ET.tostring(sdf, encoding="unicode")
+
+
+def _add(parent: ET.Element, tag: str, text: str) -> None:
+    ET.SubElement(parent, tag).text = text
+
+
+def _geometry(geometry: Geometry) -> ET.Element:
+    element = ET.Element("geometry")
+    match geometry:
+        case Box(size=size):
+            _add(ET.SubElement(element, "box"), "size", " ".join(map(repr, size)))
+        case Cylinder(radius=radius, length=length):
+            shape = ET.SubElement(element, "cylinder")
+            _add(shape, "radius", repr(radius))
+            _add(shape, "length", repr(length))
+        case Sphere(radius=radius):
+            _add(ET.SubElement(element, "sphere"), "radius", repr(radius))
+        case Mesh(path=path, scale=scale):
+            shape = ET.SubElement(element, "mesh")
+            _add(shape, "uri", path.as_uri())
+            _add(shape, "scale", " ".join(map(repr, scale)))
+    return element
+
+
+def _add_inertial(link: ET.Element, item: SceneObject, mass: float) -> None:
+    inertial = ET.SubElement(link, "inertial")
+    _add(inertial, "mass", repr(mass))
+    inertia = ET.SubElement(inertial, "inertia")
+    moments = _moments(item)
+    for tag, moment in zip(("ixx", "iyy", "izz"), moments, strict=True):
+        _add(inertia, tag, repr(mass * moment))
+    for tag in ("ixy", "ixz", "iyz"):
+        _add(inertia, tag, "0.0")
+
+
+def _moments(item: SceneObject) -> tuple[float, float, float]:
+    """Return the principal moments of a solid of 1 kg [m²]."""
+    match item.geometry:
+        case Box(size=(x, y, z)):
+            return (
+                (y * y + z * z) / 12.0,
+                (x * x + z * z) / 12.0,
+                (x * x + y * y) / 12.0,
+            )
+        case Cylinder(radius=r, length=length):
+            across = (3.0 * r * r + length * length) / 12.0
+            return across, across, r * r / 2.0
+        case Sphere(radius=r):
+            return (0.4 * r * r,) * 3
+    raise ModelError(
+        f"object '{item.name}' is a mesh with a mass, which Gazebo cannot have yet; "
+        "leave the mass out, or make it of a box, cylinder or sphere"
+    )
+
+
+def _add_surface(collision: ET.Element, friction: float) -> None:
+    surface = ET.SubElement(collision, "surface")
+    ode = ET.SubElement(ET.SubElement(surface, "friction"), "ode")
+    _add(ode, "mu", repr(friction))
+    _add(ode, "mu2", repr(friction))
+    contact = ET.SubElement(ET.SubElement(surface, "contact"), "ode")
+    for tag, value in (
+        ("kp", STIFFNESS),
+        ("kd", DAMPING),
+        ("min_depth", MIN_DEPTH),
+        ("max_vel", MAX_VEL),
+    ):
+        _add(contact, tag, repr(value))

@@ -1,0 +1,168 @@
+"""A gzserver of our own, and its gzclient: started, watched, ended."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import final
+
+from tool0.engines.gazebo.installation import Installation
+from tool0.engines.gazebo.plugin import BridgeLibraries
+from tool0.errors import EngineError, EngineUnavailableError
+
+_LAST_LINES = 12
+_GRACE = 0.3  # [s] for a server that hung up to end by itself
+
+
+@final
+class Server:
+    """One gzserver with its own folder, its own port and its own HOME.
+
+    It ends with ``close``, and with this process however that ends: the leash that is
+    preloaded into it, and into gzclient, holds the other end of a pipe.
+    """
+
+    def __init__(
+        self, installation: Installation, libraries: BridgeLibraries, dt: float
+    ) -> None:
+        """Make the folder; ``start`` runs something in it."""
+        self._installation = installation
+        self._libraries = libraries
+        self._dt = dt
+        self.folder = Path(tempfile.mkdtemp(prefix="tool0-gazebo-"))
+        self._log = self.folder / "gzserver.log"
+        self._port = _free_port()
+        self._lifeline, self._our_end = os.pipe()
+        self._server: subprocess.Popen[bytes] | None = None
+        self._client: subprocess.Popen[bytes] | None = None
+
+    @property
+    def socket_path(self) -> Path:
+        """Where the bridge is awaited."""
+        return self.folder / "bridge"
+
+    @property
+    def master_uri(self) -> str:
+        """What ``GAZEBO_MASTER_URI`` has to be for `gz` and for plugins."""
+        return f"http://127.0.0.1:{self._port}"
+
+    @property
+    def process_ids(self) -> tuple[int, ...]:
+        """Of the processes that run."""
+        processes = (self._server, self._client)
+        return tuple(p.pid for p in processes if p is not None and p.poll() is None)
+
+    def start(self, world: Path) -> None:
+        """Run gzserver with ``world`` and the bridge."""
+        self._server = self._run(
+            self._installation.server,
+            ["--verbose", "-s", str(self._libraries.bridge), str(world)],
+            self._log,
+            {"TOOL0_BRIDGE": str(self.socket_path)},
+        )
+
+    def open_window(self) -> None:
+        """Run gzclient on the server.
+
+        Raises:
+            EngineUnavailableError: If it is not installed or there is no display.
+        """
+        client = self._installation.client
+        if client is None:
+            raise EngineUnavailableError(
+                "this Gazebo has no gzclient; run `tool0 gazebo install --gui`"
+            )
+        if not os.environ.get("DISPLAY"):
+            raise EngineUnavailableError(
+                "gzclient needs an X display, and DISPLAY is not set; "
+                "leave out the Gazebo GUI, or use the panel"
+            )
+        # Its own HOME is the person's: what they set up in the window stays.
+        home = os.environ.get("HOME", str(self.folder))
+        log = self.folder / "gzclient.log"
+        self._client = self._run(client, ["--verbose"], log, {"HOME": home})
+
+    def check(self) -> None:
+        """Raise EngineUnavailableError if the server has ended."""
+        if self._server is None or self._server.poll() is not None:
+            raise EngineUnavailableError(self._obituary("gzserver did not start"))
+
+    def lost(self, why: str) -> EngineError:
+        """End what is left of the server, and return the error that says so."""
+        try:
+            if self._server is not None:
+                self._server.wait(_GRACE)
+        except subprocess.TimeoutExpired:
+            pass
+        error = EngineError(self._obituary(why))
+        self.close()
+        return error
+
+    def close(self) -> None:
+        """End both processes and remove the folder; closing twice is allowed."""
+        for process in (self._client, self._server):
+            if process is not None:
+                if process.poll() is None:
+                    process.kill()  # nothing of theirs outlives the folder
+                process.wait()
+        if self._our_end >= 0:
+            os.close(self._our_end)
+            os.close(self._lifeline)
+            self._our_end = self._lifeline = -1
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def _run(
+        self, program: Path, arguments: list[str], log: Path, extra: Mapping[str, str]
+    ) -> subprocess.Popen[bytes]:
+        preload = [str(self._libraries.leash), os.environ.get("LD_PRELOAD", "")]
+        environment = {
+            **os.environ,
+            **self._installation.environment,
+            "HOME": str(self.folder),
+            "GAZEBO_MASTER_URI": self.master_uri,
+            "GAZEBO_IP": "127.0.0.1",
+            "IGN_IP": "127.0.0.1",
+            "GAZEBO_MODEL_DATABASE_URI": "",  # or it waits for the network
+            "TOOL0_LIFELINE": str(self._lifeline),
+            "LD_PRELOAD": ":".join(filter(None, preload)),
+            **extra,
+        }
+        with log.open("wb") as stream:
+            return subprocess.Popen(
+                [str(program), *arguments],
+                env=environment,
+                cwd=self.folder,
+                stdin=subprocess.DEVNULL,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+                pass_fds=[self._lifeline],
+                start_new_session=True,  # a Ctrl-C is for us, who end it in order
+            )
+
+    def _obituary(self, why: str) -> str:
+        status = None if self._server is None else self._server.poll()
+        if status is None:
+            how = ""
+        elif status < 0:
+            how = f", killed by {signal.Signals(-status).name}"
+        else:
+            how = f", exit status {status}"
+        try:
+            lines = self._log.read_text(errors="replace").splitlines()
+        except OSError:
+            lines = []
+        words = "\n".join(f"  {line}" for line in lines[-_LAST_LINES:])
+        said = f"; its last words:\n{words}" if words else "; it said nothing"
+        return f"{why}{how}{said}"
+
+
+def _free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
