@@ -23,6 +23,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "step": ("simulation", "advance a paused simulation by some ticks"),
     "reset": ("simulation", "go back to time zero and the initial pose"),
     "estop": ("simulation", "engage or release the emergency stop"),
+    "gazebo": ("gazebo", "get a Gazebo 11 to simulate with, or see which would run"),
 }
 """Command → its module in this package, and what it does."""
 
@@ -86,7 +87,7 @@ def _help() -> str:
             "",
             *rows,
             "",
-            "`tool0 COMMAND --help` explains a command.  All but the first three",
-            "talk to a running bringup, by --name if there are several.",
+            "`tool0 COMMAND --help` explains a command.  All but the first three and",
+            "gazebo talk to a running bringup, by --name if there are several.",
         ]
     )

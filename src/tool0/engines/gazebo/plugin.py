@@ -91,13 +91,19 @@ def compiler() -> list[str] | None:
     return command if shutil.which(command[0]) else None
 
 
-def _compile(source: Path, installation: Installation, library: Path) -> None:
+def require_compiler() -> list[str]:
+    """Return the command of the C++ compiler, or raise EngineUnavailableError."""
     command = compiler()
     if command is None:
         raise EngineUnavailableError(
-            f"{source.name} has to be compiled for Gazebo {installation.version}, and "
-            "there is no C++ compiler; install one (apt install g++), or name it in CXX"
+            "what runs inside Gazebo has to be compiled, and there is no C++ compiler "
+            "here; install one (apt install g++), or name it in CXX"
         )
+    return command
+
+
+def _compile(source: Path, installation: Installation, library: Path) -> None:
+    command = require_compiler()
     logger.info("compiling %s for Gazebo %s", source.name, installation.version)
     try:
         library.parent.mkdir(parents=True, exist_ok=True)

@@ -91,9 +91,10 @@ def make_links_relative(root: Path) -> None:
 
 
 def size_on_disk(root: Path) -> int:
-    """Return the bytes that a folder takes."""
-    total = 0
+    """Return the bytes that a folder takes; a file of several names counts once."""
+    sizes: dict[int, int] = {}
     for folder, subfolders, files in os.walk(root):
         for name in (*subfolders, *files):
-            total += os.lstat(os.path.join(folder, name)).st_blocks * 512  # noqa: PTH118  # fast
-    return total
+            status = Path(folder, name).lstat()
+            sizes[status.st_ino] = status.st_blocks * 512
+    return sum(sizes.values())
