@@ -47,13 +47,13 @@ class PrivateApt:
             keyring: The keys by which the release must be signed.
             architecture: As Debian calls it.
         """
-        self._mirror, self._keyring = mirror, keyring
+        self._folder, self._mirror, self._keyring = folder, mirror, keyring
         self._architecture = architecture
         self._configuration = folder / "apt.conf"
         self._status = folder / "status"
         self.downloads = folder / "debs"
-        for part in (folder / "lists" / "partial", self.downloads / "partial"):
-            part.mkdir(parents=True, exist_ok=True)
+        for part in ("lists/partial", "cache/archives/partial", "debs"):
+            (folder / part).mkdir(parents=True, exist_ok=True)
         (folder / "sources.list").write_text(
             f"deb [arch={architecture} signed-by={keyring}] {mirror} {RELEASE} main\n",
             encoding="utf-8",
@@ -93,22 +93,27 @@ class PrivateApt:
         return listed(self._get(["download", "--print-uris", *names]))
 
     def download(self, names: Sequence[str], while_running: Callable[[], None]) -> None:
-        """Download the files of these packages; what is there already is kept.
+        """Download the files of these packages, but for those of the right size.
 
         Raises:
             EngineUnavailableError: If one cannot be had, or has a wrong hash.
         """
-        self._get(["download", *names], while_running)
+        self._get(["download", *names], while_running, self.downloads)
 
     def _get(
-        self, words: Sequence[str], while_running: Callable[[], None] | None = None
+        self,
+        words: Sequence[str],
+        while_running: Callable[[], None] | None = None,
+        folder: Path | None = None,
     ) -> str:
         command = ["apt-get", "--config-file", str(self._configuration), "-qq", *words]
-        answer = run_host(command, folder=self.downloads, while_running=while_running)
+        # Not where the downloads are: apt lists only what is not there.
+        answer = run_host(
+            command, folder=folder or self._folder, while_running=while_running
+        )
         if answer.returncode != 0:
-            raise explained(
-                answer.stderr + answer.stdout, self._mirror, self._keyring
-            ) from None
+            said = answer.stderr + answer.stdout
+            raise explained(said, self._mirror, self._keyring)
         return answer.stdout
 
 
@@ -145,7 +150,6 @@ def _configuration(folder: Path, architecture: str) -> str:
         "Acquire::Languages": "none",
         "Acquire::Retries": "3",
         "Dir::Cache": f"{folder}/cache",
-        "Dir::Cache::archives": f"{folder}/debs",
         "Dir::Cache::pkgcache": "",
         "Dir::Cache::srcpkgcache": "",
         "Dir::Etc::preferences": "/dev/null",

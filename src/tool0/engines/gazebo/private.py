@@ -156,12 +156,10 @@ def _drop_damaged(folder: Path, packages: list[Package]) -> None:
 
 
 def _size(folder: Path, package: Package) -> int:
-    for file in (folder / package.file, folder / "partial" / package.file):
-        try:
-            return min(file.stat().st_size, package.size)
-        except FileNotFoundError:
-            continue
-    return 0
+    try:
+        return min((folder / package.file).stat().st_size, package.size)
+    except FileNotFoundError:
+        return 0
 
 
 def _unpack(files: list[Path], root: Path, report: Report) -> None:
