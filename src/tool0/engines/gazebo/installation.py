@@ -88,7 +88,7 @@ def from_prefix(prefix: Path) -> Installation | None:
         prefix=prefix,
         server=programs / f"gzserver-{marker.version}",
         client=client if marker.has_client else None,
-        environment=private_environment(prefix, marker.triplet),
+        environment=private_environment(prefix, marker),
         include_dirs=include_folders(prefix / "usr"),
     )
 

@@ -103,8 +103,9 @@ def gazebo_paths(root: Path) -> dict[str, str]:
     return paths if ogre is None else {**paths, "OGRE_RESOURCE_PATH": str(ogre)}
 
 
-def private_environment(prefix: Path, triplet: str) -> dict[str, str]:
+def private_environment(prefix: Path, marker: Marker) -> dict[str, str]:
     """Return the variables that make the programs of a private prefix run."""
+    triplet = marker.triplet
     usr = prefix / "usr"
     lib = usr / "lib" / triplet
     libraries = [
@@ -117,6 +118,8 @@ def private_environment(prefix: Path, triplet: str) -> dict[str, str]:
         lib / "gazebo-11" / "plugins",
     ]
     own = os.environ.get("LD_LIBRARY_PATH", "").split(":")
+    # With a display and no driver to draw with, gzserver would end at once.
+    display = {} if marker.has_client else {"DISPLAY": ""}
     return {
         **gazebo_paths(usr),
         "LD_LIBRARY_PATH": ":".join([*map(str, libraries), *filter(None, own)]),
@@ -129,6 +132,9 @@ def private_environment(prefix: Path, triplet: str) -> dict[str, str]:
         "FONTCONFIG_PATH": str(prefix / "etc" / "fonts"),
         "XKB_CONFIG_ROOT": str(usr / "share" / "X11" / "xkb"),
         "PROJ_LIB": str(usr / "share" / "proj"),
+        # Nothing sounds; looking for a device takes time and fills the log.
+        "ALSOFT_DRIVERS": os.environ.get("ALSOFT_DRIVERS", "null"),
+        **display,
     }
 
 
