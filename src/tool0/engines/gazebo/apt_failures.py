@@ -10,6 +10,7 @@ from tool0.errors import EngineUnavailableError
 
 _FULL: Final = ("no space left", "enough free space", "write error")
 _UNSIGNED: Final = ("no_pubkey", "not signed", "gpg error", "signature", "expkeysig")
+_FORGED: Final = ("hash sum mismatch", "unexpected size", "hashes of expected file")
 _ABSENT: Final = ("404", "does not have a release file", "unable to locate package")
 _UNREACHABLE: Final = (
     "could not resolve",
@@ -45,6 +46,11 @@ def explained(output: str, mirror: str, keyring: Path) -> EngineUnavailableError
         what = (
             f"what {mirror} gives is not signed by a key of {keyring}; upgrade "
             "debian-archive-keyring, or name other keys: --keyring FILE"
+        )
+    elif any(words in said for words in _FORGED):
+        what = (
+            f"what {mirror} gives is not what Debian signed; try again later, or "
+            "another mirror: --mirror URL"
         )
     elif any(words in said for words in _ABSENT):
         what = (

@@ -202,7 +202,8 @@ def _check_that_it_runs(prefix: Path) -> None:
     assert made is not None  # its marker has just been written
     answer = subprocess.run(
         tied([str(made.server), "--version"]),
-        env={**os.environ, **made.environment},
+        # Gazebo writes into HOME even then.
+        env={**os.environ, **made.environment, "HOME": str(prefix.parent)},
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
