@@ -64,6 +64,7 @@ HEADERS: Final = (
     "libtbb-dev",
     "libtinyxml-dev",
     "libtinyxml2-dev",
+    "uuid-dev",
 )
 """Taken alone: a plugin is compiled with headers and linked with nothing."""
 
