@@ -10,7 +10,7 @@ from conformance_types import BringUp
 import tool0
 from tool0.errors import EngineUnavailableError
 
-ENGINES = ("mujoco",)
+ENGINES = ("mujoco", "gazebo")
 
 
 @pytest.fixture(scope="session", params=ENGINES)

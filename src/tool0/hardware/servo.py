@@ -81,6 +81,8 @@ class Brake:
     """Slows one joint to rest and then keeps it where it came to rest."""
 
     def __init__(self) -> None:
+        # With an integral: a payload must not keep the joint creeping.
+        self._slow = VelocityServo(JointLimits())
         self._hold: tuple[PositionServo, float] | None = None
 
     def acceleration(
@@ -89,7 +91,7 @@ class Brake:
         """Return what stops the joint [rad/s² | m/s²]; ``command`` is not read."""
         if self._hold is None:
             if abs(velocity) > STANDSTILL:
-                return -2.0 * DAMPING_RATIO * BANDWIDTH * velocity
+                return self._slow.acceleration(0.0, position, velocity, dt)
             self._hold = PositionServo(position, JointLimits()), position
         servo, held_at = self._hold
         return servo.acceleration(held_at, position, velocity, dt)

@@ -21,8 +21,9 @@ from tool0.engines.gazebo.connection import (
     pose_bytes,
     text,
 )
+from tool0.engines.gazebo.couplings import couplings
 from tool0.engines.gazebo.installation import find_installation
-from tool0.engines.gazebo.model import gazebo_urdf, joint_poses
+from tool0.engines.gazebo.model import body_poses, gazebo_urdf
 from tool0.engines.gazebo.objects import object_sdf
 from tool0.engines.gazebo.plugin import bridge_libraries
 from tool0.engines.gazebo.server import Server
@@ -83,7 +84,10 @@ class GazeboEngine:
         self._pack_step = struct.Struct(f"=I{n}d").pack
         self._unpack_state = struct.Struct(f"={1 + 2 * n}d").unpack_from
         self._stepped = False
-        urdf = gazebo_urdf(description.urdf, model)
+        at_zero = body_poses(self._bodies, [0.0] * n)
+        held = couplings(model, self._bodies, at_zero)
+        self._gears = tuple(c for c in held if not c.is_gearbox)
+        urdf = gazebo_urdf(description.urdf, model, self._bodies, held)
         installation = find_installation()
         self.server = Server(installation, bridge_libraries(installation), dt)
         try:
@@ -107,7 +111,7 @@ class GazeboEngine:
     def reset(self, position: Sequence[float]) -> None:
         """Put the joints at ``position`` [rad | m], at rest, at time zero."""
         self._await_step()
-        poses = joint_poses(self._model, self._bodies, list(position))
+        poses = body_poses(self._bodies, list(position))
         answer = self._connection.ask(
             Kind.RESET,
             numbers(position),
@@ -201,6 +205,11 @@ class GazeboEngine:
             *(
                 text(name) + numbers([armature, 0.0])
                 for name, armature in zip(self._joint_names, armatures, strict=True)
+            ),
+            struct.pack("=I", len(self._gears)),
+            *(
+                struct.pack("=IId", gear.joint, gear.other, gear.multiplier)
+                for gear in self._gears
             ),
             struct.pack("=I", len(self._scene.objects)),
             *(text(item.name) for item in self._scene.objects),

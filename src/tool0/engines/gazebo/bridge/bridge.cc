@@ -36,6 +36,9 @@
 #include <gazebo/common/Plugin.hh>
 #include <gazebo/gazebo_config.h>
 #include <gazebo/physics/ode/ODEJoint.hh>
+#include <gazebo/physics/ode/ODELink.hh>
+#include <gazebo/physics/ode/ODEPhysics.hh>
+#include <gazebo/physics/ode/ode_inc.h>
 #include <gazebo/physics/physics.hh>
 
 namespace tool0 {
@@ -50,6 +53,7 @@ constexpr int kIdleAfter = 20;                        // [ms] without a request
 constexpr double kIdleRate = 100.0;                   // [Hz] of a paused world's loop
 
 constexpr double kSlack = 0.02;                       // [rad] of an armature's stops
+constexpr double kTeethErp = 0.2;                     // of an error, undone in a step
 
 enum Kind : std::uint32_t { kStep = 1, kReset, kBind, kPoses, kSpawn, kDelete };
 
@@ -128,6 +132,46 @@ struct Drive {
     if (ahead > joint->LowerLimit(0) && ahead < joint->UpperLimit(0))
       effort += armature_rate * velocity;
     joint->SetForce(0, effort);
+  }
+};
+
+/// Teeth between two joints whose axes are parallel and sit on one body: the second
+/// moves as far as the multiplier times the first.
+///
+/// They mesh where both axes' velocities agree, on the line that joins them: a contact
+/// of ODE without a normal force, whose friction along the tangent knows no bound.
+struct Gear {
+  const Drive* first;
+  const Drive* second;
+  double multiplier;
+
+  void Mesh(dWorldID world, dJointGroupID group, double dt) const {
+    const auto axis = first->joint->GlobalAxis(0);
+    const double turn = axis.Dot(second->joint->GlobalAxis(0)) < 0.0 ? -1.0 : 1.0;
+    const auto from = first->joint->Anchor(0);
+    auto apart = second->joint->Anchor(0) - from;
+    apart -= axis * axis.Dot(apart);
+    const double length = apart.Length();
+    const double share = multiplier * turn / (multiplier * turn - 1.0);
+    const double error = second->position - multiplier * first->position;
+    dContact contact{};
+    Set(contact.geom.pos, from + apart * share);
+    Set(contact.geom.normal, apart / length);
+    Set(contact.fdir1, axis.Cross(apart) / length);
+    contact.surface.mode = dContactMu2 | dContactFDir1 | dContactMotion1 | dContactMotionN;
+    contact.surface.mu = dInfinity;
+    contact.surface.mu2 = 0.0;
+    contact.surface.motionN = -10.0;  // [m/s], so that the normal row never acts
+    contact.surface.motion1 = kTeethErp * error / dt * turn * (share - 1.0) * length;
+    dJointAttach(dJointCreateContact(world, group, &contact), Body(*first), Body(*second));
+  }
+
+ private:
+  static void Set(dReal* to, const ignition::math::Vector3d& from) {
+    for (int i : {0, 1, 2}) to[i] = from[i];
+  }
+  static dBodyID Body(const Drive& drive) {
+    return static_cast<gazebo::physics::ODELink*>(drive.child.get())->GetODEId();
   }
 };
 
@@ -227,7 +271,15 @@ class Bridge : public gazebo::SystemPlugin {
   /// In: effort of each joint [N·m | N].  Out: see PutState.
   void Step() {
     for (Drive& drive : drives_) drive.Push(packet_.Take<double>(), dt_);
+    Mesh();
     stepping_ = true;
+  }
+
+  void Mesh() {
+    if (gears_.empty()) return;
+    const auto world = static_cast<gazebo::physics::ODEPhysics*>(world_->Physics().get());
+    dJointGroupEmpty(teeth_);
+    for (const Gear& gear : gears_) gear.Mesh(world->GetWorldId(), teeth_, dt_);
   }
 
   /// Time [s], then position [rad | m] of each joint, then velocity.
@@ -245,6 +297,7 @@ class Bridge : public gazebo::SystemPlugin {
     for (Drive& drive : drives_) drive.position = packet_.Take<double>();
     for (const Drive& drive : drives_) Place(drive.child, packet_.TakePose());
     for (const auto& object : objects_) Place(object, packet_.TakePose());
+    dJointGroupEmpty(teeth_);
     world_->Physics()->Reset();
     Begin();
     PutState();
@@ -259,7 +312,8 @@ class Bridge : public gazebo::SystemPlugin {
   }
 
   /// In: name of the robot; n; of each joint its name, armature [kg·m²] and position
-  /// [rad | m] now; m; names of the objects whose poses Poses tells.
+  /// [rad | m] now; g; of each gear the numbers of its second and first joint, and its
+  /// multiplier; m; names of the objects whose poses Poses tells.
   void Bind() {
     const auto robot = Model(packet_.TakeText());
     std::vector<Drive> drives;
@@ -274,12 +328,21 @@ class Bridge : public gazebo::SystemPlugin {
                         joint->HasType(gazebo::physics::Base::HINGE_JOINT),
                         packet_.Take<double>(), 0.0});
     }
+    std::vector<Gear> gears;
+    for (auto g = packet_.Take<std::uint32_t>(); g > 0; --g) {
+      const Drive* second = &drives.at(packet_.Take<std::uint32_t>());
+      const Drive* first = &drives.at(packet_.Take<std::uint32_t>());
+      gears.push_back({first, second, packet_.Take<double>()});
+    }
+    if (!gears.empty() && world_->Physics()->GetType() != "ode")
+      throw std::runtime_error("mimic joints need the physics engine ode");
     std::vector<gazebo::physics::ModelPtr> objects;
     for (auto m = packet_.Take<std::uint32_t>(); m > 0; --m)
       objects.push_back(Model(packet_.TakeText()));
     world_->Physics()->SetMaxStepSize(dt_);
     world_->Physics()->SetRealTimeUpdateRate(0.0);
     drives_.swap(drives);
+    gears_.swap(gears);
     objects_.swap(objects);
     Begin();
   }
@@ -419,6 +482,8 @@ class Bridge : public gazebo::SystemPlugin {
   std::atomic<bool> adopted_{false};
   bool stepping_ = false;
   std::vector<Drive> drives_;
+  std::vector<Gear> gears_;
+  const dJointGroupID teeth_ = dJointGroupCreate(0);
   std::vector<gazebo::physics::ModelPtr> objects_;
   std::function<bool()> until_;
   std::string otherwise_;
