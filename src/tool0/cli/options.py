@@ -84,12 +84,16 @@ class ControllerOptions:
 class SimulationOptions:
     """How it runs."""
 
-    engine: Literal["mujoco"] = "mujoco"
-    """The physics."""
+    engine: Literal["mujoco", "gazebo"] = "mujoco"
+    """The physics; `tool0 gazebo install` gets a Gazebo."""
     initial_pose: tuple[str, ...] = ()
     """The name of a pose, or joint=position … [rad]."""
     scene: Path | None = None
     """A YAML file of the objects around the robot."""
+    world: Path | None = None
+    """A world file for Gazebo; if left out, an empty world with ground."""
+    gazebo_gui: bool = False
+    """Also open Gazebo's own window, gzclient."""
     paused: bool = False
     """Begin paused: `tool0 resume` lets time run."""
     realtime: bool = True
@@ -111,6 +115,12 @@ class SimulationOptions:
         if self.duration is not None and not 0.0 <= self.duration < math.inf:
             raise ConfigError(
                 f"--duration must be 0 or more seconds, got {self.duration}"
+            )
+        if self.engine != "gazebo" and (self.world is not None or self.gazebo_gui):
+            option = "--world" if self.world is not None else "--gazebo-gui"
+            raise ConfigError(
+                f"{option} is for Gazebo alone, and the engine is {self.engine}; "
+                "add --engine gazebo"
             )
 
 

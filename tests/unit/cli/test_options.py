@@ -15,6 +15,7 @@ from tool0.cli.options import (
     pose,
 )
 from tool0.cli.parsing import gathered
+from tool0.cli.quick import read_bringup
 from tool0.errors import ConfigError
 from tool0.runtime.bringup import bringup
 
@@ -42,7 +43,14 @@ def test_every_option_is_a_keyword_of_bringup() -> None:
         control=ControllerOptions(
             controllers_file=(Path("a"),), controllers="a", stopped_controllers="b"
         ),
-        simulation=SimulationOptions(initial_pose=("a=1",), scene=Path("a"), speed=2.0),
+        simulation=SimulationOptions(
+            engine="gazebo",
+            initial_pose=("a=1",),
+            scene=Path("a"),
+            world=Path("a"),
+            gazebo_gui=True,
+            speed=2.0,
+        ),
     )
     keywords = bringup_keywords(full)
     inspect.signature(bringup).bind(**keywords)
@@ -84,6 +92,18 @@ def test_an_argument_may_hold_the_sign_and_be_empty() -> None:
 def test_a_duration_that_makes_no_sense_is_refused(duration: float) -> None:
     with pytest.raises(ConfigError, match="--duration"):
         SimulationOptions(duration=duration)
+
+
+@pytest.mark.parametrize(
+    ("line", "option"),
+    [("--world a.world", "--world"), ("--gazebo-gui", "--gazebo-gui")],
+)
+def test_what_is_for_gazebo_needs_gazebo(line: str, option: str) -> None:
+    with pytest.raises(ConfigError, match=f"{option} .* add --engine gazebo"):
+        read_bringup(line.split())
+    options = read_bringup(["--engine", "gazebo", *line.split()])
+    assert options is not None
+    assert options.simulation.engine == "gazebo"
 
 
 def test_repeated_options_are_gathered_in_order() -> None:

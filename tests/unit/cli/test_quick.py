@@ -27,6 +27,7 @@ OPTIONS = st.sampled_from(
         "--stopped-controllers",
         "--initial-pose",
         "--scene",
+        "--engine",
         "--paused",
         "--no-realtime",
         "--speed",
@@ -72,6 +73,7 @@ def test_what_it_reads_tyro_reads_alike(arguments: list[str]) -> None:
         "--initial-pose elbow_joint=-1.2 finger_joint=0.4 --paused --speed 0.5",
         "--panel-host 0.0.0.0 --panel-port 9000 --no-open",
         "--initial-pose home --safety-limits --safety-pos-margin 0.1 --no-remote",
+        "--engine gazebo --world my.world --gazebo-gui",
     ],
 )
 def test_reads_the_usual_lines_as_tyro_does(line: str) -> None:
@@ -89,6 +91,7 @@ def test_reads_the_usual_lines_as_tyro_does(line: str) -> None:
         "--duration 1 2",
         "--duration=5",
         "--summary xml",
+        "--engine bullet",
         "--headless yes",
         "--duration 1 --duration 2",
         "--arm ur5 stray",
