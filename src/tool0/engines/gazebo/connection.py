@@ -105,9 +105,13 @@ class Connection:
     def __init__(
         self, peer: socket.socket, when_lost: Callable[[str], EngineError]
     ) -> None:
-        """Talk over ``peer``; ``when_lost`` ends the server and tells what it said."""
+        """Talk over ``peer``; ``when_lost`` ends the server and tells what it said.
+
+        Who asks again after that is told the same again.
+        """
         self._peer = peer
         self._when_lost = when_lost
+        self._loss: EngineError | None = None
         self._answer = bytearray(_LARGEST)
         self._view = memoryview(self._answer)
         # In blocking mode, so that waiting takes one system call and not two.
@@ -130,7 +134,7 @@ class Connection:
         try:
             size = self._peer.recv_into(self._answer)
         except BlockingIOError:
-            self._fail(f"gzserver does not answer within {_PATIENCE:g} s")
+            self._fail(f"gzserver does not answer within {self._patience:g} s")
         except OSError as error:
             self._fail(f"gzserver is gone ({error.strerror})")
         if not size:
@@ -173,12 +177,16 @@ class Connection:
                 self._set_patience(_PATIENCE)
 
     def _set_patience(self, seconds: float) -> None:
+        self._patience = seconds
         value = struct.pack("@ll", int(seconds), round(seconds % 1.0 * 1e6))
         for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):
             self._peer.setsockopt(socket.SOL_SOCKET, option, value)
 
     def _fail(self, why: str) -> NoReturn:
-        raise self._when_lost(why) from None
+        if self._loss is None:
+            self._loss = self._when_lost(why)
+            self._peer.close()
+        raise self._loss.with_traceback(None) from None
 
 
 def text(value: str) -> bytes:

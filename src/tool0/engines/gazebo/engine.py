@@ -26,9 +26,14 @@ from tool0.engines.gazebo.installation import find_installation
 from tool0.engines.gazebo.model import body_poses, gazebo_urdf
 from tool0.engines.gazebo.objects import object_sdf
 from tool0.engines.gazebo.plugin import bridge_libraries
-from tool0.engines.gazebo.server import Server
-from tool0.engines.gazebo.world import check_world, empty_world
-from tool0.errors import ConfigError, DivergenceError, EngineError
+from tool0.engines.gazebo.server import Server, require_window
+from tool0.engines.gazebo.world import check_model, check_world, empty_world
+from tool0.errors import (
+    ConfigError,
+    DivergenceError,
+    EngineError,
+    EngineUnavailableError,
+)
 from tool0.hardware.bodies import moving_bodies, transform
 from tool0.hardware.engine import ObjectPose
 from tool0.hardware.joint_state import JointState
@@ -79,6 +84,7 @@ class GazeboEngine:
         self._root = transform(Pose(xyz=(0.0, 0.0, spawn_z)))
         self._dt = dt
         self._steps = 0
+        self._object_poses: tuple[ObjectPose, ...] = ()
         n = len(self._joint_names)
         self._effort = [0.0] * n
         self._pack_step = struct.Struct(f"=I{n}d").pack
@@ -89,7 +95,9 @@ class GazeboEngine:
         self._gears = tuple(c for c in held if not c.is_gearbox)
         urdf = gazebo_urdf(description.urdf, model, self._bodies, held)
         installation = find_installation()
-        self.server = Server(installation, bridge_libraries(installation), dt)
+        if gui:
+            require_window(installation)  # before seconds are spent on the rest
+        self.server = Server(installation, bridge_libraries(installation))
         try:
             self._connection, self.version = self._start(world)
             self._populate(urdf)
@@ -152,17 +160,51 @@ class GazeboEngine:
         self._steps += 1
 
     def object_poses(self) -> tuple[ObjectPose, ...]:
-        """Return where the objects of the scene are now."""
+        """Return where the objects of the scene are now.
+
+        If Gazebo is gone they are where they were; the next step tells of the loss.
+        """
         if not self._scene.objects:
             return ()
-        self._await_step()
-        answer = self._connection.ask(Kind.POSES)
-        return tuple(
+        try:
+            self._await_step()
+            answer = self._connection.ask(Kind.POSES)
+        except EngineUnavailableError:
+            return self._object_poses
+        self._object_poses = tuple(
             self._seen_from_root(item.name, pose)
             for item, pose in zip(
                 self._scene.objects, struct.iter_unpack("=7d", answer), strict=True
             )
         )
+        return self._object_poses
+
+    def spawn(self, name: str, file: Path, pose: Pose) -> None:
+        """Put the model of a person's URDF or SDF file into the world.
+
+        Args:
+            name: What it is called there.
+            file: The file.
+            pose: Where, in the robot's root.
+
+        Raises:
+            DescriptionError: If the file is no XML with a model in it.
+            EngineError: If Gazebo does not take it.
+        """
+        check_model(file)
+        self._await_step()
+        self._connection.spawn(name, file.resolve(), self._root @ transform(pose))
+
+    def delete(self, name: str) -> None:
+        """Take the model ``name`` out of the world again.
+
+        Raises:
+            EngineError: If there is none, or it is the robot or one of the scene.
+        """
+        if any(item.name == name for item in self._scene.objects):
+            raise EngineError(f"'{name}' belongs to the scene, which stays as it is")
+        self._await_step()
+        self._connection.delete(name)
 
     def close(self) -> None:
         """End gzserver, and gzclient; closing twice is allowed."""

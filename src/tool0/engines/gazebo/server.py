@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import re
 import shutil
 import signal
 import socket
 import subprocess
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import final
+from typing import Final, final
 
 from tool0.engines.gazebo.installation import Installation
 from tool0.engines.gazebo.plugin import BridgeLibraries
-from tool0.errors import EngineError, EngineUnavailableError
+from tool0.errors import EngineUnavailableError
+from tool0.user_data import locked
 
 _LAST_LINES = 12
-_GRACE = 0.3  # [s] for a server that hung up to end by itself
+_GRACE = 0.2  # [s] for a server that hung up to end by itself
+_FOLDER: Final = "tool0-gazebo-"
+_LOCK: Final = "lock"
+_NEW_LOCK: Final = "lock.new"
+_COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
+_CHATTER: Final = re.compile(
+    r"$|Gazebo multi-robot simulator|Copyright|Released under|http://gazebosim"
+    r"|\[Msg\]|\[\w+\] \[RenderEngine"  # which draws nothing without a display
+)
+"""What every gzserver says, and what a reason is not among."""
 
 
 @final
@@ -28,17 +40,17 @@ class Server:
     preloaded into it, and into gzclient, holds the other end of a pipe.
     """
 
-    def __init__(
-        self, installation: Installation, libraries: BridgeLibraries, dt: float
-    ) -> None:
+    def __init__(self, installation: Installation, libraries: BridgeLibraries) -> None:
         """Make the folder; ``start`` runs something in it."""
         self._installation = installation
         self._libraries = libraries
-        self._dt = dt
-        self.folder = Path(tempfile.mkdtemp(prefix="tool0-gazebo-"))
+        self._exits = contextlib.ExitStack()
+        self.folder = self._exits.enter_context(_own_folder())
         self._log = self.folder / "gzserver.log"
         self._port = _free_port()
-        self._lifeline, self._our_end = os.pipe()
+        self._lifeline, our_end = os.pipe()
+        for end in (self._lifeline, our_end):
+            self._exits.callback(os.close, end)
         self._server: subprocess.Popen[bytes] | None = None
         self._client: subprocess.Popen[bytes] | None = None
 
@@ -73,16 +85,7 @@ class Server:
         Raises:
             EngineUnavailableError: If it is not installed or there is no display.
         """
-        client = self._installation.client
-        if client is None:
-            raise EngineUnavailableError(
-                "this Gazebo has no gzclient; run `tool0 gazebo install --gui`"
-            )
-        if not os.environ.get("DISPLAY"):
-            raise EngineUnavailableError(
-                "gzclient needs an X display, and DISPLAY is not set; "
-                "leave out the Gazebo GUI, or use the panel"
-            )
+        client = require_window(self._installation)
         # Its own HOME is the person's: what they set up in the window stays.
         home = os.environ.get("HOME", str(self.folder))
         log = self.folder / "gzclient.log"
@@ -93,14 +96,14 @@ class Server:
         if self._server is None or self._server.poll() is not None:
             raise EngineUnavailableError(self._obituary("gzserver did not start"))
 
-    def lost(self, why: str) -> EngineError:
+    def lost(self, why: str) -> EngineUnavailableError:
         """End what is left of the server, and return the error that says so."""
         try:
             if self._server is not None:
                 self._server.wait(_GRACE)
         except subprocess.TimeoutExpired:
             pass
-        error = EngineError(self._obituary(why))
+        error = EngineUnavailableError(self._obituary(why))
         self.close()
         return error
 
@@ -111,11 +114,7 @@ class Server:
                 if process.poll() is None:
                     process.kill()  # nothing of theirs outlives the folder
                 process.wait()
-        if self._our_end >= 0:
-            os.close(self._our_end)
-            os.close(self._lifeline)
-            self._our_end = self._lifeline = -1
-        shutil.rmtree(self.folder, ignore_errors=True)
+        self._exits.close()
 
     def _run(
         self, program: Path, arguments: list[str], log: Path, extra: Mapping[str, str]
@@ -153,13 +152,49 @@ class Server:
             how = f", killed by {signal.Signals(-status).name}"
         else:
             how = f", exit status {status}"
-        try:
-            lines = self._log.read_text(errors="replace").splitlines()
-        except OSError:
-            lines = []
-        words = "\n".join(f"  {line}" for line in lines[-_LAST_LINES:])
+        words = "\n".join(f"  {line}" for line in _last_words(self._log))
         said = f"; its last words:\n{words}" if words else "; it said nothing"
         return f"{why}{how}{said}"
+
+
+@contextlib.contextmanager
+def _own_folder() -> Iterator[Path]:
+    """Make a folder that is removed at the end, or by the next one if we are killed."""
+    parent = Path(tempfile.gettempdir())
+    for left in parent.glob(f"{_FOLDER}*/{_LOCK}"):
+        # A running one is locked, and one that begins has no lock yet.
+        with contextlib.suppress(OSError), locked(left, wait=False):
+            shutil.rmtree(left.parent, ignore_errors=True)
+    folder = Path(tempfile.mkdtemp(prefix=_FOLDER))
+    with locked(folder / _NEW_LOCK):
+        (folder / _NEW_LOCK).rename(folder / _LOCK)
+        try:
+            yield folder
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _last_words(log: Path) -> list[str]:
+    try:
+        text = log.read_text(errors="replace")
+    except OSError:
+        return []
+    lines = (line.rstrip() for line in _COLOUR.sub("", text).splitlines())
+    return [line for line in lines if not _CHATTER.match(line)][-_LAST_LINES:]
+
+
+def require_window(installation: Installation) -> Path:
+    """Return the program gzclient, or raise EngineUnavailableError."""
+    if installation.client is None:
+        raise EngineUnavailableError(
+            "this Gazebo has no gzclient; run `tool0 gazebo install --gui`"
+        )
+    if not os.environ.get("DISPLAY"):
+        raise EngineUnavailableError(
+            "gzclient needs an X display, and DISPLAY is not set; "
+            "leave out the Gazebo GUI, or use the panel"
+        )
+    return installation.client
 
 
 def _free_port() -> int:

@@ -23,7 +23,11 @@ OURS = """\
         </constraints>
       </ode>
     </physics>
-    <scene><ambient>0.4 0.4 0.4 1</ambient><background>0.7 0.7 0.7 1</background><shadows>true</shadows></scene>
+    <scene>
+      <ambient>0.4 0.4 0.4 1</ambient>
+      <background>0.7 0.7 0.7 1</background>
+      <shadows>true</shadows>
+    </scene>
     <light name="sun" type="directional">
       <cast_shadows>true</cast_shadows>
       <pose>0 0 10 0 0 0</pose>
@@ -47,7 +51,10 @@ GROUND = """\
         <visual name="visual">
           <cast_shadows>false</cast_shadows>
           <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
-          <material><ambient>0.8 0.8 0.8 1</ambient><diffuse>0.8 0.8 0.8 1</diffuse></material>
+          <material>
+            <ambient>0.8 0.8 0.8 1</ambient>
+            <diffuse>0.8 0.8 0.8 1</diffuse>
+          </material>
         </visual>
       </link>
     </model>
@@ -61,17 +68,32 @@ def empty_world(*, ground: bool) -> str:
 
 def check_world(file: Path) -> None:
     """Raise DescriptionError unless ``file`` is an SDF with a world in it."""
-    try:
-        root = ET.parse(file).getroot()
-    except OSError as error:
-        raise DescriptionError(
-            f"cannot read the world {file}: {error.strerror}"
-        ) from None
-    except ET.ParseError as error:
-        line = error.position[0]
-        raise DescriptionError(f"no XML: {error}", SourceLocation(file, line)) from None
+    root = _root(file, "world")
     if root.tag != "sdf" or root.find("world") is None:
         raise DescriptionError(
             f"<{root.tag}> is no world; a world is <sdf><world>…</world></sdf>",
             SourceLocation(file, 1),
         )
+
+
+def check_model(file: Path) -> None:
+    """Raise DescriptionError unless ``file`` is a URDF or an SDF with a model."""
+    root = _root(file, "model")
+    if root.tag != "robot" and (root.tag != "sdf" or root.find("model") is None):
+        raise DescriptionError(
+            f"<{root.tag}> is no model; a model is <sdf><model>…</model></sdf>, "
+            "or a URDF's <robot>",
+            SourceLocation(file, 1),
+        )
+
+
+def _root(file: Path, what: str) -> ET.Element:
+    try:
+        return ET.parse(file).getroot()
+    except OSError as error:
+        raise DescriptionError(
+            f"cannot read the {what} {file}: {error.strerror}"
+        ) from None
+    except ET.ParseError as error:
+        line = error.position[0]
+        raise DescriptionError(f"no XML: {error}", SourceLocation(file, line)) from None
