@@ -17,6 +17,8 @@ SUCCEEDED, ABORTED, PREEMPTED, ACTIVE = (
     tool0.GoalStatus.ACTIVE,
 )
 AT_REST = [0.0] * 6
+PLACED = 1e-5
+"""How exactly an engine puts a joint [rad]: libsdformat writes six digits."""
 
 
 def arm_positions(robot: tool0.Robot) -> np.ndarray:
@@ -182,8 +184,8 @@ def test_a_goal_of_the_future_lets_the_old_one_run_on(bring_up: BringUp) -> None
     arm.follow([point((0.4, *HOME[1:]), 1.0)])
     robot.run(0.2)
     later = arm.follow([point(HOME, 1.0, AT_REST)], stamp=0.6)
-    assert arm.query_state(0.5).positions[0] == pytest.approx(0.2)
-    assert arm.query_state(0.6).positions[0] == pytest.approx(0.24)
+    assert arm.query_state(0.5).positions[0] == pytest.approx(0.2, abs=PLACED)
+    assert arm.query_state(0.6).positions[0] == pytest.approx(0.24, abs=PLACED)
     assert later.wait(5.0).status is SUCCEEDED
     assert robot.time >= 1.6
 
@@ -249,7 +251,8 @@ def test_a_reset_preempts_and_everything_works_again(bring_up: BringUp) -> None:
     assert [goal.status for goal in goals] == [PREEMPTED, PREEMPTED]
     assert robot.time == 0.0
     measured = robot.joint_state.position
-    assert {name: measured[name] for name in start} == start
+    at_start = pytest.approx(start, abs=PLACED)
+    assert {name: measured[name] for name in start} == at_start
     running = [c.name for c in robot.controllers() if c.state == "running"]
     assert len(running) == 3
     assert worst_departure(robot, 1.0) < 0.02

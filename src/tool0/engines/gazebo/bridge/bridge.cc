@@ -38,6 +38,7 @@
 #include <gazebo/physics/ode/ODEJoint.hh>
 #include <gazebo/physics/ode/ODELink.hh>
 #include <gazebo/physics/ode/ODEPhysics.hh>
+#include <gazebo/physics/ode/ODESurfaceParams.hh>
 #include <gazebo/physics/ode/ode_inc.h>
 #include <gazebo/physics/physics.hh>
 
@@ -53,6 +54,7 @@ constexpr int kIdleAfter = 20;                        // [ms] without a request
 constexpr double kIdleRate = 100.0;                   // [Hz] of a paused world's loop
 
 constexpr double kSlack = 0.02;                       // [rad] of an armature's stops
+constexpr double kSlip = 1e-7;                        // [m/s/N] of contacts; see Calm
 constexpr double kTeethErp = 0.2;                     // of an error, undone in a step
 
 enum Kind : std::uint32_t { kStep = 1, kReset, kBind, kPoses, kSpawn, kDelete };
@@ -339,12 +341,30 @@ class Bridge : public gazebo::SystemPlugin {
     std::vector<gazebo::physics::ModelPtr> objects;
     for (auto m = packet_.Take<std::uint32_t>(); m > 0; --m)
       objects.push_back(Model(packet_.TakeText()));
-    world_->Physics()->SetMaxStepSize(dt_);
-    world_->Physics()->SetRealTimeUpdateRate(0.0);
+    const auto physics = world_->Physics();
+    physics->SetMaxStepSize(dt_);
+    physics->SetRealTimeUpdateRate(0.0);
+    // The iterative solver would leave errors that fingers on a stiff drive amplify;
+    // for a robot the direct one is faster, too.
+    if (physics->GetType() == "ode") physics->SetParam("solver_type", std::string("world"));
+    for (const auto& model : world_->Models()) Calm(model);
     drives_.swap(drives);
     gears_.swap(gears);
     objects_.swap(objects);
     Begin();
+  }
+
+  /// Lets friction yield a little.  Two flat faces touch in more points than it takes to
+  /// hold them, and ODE's direct solver gives up on rows that say the same.
+  static void Calm(const gazebo::physics::ModelPtr& model) {
+    for (const auto& link : model->GetLinks())
+      for (const auto& collision : link->GetCollisions()) {
+        const auto surface = boost::dynamic_pointer_cast<gazebo::physics::ODESurfaceParams>(
+            collision->GetSurface());
+        if (!surface) continue;
+        surface->slip1 = std::max(surface->slip1, kSlip);
+        surface->slip2 = std::max(surface->slip2, kSlip);
+      }
   }
 
   /// Adds to the damping, implicitly.  What is pushed beside it (see Drive::Push) is
@@ -384,8 +404,13 @@ class Bridge : public gazebo::SystemPlugin {
     model->GetAttribute("name")->SetFromString(name);
     model->GetElement("pose")->Set(pose);
     world_->InsertModelSDF(*sdf);
-    WaitUntil([this, name] { return bool(world_->ModelByName(name)); },
-              "Gazebo did not take the model '" + name + "'");
+    WaitUntil(
+        [this, name] {
+          const auto model = world_->ModelByName(name);
+          if (model) Calm(model);
+          return bool(model);
+        },
+        "Gazebo did not take the model '" + name + "'");
   }
 
   /// In: name.
