@@ -16,6 +16,10 @@ from tool0.description.scene import Scene, SceneObject
 from tool0.errors import ConfigError
 
 EDGE = 0.04  # [m]
+SLIP = 1e-4  # [m] in 5 s; 1e-3 would do
+CALM = 1e-4  # [m/s]
+MIMIC_ERROR = {"mujoco": 2e-3, "gazebo": 1e-5}
+"""[rad] while the fingers squeeze: MuJoCo's equalities are springs, if stiff ones."""
 BETWEEN_PADS = (0.5487, 0.1091, 0.003)
 """Where an object lies between the pads in the pose ``ready``, in world [m].
 
@@ -110,3 +114,35 @@ def test_a_scene_is_read_from_its_file(bring_up: BringUp, tmp_path: Path) -> Non
         ConfigError, match=r"scene\.yaml:2: object 'left_tool0' has the name of a link"
     ):
         bring_up(scene=path, prefix="left_")
+
+
+def test_the_cube_that_the_original_drops_stays_between_calm_fingers(
+    bring_up: BringUp, engine: str
+) -> None:
+    robot = bring_up(
+        scene=scene_with(Box(size=(EDGE, EDGE, EDGE))), initial_pose="ready"
+    )
+    followers = [
+        (joint.name, joint.mimic)
+        for joint in robot.description.model.movable_joints
+        if joint.mimic is not None
+    ]
+    robot.gripper.move(opening=0.0, effort=5.0)
+    robot.run(1.5)
+    robot.controller(ARM).follow([point(HOME, 2.0)]).wait(10.0)
+    robot.run(1.0)
+    start = np.subtract(thing(robot), robot.pose("tool0").position)
+    errors, speeds = [], []
+    for _ in range(625):  # 5 s
+        before = np.array(thing(robot))
+        robot.run(0.008)  # a snapshot is as old
+        speeds.append(np.linalg.norm(thing(robot) - before) / 0.008)
+        position = robot.joint_state.position
+        errors += [
+            abs(position[name] - mimic.multiplier * position[mimic.joint])
+            for name, mimic in followers
+        ]
+    slip = np.subtract(thing(robot), robot.pose("tool0").position) - start
+    assert np.linalg.norm(slip) <= SLIP
+    assert max(speeds) <= CALM
+    assert max(errors) <= MIMIC_ERROR[engine]
