@@ -11,6 +11,9 @@ DEV  := $(VENV)/.stamp-dev
 PAGE := src/tool0/panel/static/.stamp
 WEB  := $(BIN)/python tools/web.py
 BROWSER := $(VENV)/.stamp-browser
+GAZEBO  := $(VENV)/.stamp-gazebo
+# What `make test` may not do without; other things that are absent skip their tests.
+TOOL0_REQUIRE ?= browser
 
 .DEFAULT_GOAL := help
 .PHONY: help run setup dev check lint lint-python lint-web format unit unit-python unit-web
@@ -53,8 +56,8 @@ unit-python: $(DEV)
 unit-web: $(DEV)
 	$(WEB) run test
 
-test: $(DEV) $(PAGE) $(BROWSER) unit-web
-	TOOL0_REQUIRE=browser $(BIN)/python -m pytest $(ARGS)
+test: $(DEV) $(PAGE) $(BROWSER) $(GAZEBO) unit-web
+	TOOL0_REQUIRE='$(TOOL0_REQUIRE)' $(BIN)/python -m pytest $(ARGS)
 
 bench: $(DEV)
 	$(BIN)/python benchmarks/run.py $(ARGS)
@@ -88,3 +91,8 @@ $(PAGE): $(filter-out %/protocol.ts,$(shell find web -name node_modules -prune -
 $(BROWSER): tools/setup-browser | $(RUN)
 	@tools/setup-browser
 	@touch $@
+
+# A quarter of a gigabyte from the network: without one, the tests that need Gazebo skip.
+$(GAZEBO): tools/setup-gazebo | $(RUN)
+	@if tools/setup-gazebo $(VENV); then touch $@; \
+	else echo 'setup: no Gazebo here; the tests that need it will be skipped' >&2; fi
