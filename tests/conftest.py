@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,14 +12,29 @@ from skew_robot import build_model
 
 import tool0
 from tool0.description.model import RobotModel
+from tool0.engines.gazebo.installation import (
+    NAMED_BY,
+    find_system,
+    from_prefix,
+    private_prefix,
+)
 
 if TYPE_CHECKING:
     from tool0.panel.server import Panel
 
 
+PRIVATE_GAZEBO = None if find_system() else from_prefix(private_prefix())
+"""Of the person who runs the tests."""
+
+
 @pytest.fixture(autouse=True)
 def data_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Keep what a test saves away from what the person who runs it has saved."""
+    """Keep what a test saves away from what the person who runs it has saved.
+
+    Their Gazebo is in the same place; a test finds it nevertheless.
+    """
+    if PRIVATE_GAZEBO is not None and NAMED_BY not in os.environ:
+        monkeypatch.setenv(NAMED_BY, str(PRIVATE_GAZEBO.prefix))
     folder = tmp_path / "data"
     monkeypatch.setenv("XDG_DATA_HOME", str(folder))
     return folder

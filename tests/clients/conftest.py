@@ -5,32 +5,25 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 
 import pytest
 from browser import Tab, find_chromium, launch
 from playwright.sync_api import Browser, sync_playwright
+from promised import absent
 
 from tool0.panel.server import Panel, is_page_built
 
 OpenTab = Callable[..., Tab]
 
 
-def _absent(what: str) -> None:
-    if "browser" in os.environ.get("TOOL0_REQUIRE", "").split():
-        pytest.fail(f"{what}, which this run promised")
-    pytest.skip(f"{what}; `make test` sees to it")
-
-
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     chromium = find_chromium()
     if chromium is None:
-        _absent("no Chromium is installed")
+        absent("browser", "no Chromium is installed")
     if not is_page_built():
-        _absent("the panel's page is not built")
-    assert chromium is not None
+        absent("browser", "the panel's page is not built")
     with sync_playwright() as playwright:
         started = launch(playwright, chromium)
         yield started

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import struct
 from collections.abc import Sequence
@@ -30,16 +31,23 @@ from tool0.engines.gazebo.server import Server, require_window
 from tool0.engines.gazebo.world import check_model, check_world, empty_world
 from tool0.errors import (
     ConfigError,
+    DescriptionError,
     DivergenceError,
     EngineError,
     EngineUnavailableError,
+    SourceLocation,
 )
-from tool0.hardware.bodies import moving_bodies, transform
+from tool0.hardware.bodies import Matrix, moving_bodies, transform
 from tool0.hardware.engine import ObjectPose
 from tool0.hardware.joint_state import JointState
 
+logger = logging.getLogger(__name__)
+
 START_PATIENCE = 30.0
 """[s] until gzserver has loaded the bridge; a cold disk takes ten."""
+_OTHER_WORLD = "Falling back on"
+_HALF_BUILT = "Loading model from factory message failed"
+"""What gzserver says, and otherwise goes on as if nothing were."""
 
 
 @final
@@ -77,6 +85,7 @@ class GazeboEngine:
         if world is not None:
             check_world(world)
         model = description.model
+        self._world = world
         self._scene = scene or Scene()
         self._model = model
         self._bodies = moving_bodies(model)
@@ -99,7 +108,7 @@ class GazeboEngine:
             require_window(installation)  # before seconds are spent on the rest
         self.server = Server(installation, bridge_libraries(installation))
         try:
-            self._connection, self.version = self._start(world)
+            self._connection, self.version = self._start()
             self._populate(urdf)
             self.reset([0.0] * n)
             if gui:
@@ -193,7 +202,7 @@ class GazeboEngine:
         """
         check_model(file)
         self._await_step()
-        self._connection.spawn(name, file.resolve(), self._root @ transform(pose))
+        self._spawn(name, file.resolve(), self._root @ transform(pose))
 
     def delete(self, name: str) -> None:
         """Take the model ``name`` out of the world again.
@@ -211,9 +220,10 @@ class GazeboEngine:
         self._connection.close()
         self.server.close()
 
-    def _start(self, world: Path | None) -> tuple[Connection, str]:
+    def _start(self) -> tuple[Connection, str]:
         listener = Listener(self.server.socket_path)
         try:
+            world = self._world
             if world is None:
                 world = self.server.folder / "empty.world"
                 world.write_text(empty_world(ground=True))
@@ -226,13 +236,13 @@ class GazeboEngine:
     def _populate(self, urdf: str) -> None:
         file = self.server.folder / "robot.urdf"
         file.write_text(urdf)
-        self._connection.spawn(self._model.name, file, self._root)
+        self._spawn(self._model.name, file, self._root)
         for item in self._scene.objects:
             file = self.server.folder / f"{item.name}.sdf"
             file.write_text(object_sdf(item))
             try:
                 pose = self._root @ transform(item.pose)
-                self._connection.spawn(item.name, file, pose)
+                self._spawn(item.name, file, pose)
             except EngineError as error:
                 raise EngineError(f"object '{item.name}': {error}") from error
         transmissions = self._model.transmission_by_joint
@@ -256,6 +266,26 @@ class GazeboEngine:
             struct.pack("=I", len(self._scene.objects)),
             *(text(item.name) for item in self._scene.objects),
         )
+
+    def _spawn(self, name: str, file: Path, pose: Matrix) -> None:
+        try:
+            self._connection.spawn(name, file, pose)
+        except EngineUnavailableError:
+            raise
+        except EngineError as error:
+            raise EngineError(f"{error}{self._complaints()}") from None
+        complaints = self._complaints()
+        if _OTHER_WORLD in complaints:  # the first model's world, that is
+            where = SourceLocation(self._world)
+            raise DescriptionError(f"Gazebo cannot read this world:{complaints}", where)
+        if _HALF_BUILT in complaints:
+            self._connection.delete(name)
+            raise EngineError(f"Gazebo cannot build '{name}':{complaints}")
+        if complaints:
+            logger.warning("Gazebo complains:%s", complaints)
+
+    def _complaints(self) -> str:
+        return "".join(f"\n  {line}" for line in self.server.complaints())
 
     def _await_step(self) -> None:
         """Take the answer to the step, if there is one to come."""

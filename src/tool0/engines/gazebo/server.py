@@ -28,8 +28,10 @@ _COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
 _CHATTER: Final = re.compile(
     r"$|Gazebo multi-robot simulator|Copyright|Released under|http://gazebosim"
     r"|\[Msg\]|\[\w+\] \[RenderEngine"  # which draws nothing without a display
+    r"|Error:\s+Could not find the 'robot'"  # before it tries SDF
 )
 """What every gzserver says, and what a reason is not among."""
+_COMPLAINT: Final = re.compile(r"\[Err\]|Error|\[Wrn\] \[Server")
 
 
 @final
@@ -47,6 +49,7 @@ class Server:
         self._exits = contextlib.ExitStack()
         self.folder = self._exits.enter_context(_own_folder())
         self._log = self.folder / "gzserver.log"
+        self._heard = 0
         self._port = _free_port()
         self._lifeline, our_end = os.pipe()
         for end in (self._lifeline, our_end):
@@ -95,6 +98,12 @@ class Server:
         """Raise EngineUnavailableError if the server has ended."""
         if self._server is None or self._server.poll() is not None:
             raise EngineUnavailableError(self._obituary("gzserver did not start"))
+
+    def complaints(self) -> list[str]:
+        """Return the errors in what the server said since the last call."""
+        said = _said(self._log)
+        new, self._heard = said[self._heard :], len(said)
+        return [line for line in new if _COMPLAINT.match(line)]
 
     def lost(self, why: str) -> EngineUnavailableError:
         """End what is left of the server, and return the error that says so."""
@@ -152,7 +161,8 @@ class Server:
             how = f", killed by {signal.Signals(-status).name}"
         else:
             how = f", exit status {status}"
-        words = "\n".join(f"  {line}" for line in _last_words(self._log))
+        last = _said(self._log)[-_LAST_LINES:]
+        words = "\n".join(f"  {line}" for line in last)
         said = f"; its last words:\n{words}" if words else "; it said nothing"
         return f"{why}{how}{said}"
 
@@ -174,13 +184,13 @@ def _own_folder() -> Iterator[Path]:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def _last_words(log: Path) -> list[str]:
+def _said(log: Path) -> list[str]:
     try:
         text = log.read_text(errors="replace")
     except OSError:
         return []
     lines = (line.rstrip() for line in _COLOUR.sub("", text).splitlines())
-    return [line for line in lines if not _CHATTER.match(line)][-_LAST_LINES:]
+    return [line for line in lines if not _CHATTER.match(line)]
 
 
 def require_window(installation: Installation) -> Path:

@@ -1,0 +1,15 @@
+"""What a machine may lack, and a run of the tests may promise: ``TOOL0_REQUIRE``."""
+
+from __future__ import annotations
+
+import os
+from typing import NoReturn
+
+import pytest
+
+
+def absent(part: str, why: str) -> NoReturn:
+    """Skip visibly, or fail if this run promised ``part``: browser, gazebo."""
+    if part in os.environ.get("TOOL0_REQUIRE", "").split():
+        pytest.fail(f"{why}, which this run promised")
+    pytest.skip(f"{why}; `make test` sees to it")
