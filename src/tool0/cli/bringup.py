@@ -18,7 +18,7 @@ from tool0.cli.bringup_text import (
 )
 from tool0.cli.options import BringupOptions, SimulationOptions, bringup_keywords
 from tool0.cli.quick import read_bringup
-from tool0.errors import EngineError
+from tool0.errors import EngineError, EngineUnavailableError
 
 if TYPE_CHECKING:
     from tool0.cli.stop_signal import StopSignal
@@ -149,7 +149,9 @@ def _run(
     while not stop.is_set and (left := end - robot.time) > 0.0:
         status.renew(robot)
         snapshot = robot.snapshot
-        if snapshot.fault is not None and simulation.duration is not None:
+        if snapshot.fault is not None and (
+            simulation.duration is not None or _is_lost(robot)
+        ):
             raise EngineError(snapshot.fault)
         if snapshot.fault not in (None, told):
             print(
@@ -162,6 +164,17 @@ def _run(
             stop.wait(min(_GLANCE, max(left / (simulation.speed or 1.0), 0.001)))
         elif not _advance(robot, min(_STRETCH, left)):
             break
+
+
+def _is_lost(robot: Robot) -> bool:
+    """Return whether the physics is gone, so that no reset brings it back."""
+    try:
+        robot.run(0.0)
+    except EngineUnavailableError:
+        return True
+    except Exception:
+        return False  # it stands still, which the caller tells
+    return False
 
 
 def _advance(robot: Robot, duration: float) -> bool:

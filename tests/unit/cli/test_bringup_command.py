@@ -190,6 +190,20 @@ def test_a_mistake_is_one_line_and_leaves_nothing(
     assert not folder.exists() or list(folder.iterdir()) == []
 
 
+def test_without_a_gazebo_it_names_the_command(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.delenv("TOOL0_GAZEBO", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert run(f"{FAST} --engine gazebo") == FAILED
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.count("\n") == 1
+    assert "tool0 gazebo install" in error
+
+
 def test_json_gets_null_for_what_is_not_a_number() -> None:
     value = {"a": [1.0, float("nan")], "b": (float("inf"), "x"), "c": 3}
     assert finite(value) == {"a": [1.0, None], "b": [None, "x"], "c": 3}
