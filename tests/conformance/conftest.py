@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 from conformance_types import BringUp
+from promised import absent
 
 import tool0
 from tool0.errors import EngineUnavailableError
@@ -15,12 +16,12 @@ ENGINES = ("mujoco", "gazebo")
 
 @pytest.fixture(scope="session", params=ENGINES)
 def engine(request: pytest.FixtureRequest) -> str:
-    """Name an engine, or skip visibly where it is not installed."""
+    """Name an engine, or skip visibly where it is not installed (see ``promised``)."""
     name: str = request.param
     try:
         tool0.bringup(engine=name, gripper=None, realtime=False).close()
     except (EngineUnavailableError, ImportError) as error:
-        pytest.skip(f"engine '{name}' is absent: {error}")
+        absent(name, f"engine '{name}' is absent: {error}")
     return name
 
 

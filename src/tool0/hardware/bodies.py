@@ -117,6 +117,18 @@ def moving_bodies(model: RobotModel) -> tuple[MovingBody, ...]:
     return tuple(bodies)
 
 
+def check_masses(model: RobotModel, bodies: Sequence[MovingBody]) -> None:
+    """Raise ModelError if a body has no mass, which no physics can move."""
+    for body in bodies:
+        if not body.inertia.mass > 0.0:
+            joint = body.joint
+            raise ModelError(
+                f"link '{joint.child}' moves with joint '{joint.name}' but has no "
+                "mass; give it an <inertial>",
+                model.locations.get(f"link:{joint.child}"),
+            )
+
+
 def fixed_to_world(model: RobotModel) -> tuple[tuple[str, Matrix], ...]:
     """Return the links that never move, with their frames in the world."""
     return tuple(_fixed_links(model, model.root, np.eye(4)))

@@ -160,7 +160,13 @@ def bringup(
     poses = PoseBook(description)
     position = _initial_position(model, poses, initial_pose)
     physics = _engine(
-        engine, description, dt, spawn_z, surroundings, _path(world), gazebo_gui
+        engine,
+        description,
+        dt=dt,
+        spawn_z=spawn_z,
+        scene=surroundings,
+        world=_path(world),
+        gazebo_gui=gazebo_gui,
     )
     try:
         core = _core(model, physics, config, position, control_period)
@@ -183,7 +189,7 @@ def bringup(
         defined_controllers=config.types,
         joint_limits=core.hardware.limits,
         scene=surroundings,
-        ground=-spawn_z,
+        ground=None if world else -spawn_z,  # a person's world has what it has
         warnings=_warnings(config, model),
     )
 
@@ -275,6 +281,7 @@ def _scene(scene: Scene | Path | str | None) -> Scene:
 def _engine(
     name: str,
     description: RobotDescription,
+    *,
     dt: float,
     spawn_z: float,
     scene: Scene,

@@ -84,7 +84,7 @@ def _coupling(
     assert joint.mimic is not None
     if joint.mimic.offset:
         raise _refusal(model, joint, f"its offset is {joint.mimic.offset:g}")
-    why = "no joint of its mechanism is next to it"
+    why, gear = "no joint of its mechanism is next to it", None
     for j in _neighbours(bodies, i):
         other = bodies[j].joint
         if JointType.PRISMATIC in (joint.type, other.type):
@@ -101,9 +101,12 @@ def _coupling(
                 return Coupling(i, j, multiplier, is_gearbox=True)
             why = f"it rides on '{other.name}' and does not turn back as far"
             continue
-        same = bool(np.isclose(multiplier * along, 1.0))
-        return Coupling(i, j, multiplier, is_gearbox=same)
-    raise _refusal(model, joint, why)
+        if np.isclose(multiplier * along, 1.0):
+            return Coupling(i, j, multiplier, is_gearbox=True)
+        gear = gear or Coupling(i, j, multiplier, is_gearbox=False)
+    if gear is None:
+        raise _refusal(model, joint, why)
+    return gear
 
 
 def _neighbours(bodies: tuple[MovingBody, ...], i: int) -> Iterator[int]:
@@ -114,13 +117,14 @@ def _neighbours(bodies: tuple[MovingBody, ...], i: int) -> Iterator[int]:
         other = bodies[j].joint
         master = other.mimic.joint if other.mimic else other.name
         beside = j == body.parent or bodies[j].parent == body.parent
-        if j >= 0 and beside and master == body.joint.mimic.joint:
-            if _multiplier(other):
-                yield j
+        is_one = j >= 0 and beside and master == body.joint.mimic.joint
+        if is_one and _multiplier(other):
+            yield j
 
 
 def _axis(bodies: tuple[MovingBody, ...], at_zero: list[Matrix], i: int) -> Matrix:
-    return at_zero[i][:3, :3] @ np.asarray(bodies[i].joint.axis)
+    axis: Matrix = at_zero[i][:3, :3] @ np.asarray(bodies[i].joint.axis)
+    return axis
 
 
 def _multiplier(joint: Joint) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import struct
@@ -37,7 +38,7 @@ from tool0.errors import (
     EngineUnavailableError,
     SourceLocation,
 )
-from tool0.hardware.bodies import Matrix, moving_bodies, transform
+from tool0.hardware.bodies import Matrix, check_masses, moving_bodies, transform
 from tool0.hardware.engine import ObjectPose
 from tool0.hardware.joint_state import JointState
 
@@ -89,6 +90,7 @@ class GazeboEngine:
         self._scene = scene or Scene()
         self._model = model
         self._bodies = moving_bodies(model)
+        check_masses(model, self._bodies)
         self._joint_names = tuple(joint.name for joint in model.movable_joints)
         self._root = transform(Pose(xyz=(0.0, 0.0, spawn_z)))
         self._dt = dt
@@ -107,15 +109,15 @@ class GazeboEngine:
         if gui:
             require_window(installation)  # before seconds are spent on the rest
         self.server = Server(installation, bridge_libraries(installation))
-        try:
+        with contextlib.ExitStack() as failed:
+            failed.callback(self.server.close)
             self._connection, self.version = self._start()
+            failed.callback(self._connection.close)
             self._populate(urdf)
             self.reset([0.0] * n)
             if gui:
                 self.server.open_window()
-        except BaseException:
-            self.server.close()
-            raise
+            failed.pop_all()
 
     @property
     def joint_names(self) -> tuple[str, ...]:

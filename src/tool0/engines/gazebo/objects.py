@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.scene import SceneObject
-from tool0.errors import ModelError
+from tool0.engines.gazebo.solids import solid_of
 
 STIFFNESS, DAMPING = 1e5, 10.0
 """Of contact [N/m, N·s/m], as of the pads: calm at rest, and no visible depth."""
@@ -18,7 +18,7 @@ def object_sdf(item: SceneObject) -> str:
     """Return the object as an SDF document, at its model's origin.
 
     Raises:
-        ModelError: If it is a mesh that is to move: Gazebo takes no inertia from it.
+        ModelError: If it is to move and is a mesh that encloses nothing.
     """
     sdf = ET.Element("sdf", version="1.6")
     model = ET.SubElement(sdf, "model", name=item.name)
@@ -62,34 +62,16 @@ def _geometry(geometry: Geometry) -> ET.Element:
 
 
 def _add_inertial(link: ET.Element, item: SceneObject, mass: float) -> None:
+    solid = solid_of(item.geometry)
     inertial = ET.SubElement(link, "inertial")
+    _add(inertial, "pose", " ".join(repr(float(x)) for x in (*solid.center, 0, 0, 0)))
     _add(inertial, "mass", repr(mass))
     inertia = ET.SubElement(inertial, "inertia")
-    moments = _moments(item)
-    for tag, moment in zip(("ixx", "iyy", "izz"), moments, strict=True):
-        _add(inertia, tag, repr(mass * moment))
-    for tag in ("ixy", "ixz", "iyz"):
-        _add(inertia, tag, "0.0")
-
-
-def _moments(item: SceneObject) -> tuple[float, float, float]:
-    """Return the principal moments of a solid of 1 kg [m²]."""
-    match item.geometry:
-        case Box(size=(x, y, z)):
-            return (
-                (y * y + z * z) / 12.0,
-                (x * x + z * z) / 12.0,
-                (x * x + y * y) / 12.0,
-            )
-        case Cylinder(radius=r, length=length):
-            across = (3.0 * r * r + length * length) / 12.0
-            return across, across, r * r / 2.0
-        case Sphere(radius=r):
-            return (0.4 * r * r,) * 3
-    raise ModelError(
-        f"object '{item.name}' is a mesh with a mass, which Gazebo cannot have yet; "
-        "leave the mass out, or make it of a box, cylinder or sphere"
-    )
+    for i, row in enumerate("xyz"):
+        for j, column in enumerate("xyz"):
+            if i <= j:
+                moment = float(mass * solid.tensor[i, j])
+                _add(inertia, f"i{row}{column}", repr(moment))
 
 
 def _add_surface(collision: ET.Element, friction: float) -> None:

@@ -79,7 +79,7 @@ class Server:
             self._installation.server,
             ["--verbose", "-s", str(self._libraries.bridge), str(world)],
             self._log,
-            {"TOOL0_BRIDGE": str(self.socket_path)},
+            {"TOOL0_BRIDGE": self.socket_path.name},  # it runs in the folder,
         )
 
     def open_window(self) -> None:

@@ -32,6 +32,7 @@ from tool0.errors import ModelError
 from tool0.hardware.bodies import (
     Matrix,
     MovingBody,
+    check_masses,
     fixed_to_world,
     moving_bodies,
     transform,
@@ -89,6 +90,7 @@ def build_spec(
     for name, frame in fixed_to_world(model):
         _add_shapes(spec, spec.worldbody, model.link(name), frame, visuals)
     bodies = moving_bodies(model)
+    check_masses(model, bodies)
     handles: list[Any] = []
     for body in bodies:
         parent = spec.worldbody if body.parent < 0 else handles[body.parent]
@@ -156,12 +158,6 @@ def _add_body(
     spec: Any, parent: Any, model: RobotModel, body: MovingBody, visuals: bool
 ) -> Any:
     joint, inertia = body.joint, body.inertia
-    if not inertia.mass > 0.0:
-        raise ModelError(
-            f"link '{joint.child}' moves with joint '{joint.name}' but has no mass; "
-            "give it an <inertial>",
-            model.locations.get(f"link:{joint.child}"),
-        )
     tensor = inertia.tensor
     handle = parent.add_body(
         name=joint.child,

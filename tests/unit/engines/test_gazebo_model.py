@@ -1,0 +1,147 @@
+"""What Gazebo is given of a robot: its URDF, and what holds mimic joints."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tool0.description.catalogue import assemble, load_robot
+from tool0.description.kinematics import transforms
+from tool0.description.model import JointType, RobotModel
+from tool0.engines.gazebo.connection import pose_bytes
+from tool0.engines.gazebo.couplings import Coupling, couplings
+from tool0.engines.gazebo.model import body_poses, gazebo_urdf
+from tool0.engines.mujoco.model import quat_wxyz as quat_by_mujoco
+from tool0.errors import ModelError
+from tool0.hardware.bodies import MovingBody, moving_bodies
+
+TWO_ROBOTS = Path("tests/data/description/two_robots.urdf.xacro")
+
+
+def held(model: RobotModel) -> tuple[tuple[MovingBody, ...], tuple[Coupling, ...]]:
+    bodies = moving_bodies(model)
+    return bodies, couplings(model, bodies, body_poses(bodies, [0.0] * len(bodies)))
+
+
+def urdf_of(path: Path | None = None, **options: str) -> ET.Element:
+    description = load_robot(path) if path else assemble(**options)
+    model = description.model
+    return ET.fromstring(gazebo_urdf(description.urdf, model, *held(model)))
+
+
+def gearboxes(robot: ET.Element) -> dict[str, tuple[str, str, float]]:
+    return {
+        joint.findtext("child", ""): (
+            joint.findtext("parent", ""),
+            joint.findtext("gearbox_reference_body", ""),
+            float(joint.findtext("gearbox_ratio", "nan")),
+        )
+        for joint in robot.iterfind("gazebo/joint[@type='gearbox']")
+    }
+
+
+OF_THE_2F85 = {
+    "left_inner_knuckle": ("left_outer_knuckle", "wrist_3_link", -1.0),
+    "left_inner_finger": ("wrist_3_link", "left_outer_knuckle", -1.0),
+    "right_inner_knuckle": ("right_outer_knuckle", "wrist_3_link", -1.0),
+    "right_inner_finger": ("wrist_3_link", "right_outer_knuckle", -1.0),
+}
+
+
+def test_the_xacro_s_gearboxes_stay_where_they_are_exact() -> None:
+    assert gearboxes(urdf_of()) == OF_THE_2F85
+
+
+def test_gearboxes_are_made_where_the_urdf_brings_none() -> None:
+    made = gearboxes(urdf_of(TWO_ROBOTS))
+    assert made == {
+        f"{side}_{child}": (f"{side}_{parent}", f"{side}_{reference}", ratio)
+        for side in ("left", "right")
+        for child, (parent, reference, ratio) in OF_THE_2F85.items()
+    }
+
+
+def test_fingers_that_turn_opposite_ways_mesh_by_teeth() -> None:
+    model = assemble().model
+    bodies, all_held = held(model)
+    (gear,) = (coupling for coupling in all_held if not coupling.is_gearbox)
+    assert bodies[gear.joint].joint.name == "right_finger_joint"
+    assert bodies[gear.other].joint.name == "finger_joint"
+    assert gear.multiplier == 1.0
+
+
+def test_a_mimic_joint_is_held_to_its_neighbour_and_not_to_a_far_master() -> None:
+    bodies, all_held = held(assemble().model)
+    names = [body.joint.name for body in bodies]
+    by_name = {names[c.joint]: c for c in all_held}
+    follower = by_name["right_inner_finger_joint"]
+    assert names[follower.other] == "right_finger_joint"
+    assert follower.multiplier == -1.0
+
+
+def changed(name: str, **changes: object) -> RobotModel:
+    """Return the 2F-85's model with one joint changed."""
+    model = assemble().model
+    joints = tuple(
+        replace(joint, **changes)  # type: ignore[arg-type]
+        if joint.name == name
+        else joint
+        for joint in model.joints
+    )
+    return replace(model, joints=joints)
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"type": JointType.PRISMATIC}, "is prismatic"),
+        ({"axis": (0.0, 1.0, 0.0)}, "axis is not parallel"),
+    ],
+)
+def test_what_no_gear_can_do_is_refused(
+    changes: dict[str, object], reason: str
+) -> None:
+    with pytest.raises(ModelError, match=f"'right_finger_joint'.*{reason}"):
+        held(changed("right_finger_joint", **changes))
+
+
+def test_an_offset_is_refused() -> None:
+    mimic = assemble().model.joint("right_finger_joint").mimic
+    assert mimic is not None
+    with pytest.raises(ModelError, match=r"its offset is 0\.1; use MuJoCo"):
+        held(changed("right_finger_joint", mimic=replace(mimic, offset=0.1)))
+
+
+def test_a_robot_without_a_world_is_fixed_to_it(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text("<robot name='arm'><link name='foot'/></robot>")
+    (joint,) = urdf_of(path).iterfind("joint")
+    assert joint.get("type") == "fixed"
+    assert [element.get("link") for element in joint] == ["world", "foot"]
+
+
+def test_meshes_are_named_by_absolute_path() -> None:
+    meshes = [mesh.get("filename", "") for mesh in urdf_of().iter("mesh")]
+    assert meshes
+    assert all(name.startswith("file:///") for name in meshes)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_bodies_are_placed_where_the_kinematics_say(seed: int) -> None:
+    model = load_robot(TWO_ROBOTS).model
+    rng = np.random.default_rng(seed)
+    position = rng.uniform(-3.0, 3.0, len(model.movable_joints)).tolist()
+    names = [joint.name for joint in model.movable_joints]
+    expected = transforms(model, dict(zip(names, position, strict=True)))
+    bodies = moving_bodies(model)
+    for body, pose in zip(bodies, body_poses(bodies, position), strict=True):
+        frame = expected[body.joint.child]
+        np.testing.assert_allclose(pose, getattr(frame, "matrix", frame), atol=1e-12)
+        sent = np.frombuffer(pose_bytes(pose))
+        quat = quat_by_mujoco(pose)
+        np.testing.assert_allclose(sent[:3], pose[:3, 3])
+        np.testing.assert_allclose(abs(sent[3:] @ quat), 1.0, atol=1e-12)
