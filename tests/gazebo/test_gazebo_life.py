@@ -1,0 +1,163 @@
+"""How gzserver lives, and above all how it ends."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from in_gazebo import PATIENCE, BringUp
+from processes import Watch, children, listening, program
+
+import tool0
+from tool0.description.model import Box, Pose
+from tool0.description.scene import Scene, SceneObject
+from tool0.errors import EngineError, EngineUnavailableError
+
+TOLD_WITHIN = 2.0
+"""Until a loss is told [wall s]."""
+CUBE = Scene(
+    objects=(
+        SceneObject(
+            name="cube",
+            geometry=Box(size=(0.1, 0.1, 0.1)),
+            pose=Pose(xyz=(0.6, 0.0, 0.0)),
+            mass=0.1,
+        ),
+    )
+)
+
+
+def end_of(robot: tool0.Robot) -> tuple[str, float]:
+    """Wait until a robot in real time stands still; return why, and after what time."""
+    began = time.monotonic()
+    reader = robot.subscribe()
+    while (snapshot := reader.next(PATIENCE)) is not None:
+        if snapshot.fault is not None:
+            return snapshot.fault, time.monotonic() - began
+    raise AssertionError("never told")
+
+
+@pytest.mark.parametrize(
+    ("number", "told"),
+    [
+        (signal.SIGKILL, "gzserver is gone .*, killed by SIGKILL"),
+        (signal.SIGSTOP, "gzserver does not answer within 1.5 s"),
+    ],
+)
+def test_a_server_that_dies_or_hangs_is_told_of_and_leaves_nothing(
+    number: signal.Signals, told: str, bring_up: BringUp
+) -> None:
+    robot, engine = bring_up(realtime=True, scene=CUBE)
+    (pid,) = engine.server.process_ids
+    watch = Watch([pid])
+    os.kill(pid, number)
+    fault, took = end_of(robot)
+    assert took < TOLD_WITHIN
+    with pytest.raises(EngineUnavailableError, match=told):
+        robot.run(0.1)
+    assert watch.all_ended(0.0)
+    assert not engine.server.folder.exists()
+    # The robot is still there to be asked; what is impossible says why.
+    assert robot.snapshot.objects[0].name == "cube"
+    with pytest.raises(EngineUnavailableError, match=told):
+        robot.reset()
+    assert robot.snapshot.fault == fault
+
+
+def test_a_script_is_told_too(bring_up: BringUp) -> None:
+    robot, engine = bring_up()
+    robot.run(0.05)
+    os.kill(engine.server.process_ids[0], signal.SIGKILL)
+    with pytest.raises(EngineUnavailableError, match="killed by SIGKILL"):
+        robot.run(0.05)
+
+
+def test_its_last_words_are_told_in_black_and_white(
+    tmp_path: Path, bring_up: BringUp
+) -> None:
+    world = tmp_path / "complains.world"
+    world.write_text(
+        '<sdf version="1.6"><world name="w">'
+        '<plugin name="p" filename="libnowhere.so"/></world></sdf>'
+    )
+    robot, engine = bring_up(world=world)
+    os.kill(engine.server.process_ids[0], signal.SIGKILL)
+    with pytest.raises(EngineError) as caught:
+        robot.run(0.05)
+    first, *words = str(caught.value).splitlines()
+    assert first.endswith("its last words:")
+    assert any("[Err]" in line and "libnowhere.so" in line for line in words)
+    assert "\x1b" not in str(caught.value)
+    assert "Copyright" not in str(caught.value)
+
+
+def test_closing_ends_it_and_closing_twice_is_allowed(bring_up: BringUp) -> None:
+    robot, engine = bring_up()
+    watch = Watch(engine.server.process_ids)
+    robot.close()
+    assert watch.all_ended(0.0)
+    assert not engine.server.folder.exists()
+    robot.close()
+
+
+def test_what_cannot_be_brought_up_leaves_nothing(tmp_path: Path) -> None:
+    world = tmp_path / "taken.world"
+    world.write_text(
+        '<sdf version="1.6"><world name="w"><model name="ur5_robot">'
+        '<link name="l"/></model></world></sdf>'
+    )
+    with pytest.raises(EngineError, match="has a model 'ur5_robot' already"):
+        tool0.bringup(engine="gazebo", world=world)
+    assert not [pid for pid in children(os.getpid()) if "gz" in program(pid)]
+
+
+def test_two_run_side_by_side(bring_up: BringUp) -> None:
+    left, its_engine = bring_up(initial_pose={"elbow_joint": 1.2})
+    right, other_engine = bring_up(initial_pose={"elbow_joint": 1.7})
+    for robot in (left, right, left, right):
+        robot.run(0.1)
+    assert left.joint_state.position["elbow_joint"] == pytest.approx(1.2, abs=0.02)
+    assert right.joint_state.position["elbow_joint"] == pytest.approx(1.7, abs=0.02)
+    assert its_engine.server.master_uri != other_engine.server.master_uri
+    left.close()
+    right.run(0.1)
+    assert right.time == pytest.approx(0.3)
+
+
+def test_nobody_else_reaches_it(bring_up: BringUp) -> None:
+    _, engine = bring_up()
+    (pid,) = engine.server.process_ids
+    assert set(listening(pid)) == {"tcp", "udp"}
+    for protocol, addresses in listening(pid).items():
+        assert addresses == {"0100007F"}, protocol  # 127.0.0.1
+
+
+PROGRAM = """
+import tool0
+robot = tool0.bringup(engine="gazebo")
+print(robot.engine.server.folder, flush=True)
+input()
+"""
+
+
+def test_it_ends_with_a_process_that_is_killed(bring_up: BringUp) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", PROGRAM],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as ours:
+        assert ours.stdout is not None
+        folder = Path(ours.stdout.readline().strip())
+        servers = [pid for pid in children(ours.pid) if "gzserver" in program(pid)]
+        watch = Watch(servers)
+        ours.kill()
+    assert watch.all_ended(PATIENCE)
+    # Nobody is left to remove its folder; the next one does.
+    assert folder.is_dir()
+    _, engine = bring_up()
+    assert not folder.exists()
+    assert engine.server.folder.is_dir()
