@@ -14,7 +14,7 @@ from tool0.description.kinematics import transforms
 from tool0.description.model import JointType, RobotModel
 from tool0.engines.gazebo.connection import pose_bytes
 from tool0.engines.gazebo.couplings import Coupling, couplings
-from tool0.engines.gazebo.model import body_poses, gazebo_urdf
+from tool0.engines.gazebo.model import STOP_SLACK, body_poses, gazebo_urdf
 from tool0.engines.mujoco.model import quat_wxyz as quat_by_mujoco
 from tool0.errors import ModelError
 from tool0.hardware.bodies import MovingBody, moving_bodies
@@ -114,6 +114,19 @@ def test_an_offset_is_refused() -> None:
     assert mimic is not None
     with pytest.raises(ModelError, match=r"its offset is 0\.1; use MuJoCo"):
         held(changed("right_finger_joint", mimic=replace(mimic, offset=0.1)))
+
+
+def test_the_stops_of_mimic_joints_alone_are_set_back() -> None:
+    model = assemble().model
+    for joint in urdf_of().iterfind("joint"):
+        limit = joint.find("limit")
+        if limit is not None:
+            own = model.joint(joint.get("name", ""))
+            back = STOP_SLACK if own.mimic else 0.0
+            stops = float(limit.get("lower", "")), float(limit.get("upper", ""))
+            assert stops == pytest.approx(
+                (own.limits.lower - back, own.limits.upper + back)
+            )
 
 
 def test_a_robot_without_a_world_is_fixed_to_it(tmp_path: Path) -> None:

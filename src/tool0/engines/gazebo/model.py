@@ -1,8 +1,8 @@
 """The robot's URDF as Gazebo needs it.
 
 Gazebo's own libsdformat converts it, so that what a Gazebo user would get is what
-runs.  Three things are settled before: where meshes are, that the robot is fixed to
-the world, and what holds the mimic joints.
+runs.  Four things are settled before: where meshes are, that the robot is fixed to
+the world, what holds the mimic joints, and that their stops stay out of the way.
 """
 
 from __future__ import annotations
@@ -15,6 +15,13 @@ from tool0.description.model import Joint, JointType, RobotModel
 from tool0.description.packages import resolve_uri
 from tool0.engines.gazebo.couplings import WORLD, Coupling, gearbox
 from tool0.hardware.bodies import Matrix, MovingBody
+
+STOP_SLACK = 0.02
+"""By how much the stops of mimic joints are set back [rad].
+
+Where their master's stop holds, theirs hold already.  ODE's direct solver gives up on
+rows that say the same, and undamped fingers then hammer at 6 rad/s.
+"""
 
 
 def gazebo_urdf(
@@ -33,6 +40,11 @@ def gazebo_urdf(
         ET.SubElement(joint, "parent", link=WORLD)
         ET.SubElement(joint, "child", link=model.root)
     links = {bodies[c.joint].joint.child: c for c in couplings}
+    for joint in robot.iterfind("joint"):
+        moved, limit = joint.find("child"), joint.find("limit")
+        if moved is not None and moved.get("link") in links and limit is not None:
+            for side, back in (("lower", -STOP_SLACK), ("upper", STOP_SLACK)):
+                limit.set(side, repr(float(limit.get(side, "0")) + back))
     geared = set()
     for extension in robot.iterfind("gazebo"):
         for joint in extension.findall("joint[@type='gearbox']"):
