@@ -1,4 +1,4 @@
-"""The same goals as in the recordings of the original system, on our engine."""
+"""The same goals as in the recordings of the original system, on our engines."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import csv
 import gzip
 import json
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -44,12 +45,20 @@ class Comparison:
     @property
     def worst(self) -> float:
         """Largest difference of any joint after the transient [rad]."""
+        return self._worst(self.recorded)
+
+    def worst_beside(self, other: Comparison) -> float:
+        """Largest difference from the same goals on another engine [rad]."""
+        return self._worst(other.simulated)
+
+    def _worst(self, expected: np.ndarray) -> float:
         late = self.time >= TRANSIENT
-        return float(np.abs(self.recorded - self.simulated)[late].max())
+        return float(np.abs(expected - self.simulated)[late].max())
 
 
-def compare(name: str) -> Comparison:
-    """Replay the scenario ``name`` with the original's masses."""
+@cache
+def compare(name: str, engine: str) -> Comparison:
+    """Replay the scenario ``name`` with the original's masses on ``engine``."""
     script: dict[str, Any] = json.loads((DATA / f"{name}.json").read_text())
     with gzip.open(DATA / f"{name}.csv.gz", "rt") as file:
         rows = list(csv.DictReader(file))
@@ -58,6 +67,7 @@ def compare(name: str) -> Comparison:
     time = np.array([float(row["t"]) for row in rows])
     start = dict(zip(ARM, script["start_pose"], strict=True))
     with tool0.bringup(
+        engine=engine,
         realtime=False,
         physical_params=DATA / "ur5_physical_parameters.yaml",
         gripper_params=DATA / "2f85_physical_parameters.yaml",

@@ -43,7 +43,7 @@ def figures() -> Iterator[Figure]:
         "steps/s ÷ raw mj_step, moving", tick.speed_ratio(moving=True), 0.45, 0.75
     )
     for name in golden.SCENARIOS:
-        worst = golden.compare(name).worst
+        worst = golden.compare(name, "mujoco").worst
         yield Figure(f"difference from {name} [mrad]", 1e3 * worst, 10.0, 3.0)
     yield Figure(
         "start to end of a bring-up ÷ import mujoco", process.start_ratio(), 3.0, 2.0
