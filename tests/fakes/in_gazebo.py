@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 from typing import Protocol
 
 import tool0
 from tool0.engines.gazebo.engine import GazeboEngine
+from tool0.engines.gazebo.installation import find_installation
 
 PATIENCE = 30.0
 """For what takes a moment on a busy machine [wall s]."""
@@ -15,3 +18,30 @@ class BringUp(Protocol):
     """Bring a robot up in Gazebo, as ``tool0.bringup`` does."""
 
     def __call__(self, **options: object) -> tuple[tool0.Robot, GazeboEngine]: ...
+
+
+def gz(engine: GazeboEngine, *arguments: str) -> str:
+    """Run Gazebo's own command on the engine's server; return what it prints."""
+    found = find_installation()
+    program = found.server.with_name(found.server.name.replace("gzserver", "gz"))
+    for _ in range(5):
+        answer = subprocess.run(
+            [str(program), *arguments],
+            env={
+                **os.environ,
+                **found.environment,
+                "HOME": str(engine.server.folder),
+                "GAZEBO_MASTER_URI": engine.server.master_uri,
+                "GAZEBO_IP": "127.0.0.1",
+            },
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
+        )
+        if answer.returncode == 0:
+            return answer.stdout
+        # Its threads outlive what they use: now and then it aborts at its end.
+        assert answer.returncode < 0, answer
+    raise AssertionError(f"gz {arguments} always aborts")

@@ -128,8 +128,8 @@ class Connection:
         """Send a request."""
         try:
             self._peer.send(packet)
-        except OSError as error:
-            self._fail(f"gzserver is gone ({error.strerror})")
+        except OSError:
+            self._fail("gzserver is gone")
 
     def receive(self) -> memoryview:
         """Return the answer, valid until the next one comes.
@@ -141,8 +141,8 @@ class Connection:
             size = self._peer.recv_into(self._answer)
         except BlockingIOError:
             self._fail(f"gzserver does not answer within {self._patience:g} s")
-        except OSError as error:
-            self._fail(f"gzserver is gone ({error.strerror})")
+        except OSError:
+            self._fail("gzserver is gone")
         if not size:
             self._fail("gzserver is gone")
         if self._answer[0]:

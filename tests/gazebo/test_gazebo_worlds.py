@@ -1,0 +1,204 @@
+"""Worlds and models of a person's own, and what Gazebo makes of wrong ones."""
+
+import logging
+import math
+from pathlib import Path
+
+import pytest
+from in_gazebo import BringUp, gz
+
+import tool0
+from tool0.description.model import Box, Pose
+from tool0.description.scene import Scene, SceneObject
+from tool0.errors import ConfigError, DescriptionError, EngineError
+
+BOX = """\
+    <link name="link">
+      <inertial><mass>1.0</mass></inertial>
+      <collision name="collision">
+        <geometry><box><size>0.1 0.1 0.1</size></box></geometry>
+      </collision>
+    </link>"""
+WORLD = f"""\
+<?xml version="1.0"?>
+<sdf version="1.6">
+  <world name="theirs">
+    <gravity>0 0 -5</gravity>
+    <physics type="ode">
+      <max_step_size>0.004</max_step_size>
+      <real_time_update_rate>250</real_time_update_rate>
+    </physics>
+    <model name="crate">
+      <pose>2 0 3 0 0 0</pose>
+{BOX}
+    </model>
+  </world>
+</sdf>
+"""
+MODEL = f"""\
+<sdf version="1.6">
+  <model name="whatever">
+{BOX}
+  </model>
+</sdf>
+"""
+ASIDE = Pose(xyz=(2.0, 0.0, 1.0))
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "mine.sdf"
+
+
+def test_a_world_of_ones_own_is_used_at_the_robots_step(
+    tmp_path: Path, bring_up: BringUp
+) -> None:
+    world = tmp_path / "theirs.world"
+    world.write_text(WORLD)
+    robot, engine = bring_up(world=world)
+    robot.run(0.5)
+    assert robot.time == pytest.approx(0.5)
+    x, _, z, *_ = map(float, gz(engine, "model", "-m", "crate", "-p").split())
+    assert x == pytest.approx(2.0)
+    assert z == pytest.approx(3.0 - 5.0 * 0.5**2 / 2.0, abs=0.005)  # its own gravity
+    position = robot.joint_state.position
+    assert position["elbow_joint"] == pytest.approx(math.pi / 2, abs=0.02)
+
+
+def test_a_world_is_read_relative_to_where_the_person_is(
+    tmp_path: Path, bring_up: BringUp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "theirs.world").write_text(WORLD)
+    monkeypatch.chdir(tmp_path)
+    _, engine = bring_up(world="theirs.world")
+    engine.delete("crate")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (WORLD.replace("</world>", "</wrld>"), ":18: no XML: mismatched tag"),
+        (MODEL, ":1: <sdf> is no world"),
+        (
+            WORLD.replace('<link name="link">', "<link>"),
+            r": Gazebo cannot read this world:\n(.*\n)*.*name.*element\[link\]",
+        ),
+    ],
+)
+def test_a_world_that_is_none_is_named(text: str, message: str, file: Path) -> None:
+    file.write_text(text)
+    with pytest.raises(DescriptionError, match=f"{file}{message}"):
+        tool0.bringup(engine="gazebo", world=file)
+
+
+def test_a_world_that_is_not_there_is_named() -> None:
+    with pytest.raises(DescriptionError, match=r"nowhere\.world: No such file"):
+        tool0.bringup(engine="gazebo", world="nowhere.world")
+
+
+def test_what_a_world_lacks_is_told_and_the_rest_is_used(
+    file: Path, bring_up: BringUp, caplog: pytest.LogCaptureFixture
+) -> None:
+    plugin = '<plugin name="p" filename="libnowhere.so"/>'
+    file.write_text(WORLD.replace("<model", f"{plugin}<model"))
+    robot, _ = bring_up(world=file)
+    (record,) = caplog.records
+    assert record.levelno == logging.WARNING
+    assert "libnowhere.so: cannot open shared object file" in record.getMessage()
+    robot.run(0.01)
+
+
+def test_the_usual_start_has_nothing_to_complain_of(
+    bring_up: BringUp, caplog: pytest.LogCaptureFixture
+) -> None:
+    bring_up()
+    assert caplog.records == []
+
+
+@pytest.mark.parametrize("option", [{"world": "a.world"}, {"gazebo_gui": True}])
+def test_what_is_for_gazebo_is_refused_elsewhere(option: dict[str, object]) -> None:
+    with pytest.raises(ConfigError, match="need engine 'gazebo', not 'mujoco'"):
+        tool0.bringup(**option)  # type: ignore[arg-type]
+
+
+def test_a_model_comes_and_goes_while_the_robot_is_up(
+    file: Path, bring_up: BringUp
+) -> None:
+    file.write_text(MODEL)
+    robot, engine = bring_up()
+    robot.run(0.1)
+    before = robot.joint_state
+    engine.spawn("crate", file, ASIDE)
+    x, _, z, *_ = map(float, gz(engine, "model", "-m", "crate", "-p").split())
+    assert (x, z) == pytest.approx((2.0, 1.1))  # the robot's root is 0.1 m up
+    assert robot.joint_state == before  # no time has passed
+    robot.run(0.2)
+    fallen = gz(engine, "model", "-m", "crate", "-p").split()
+    assert float(fallen[2]) == pytest.approx(1.1 - 9.8 * 0.2**2 / 2.0, abs=0.005)
+    engine.delete("crate")
+    robot.run(0.1)
+    assert robot.time == pytest.approx(0.4)
+    engine.spawn("crate", file, ASIDE)  # the name is free again
+
+
+def test_models_that_cannot_come_or_go_are_named(
+    file: Path, bring_up: BringUp, tmp_path: Path
+) -> None:
+    cube = SceneObject(name="cube", geometry=Box(size=(0.1, 0.1, 0.1)), pose=ASIDE)
+    robot, engine = bring_up(scene=Scene(objects=(cube,)))
+    file.write_text(MODEL)
+    engine.spawn("crate", file, ASIDE)
+    with pytest.raises(EngineError, match="has a model 'crate' already"):
+        engine.spawn("crate", file, ASIDE)
+    with pytest.raises(EngineError, match="no model 'crote'"):
+        engine.delete("crote")
+    with pytest.raises(EngineError, match="'ur5_robot' is the robot"):
+        engine.delete("ur5_robot")
+    with pytest.raises(EngineError, match="'cube' belongs to the scene"):
+        engine.delete("cube")
+    with pytest.raises(DescriptionError, match=r"nowhere\.sdf: No such file"):
+        engine.spawn("other", tmp_path / "nowhere.sdf", ASIDE)
+    file.write_text(MODEL.replace("</model>", ""))
+    with pytest.raises(DescriptionError, match=f"{file}:10: no XML"):
+        engine.spawn("other", file, ASIDE)
+    file.write_text(WORLD)
+    with pytest.raises(DescriptionError, match=f"{file}:1: <sdf> is no model"):
+        engine.spawn("other", file, ASIDE)
+    file.write_text(MODEL.replace('<link name="link">', "<link>"))
+    with pytest.raises(EngineError, match=r"no model in .*\n(.*\n)*.*element\[link\]"):
+        engine.spawn("other", file, ASIDE)
+    file.write_text(MODEL.replace("1.0</mass>", "-1.0</mass>"))
+    with pytest.raises(EngineError, match=r"cannot build 'other':\n.*mass"):
+        engine.spawn("other", file, ASIDE)
+    with pytest.raises(EngineError, match="no model 'other'"):
+        engine.delete("other")  # what was built of it is gone
+    robot.run(0.01)
+    assert robot.snapshot.fault is None
+
+
+def test_pausing_holds_time_while_gazebo_goes_on_answering(bring_up: BringUp) -> None:
+    robot, engine = bring_up(realtime=True)
+    robot.run(0.05)
+    robot.pause()
+    held = robot.snapshot
+    assert gz(engine, "model", "-m", "ur5_robot", "-p").split() == (
+        ["0", "0", "0.1", "0", "-0", "0"]
+    )
+    assert robot.snapshot.time == held.time
+    assert robot.joint_state.position == dict(
+        zip(held.joint_names, held.position, strict=True)
+    )
+    robot.step(5)
+    assert robot.time == pytest.approx(held.time + 0.005)
+    robot.resume()
+    robot.run(0.05)
+
+
+@pytest.mark.parametrize("realtime", [False, True])
+def test_who_pauses_the_world_in_gazebo_does_not_block_the_robot(
+    realtime: bool, bring_up: BringUp
+) -> None:
+    robot, engine = bring_up(realtime=realtime)
+    for _ in range(2):
+        gz(engine, "world", "-p", "1")
+        robot.run(0.1)
