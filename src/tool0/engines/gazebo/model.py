@@ -1,8 +1,8 @@
 """The robot's URDF as Gazebo needs it.
 
 Gazebo's own libsdformat converts it, so that what a Gazebo user would get is what
-runs.  Four things are settled before: where meshes are, that the robot is fixed to
-the world, what holds the mimic joints, and that their stops stay out of the way.
+runs.  Five things are settled before: where meshes are, that the robot is fixed to the
+world, what holds the mimic joints, that their stops stay out of the way, and colours.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 
 from tool0.description.model import Joint, JointType, RobotModel
 from tool0.description.packages import resolve_uri
+from tool0.engines.gazebo.colours import paint
 from tool0.engines.gazebo.couplings import WORLD, Coupling, gearbox
 from tool0.hardware.bodies import Matrix, MovingBody
 
@@ -39,6 +40,7 @@ def gazebo_urdf(
         joint = ET.SubElement(robot, "joint", name=f"{WORLD}_joint", type="fixed")
         ET.SubElement(joint, "parent", link=WORLD)
         ET.SubElement(joint, "child", link=model.root)
+    paint(robot, model)
     links = {bodies[c.joint].joint.child: c for c in couplings}
     for joint in robot.iterfind("joint"):
         moved, limit = joint.find("child"), joint.find("limit")

@@ -28,6 +28,9 @@ OURS = """\
       <background>0.7 0.7 0.7 1</background>
       <shadows>true</shadows>
     </scene>
+    <gui>
+      <camera name="user_camera"><pose>1.25 -1.35 1.05 0 0.3 2.28</pose></camera>
+    </gui>
     <light name="sun" type="directional">
       <cast_shadows>true</cast_shadows>
       <pose>0 0 10 0 0 0</pose>
