@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import re
 import shutil
@@ -10,6 +11,7 @@ import signal
 import socket
 import subprocess
 import tempfile
+import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final, final
@@ -18,6 +20,8 @@ from tool0.engines.gazebo.installation import Installation
 from tool0.engines.gazebo.plugin import BridgeLibraries
 from tool0.errors import EngineUnavailableError
 from tool0.user_data import locked
+
+logger = logging.getLogger(__name__)
 
 _LAST_LINES = 12
 _GRACE = 0.2  # [s] for a server that hung up to end by itself
@@ -93,11 +97,20 @@ class Server:
         home = os.environ.get("HOME", str(self.folder))
         log = self.folder / "gzclient.log"
         self._client = self._run(client, ["--verbose"], log, {"HOME": home})
+        watch = threading.Thread(
+            target=_tell_of_crash,
+            args=(self._client, log),
+            name="gzclient",
+            daemon=True,
+        )
+        watch.start()
 
     def check(self) -> None:
         """Raise EngineUnavailableError if the server has ended."""
         if self._server is None or self._server.poll() is not None:
-            raise EngineUnavailableError(self._obituary("gzserver did not start"))
+            raise EngineUnavailableError(
+                _obituary("gzserver did not start", self._server, self._log)
+            )
 
     def complaints(self) -> list[str]:
         """Return the errors in what the server said since the last call."""
@@ -112,7 +125,7 @@ class Server:
                 self._server.wait(_GRACE)
         except subprocess.TimeoutExpired:
             pass
-        error = EngineUnavailableError(self._obituary(why))
+        error = EngineUnavailableError(_obituary(why, self._server, self._log))
         self.close()
         return error
 
@@ -153,19 +166,6 @@ class Server:
                 start_new_session=True,  # a Ctrl-C is for us, who end it in order
             )
 
-    def _obituary(self, why: str) -> str:
-        status = None if self._server is None else self._server.poll()
-        if status is None:
-            how = ""
-        elif status < 0:
-            how = f", killed by {signal.Signals(-status).name}"
-        else:
-            how = f", exit status {status}"
-        last = _said(self._log)[-_LAST_LINES:]
-        words = "\n".join(f"  {line}" for line in last)
-        said = f"; its last words:\n{words}" if words else "; it said nothing"
-        return f"{why}{how}{said}"
-
 
 @contextlib.contextmanager
 def _own_folder() -> Iterator[Path]:
@@ -182,6 +182,25 @@ def _own_folder() -> Iterator[Path]:
             yield folder
         finally:
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def _tell_of_crash(client: subprocess.Popen[bytes], log: Path) -> None:
+    """Wait for the window's end; a person may close it, and so may we."""
+    if client.wait() not in (0, -signal.SIGKILL):
+        logger.warning("%s", _obituary("Gazebo's window is gone", client, log))
+
+
+def _obituary(why: str, process: subprocess.Popen[bytes] | None, log: Path) -> str:
+    status = None if process is None else process.poll()
+    if status is None:
+        how = ""
+    elif status < 0:
+        how = f", killed by {signal.Signals(-status).name}"
+    else:
+        how = f", exit status {status}"
+    words = "".join(f"\n  {line}" for line in _said(log)[-_LAST_LINES:])
+    said = f"; its last words:{words}" if words else "; it said nothing"
+    return f"{why}{how}{said}"
 
 
 def _said(log: Path) -> list[str]:
