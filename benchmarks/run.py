@@ -9,7 +9,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from benchmarks import golden, panel, process, rest, tick
+from benchmarks import gazebo, golden, panel, process, rest, tick
+from tool0.engines.gazebo.readiness import readiness
 
 
 @dataclass(frozen=True)
@@ -50,9 +51,42 @@ def figures() -> Iterator[Figure]:
     )
     yield Figure("resident memory, headless [MB]", process.memory(), 220.0, 150.0)
     for name, opening in rest.OPENINGS.items():
-        velocity = rest.rms_velocity(opening)
+        velocity = rest.rms_velocity(opening, "mujoco")
         yield Figure(f"gripper at rest, {name}: rms [rad/s]", velocity, 1e-4, 1e-6)
     yield from _panel_figures()
+    found = readiness()
+    if found.can_run:
+        yield from _gazebo_figures()
+    else:
+        print(
+            f"no Gazebo can run here, so none is measured: {'; '.join(found.missing)}"
+        )
+
+
+def _gazebo_figures() -> Iterator[Figure]:
+    cost = gazebo.steps()
+    native = f"the {1e6 * cost.native:.0f} in C++"
+    yield Figure(f"Gazebo: µs/step above {native}", 1e6 * cost.lock_step, 35.0, 20.0)
+    exchange = 1e6 * cost.exchange
+    yield Figure("Gazebo: of those, the exchange without a tick", exchange, 25.0, 10.0)
+    for name, seconds in (("holding", cost.holding), ("moving", cost.moving)):
+        ratio = 1.0 / seconds / gazebo.ORIGINAL_STEPS
+        yield Figure(f"Gazebo: steps/s ÷ the original's, {name}", ratio, 1.0, 2.0)
+    start = gazebo.start_seconds() / gazebo.ORIGINAL_START
+    yield Figure("Gazebo: start to end of a bring-up ÷ the original's", start, 1.0, 0.5)
+    for name in golden.SCENARIOS:
+        ours, theirs = (golden.compare(name, e) for e in ("gazebo", "mujoco"))
+        yield Figure(f"Gazebo: from {name} [mrad]", 1e3 * ours.worst, 10.0, 3.0)
+        beside = 1e3 * ours.worst_beside(theirs)
+        yield Figure(f"Gazebo: from MuJoCo, {name} [mrad]", beside, 10.0, 3.0)
+    for name, opening in rest.OPENINGS.items():
+        velocity = rest.rms_velocity(opening, "gazebo")
+        yield Figure(
+            f"Gazebo: gripper at rest, {name}: rms [rad/s]", velocity, 1e-3, 1e-4
+        )
+    mimic = rest.mimic_error("gazebo")
+    yield Figure("Gazebo: mimic error at 0.8 rad/s [rad]", mimic.moving, 3e-4, 1e-4)
+    yield Figure("Gazebo: mimic error at rest [rad]", mimic.at_rest, 1e-5, 1e-6)
 
 
 def _panel_figures() -> Iterator[Figure]:
