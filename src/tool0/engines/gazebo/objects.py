@@ -10,7 +10,7 @@ from tool0.engines.gazebo.solids import solid_of
 
 STIFFNESS, DAMPING = 1e5, 10.0
 """Of contact [N/m, N·s/m], as of the pads: calm at rest, and no visible depth."""
-MIN_DEPTH, MAX_VEL = 0.0005, 0.1
+MIN_DEPTH, MAX_VEL = 1e-5, 0.1
 """Overlap that is left alone [m], and the fastest that a deeper one is undone [m/s]."""
 
 

@@ -7,20 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conformance_types import BringUp
 
-import tool0
-
-SCENES = sorted((Path(__file__).parent.parent / "examples" / "scenes").glob("*.yaml"))
+SCENES = sorted((Path(__file__).parents[2] / "examples" / "scenes").glob("*.yaml"))
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_nothing_overlaps_and_nothing_moves(
-    path: Path, caplog: pytest.LogCaptureFixture
+    bring_up: BringUp, path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    with (
-        caplog.at_level(logging.WARNING),
-        tool0.bringup(scene=path, realtime=False) as robot,
-    ):
+    with caplog.at_level(logging.WARNING):
+        robot = bring_up(scene=path)
         before = robot.snapshot.objects
         assert before
         robot.run(5.0)
