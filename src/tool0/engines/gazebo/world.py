@@ -29,7 +29,7 @@ OURS = """\
       <shadows>true</shadows>
     </scene>
     <gui>
-      <camera name="user_camera"><pose>1.25 -1.35 1.05 0 0.3 2.28</pose></camera>
+      <camera name="user_camera"><pose>1.5 -1.3 1.0 0 0.36 2.34</pose></camera>
     </gui>
     <light name="sun" type="directional">
       <cast_shadows>true</cast_shadows>

@@ -1,0 +1,156 @@
+"""gzclient on a screen of our own: it shows the robot, follows it, and ends with us."""
+
+import logging
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from in_gazebo import PATIENCE, BringUp
+from processes import Watch, children, program
+from promised import absent
+from screen import Pixels, Screen, find_xvfb
+
+import tool0
+from tool0.engines.gazebo.installation import Installation
+from tool0.errors import EngineUnavailableError
+from tool0.user_data import cache_folder
+
+GROUND, SKY = 224, 178
+"""The greys of our world."""
+
+
+@pytest.fixture(autouse=True)
+def client(
+    gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """See that there is a window to open; it keeps its settings in the test's HOME."""
+    if gazebo.client is None:
+        absent("gazebo", "this Gazebo has no gzclient (tool0 gazebo install --gui)")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(cache_folder().parent))
+    monkeypatch.setenv("HOME", str(tmp_path))
+
+
+@pytest.fixture
+def screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[Screen]:
+    if find_xvfb() is None:
+        absent("gazebo", "no Xvfb is installed")
+    with Screen(960, 600) as screen:
+        monkeypatch.setenv("DISPLAY", screen.name)
+        yield screen
+
+
+def view(pixels: Pixels) -> Pixels:
+    """Return the part of the screen that shows the world, without the tool bars."""
+    is_world = np.isin(pixels, (GROUND, SKY)).all(axis=2)
+    rows = np.flatnonzero(is_world.mean(axis=1) > 0.3)
+    if not len(rows):
+        return pixels[:0, :0]
+    columns = np.flatnonzero(is_world[rows].mean(axis=0) > 0.3)
+    return pixels[rows.min() : rows.max(), columns.min() : columns.max()]
+
+
+def blue(pixels: Pixels) -> "np.ndarray[tuple[int, int], np.dtype[np.bool_]]":
+    """Return where the caps of the UR's joints are; axes are bluer."""
+    red, green, blue = np.moveaxis(pixels.astype(int), 2, 0)
+    bluer = blue - red
+    return (bluer > 30) & (bluer < 100) & (green - red > 10) & (blue > green)
+
+
+def black(pixels: Pixels) -> "np.ndarray[tuple[int, int], np.dtype[np.bool_]]":
+    """Return where the gripper is, and a few rings of the arm."""
+    return pixels.max(axis=2, initial=0) < 60
+
+
+def shows_the_robot(pixels: Pixels) -> bool:
+    world = view(pixels)
+    # Without a gripper there are some 60 black pixels.
+    return bool(blue(world).sum() > 200 and black(world).sum() > 250)
+
+
+def test_it_shows_the_robot_and_follows_it(screen: Screen, bring_up: BringUp) -> None:
+    robot, engine = bring_up(gazebo_gui=True)
+    watch = Watch(engine.server.process_ids)
+    seen = [np.empty(0)]
+
+    def is_settled(pixels: Pixels) -> bool:  # the window grows while it opens
+        seen.append(blue(view(pixels)))
+        return shows_the_robot(pixels) and np.array_equal(*seen[-2:])
+
+    before = screen.wait_for(is_settled, PATIENCE)
+    assert before is not None
+    for goal in robot.move_joints({"shoulder_pan_joint": -0.6}):
+        goal.wait(timeout=10.0)
+
+    def has_moved(pixels: Pixels) -> bool:
+        moved = blue(pixels) != blue(before)
+        return shows_the_robot(pixels) and bool(moved.sum() > 100)
+
+    assert screen.wait_for(has_moved, PATIENCE) is not None
+    robot.close()
+    assert watch.all_ended(0.0)
+
+
+def test_closing_the_window_leaves_the_robot_running(
+    screen: Screen, bring_up: BringUp
+) -> None:
+    robot, engine = bring_up(gazebo_gui=True)
+    assert screen.wait_for(lambda pixels: bool(pixels.any()), PATIENCE) is not None
+    (client,) = (pid for pid in engine.server.process_ids if "gzclient" in program(pid))
+    watch = Watch([client])
+    os.kill(client, signal.SIGTERM)
+    assert watch.all_ended(PATIENCE)
+    robot.run(0.1)
+    assert robot.snapshot.fault is None
+
+
+PROGRAM = """
+import tool0
+robot = tool0.bringup(engine="gazebo", gazebo_gui=True)
+print("up", flush=True)
+input()
+"""
+
+
+def test_it_ends_with_a_process_that_is_killed(screen: Screen) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", PROGRAM],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as ours:
+        assert ours.stdout is not None
+        assert ours.stdout.readline() == "up\n"
+        assert screen.wait_for(lambda pixels: bool(pixels.any()), PATIENCE) is not None
+        theirs = children(ours.pid)
+        assert {program(pid)[:8] for pid in theirs} == {"gzserver", "gzclient"}
+        watch = Watch(theirs)
+        ours.send_signal(signal.SIGKILL)
+    assert watch.all_ended(PATIENCE)
+
+
+def test_without_a_display_it_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    with pytest.raises(EngineUnavailableError, match="DISPLAY is not set"):
+        tool0.bringup(engine="gazebo", gazebo_gui=True)
+
+
+def test_a_window_that_crashes_is_told_of(
+    monkeypatch: pytest.MonkeyPatch,
+    bring_up: BringUp,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    monkeypatch.setenv("DISPLAY", ":4711")
+    robot, _ = bring_up(gazebo_gui=True)
+    deadline = time.monotonic() + PATIENCE
+    while not caplog.records and time.monotonic() < deadline:
+        robot.run(0.01)
+    (record,) = caplog.records
+    assert record.levelno == logging.WARNING
+    assert "could not connect to display :4711" in record.getMessage()
+    robot.run(0.1)

@@ -1,0 +1,86 @@
+"""Take a picture of Gazebo's own window with the robot in it.
+
+usage: python tools/screenshot_gazebo.py docs/images/gazebo.png [--width 1280] …
+
+It brings the example's scene up in Gazebo, on a screen of its own (Xvfb), moves the arm
+and waits until the window has drawn it.  Needs `tool0 gazebo install --gui`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from render_picture import write_png
+
+import tool0
+from tool0.user_data import cache_folder, data_folder
+
+ROOT = Path(__file__).resolve().parent.parent
+SCENE = ROOT / "examples/scenes/table_and_cubes.yaml"
+_PATIENCE = 60.0
+"""Longest wait for the window [wall s]."""
+_LOOKS = 15
+"""How often the window must look the same: it is drawn for the last time then."""
+
+
+def main() -> None:
+    """Take the picture that the arguments describe."""
+    sys.path.insert(0, str(ROOT / "tests/fakes"))
+    from screen import Pixels, Screen  # noqa: PLC0415  # beside the tests
+
+    options = _options()
+    with (
+        Screen(options.width, options.height) as screen,
+        _home(options.width, options.height),
+    ):
+        os.environ["DISPLAY"] = screen.name
+        with tool0.bringup(
+            engine="gazebo", gazebo_gui=True, scene=SCENE, realtime=False
+        ) as robot:
+            for goal in robot.go_to_pose("ready"):
+                goal.wait(60.0)
+            robot.gripper.move(opening=0.05).wait(60.0)
+            looks: list[Pixels] = []
+
+            def is_drawn(pixels: Pixels) -> bool:
+                if looks and not np.array_equal(looks[-1], pixels):
+                    looks.clear()
+                looks.append(pixels)
+                return len(looks) > _LOOKS and len(np.unique(pixels)) > 100
+
+            picture = screen.wait_for(is_drawn, _PATIENCE)
+    if picture is None:
+        sys.exit(f"the window was not drawn within {_PATIENCE:g} s")
+    write_png(options.output, picture)
+
+
+@contextmanager
+def _home(width: int, height: int) -> Iterator[None]:
+    """Give gzclient a HOME in which its window is as large as the screen."""
+    os.environ["XDG_CACHE_HOME"] = str(cache_folder().parent)
+    os.environ["XDG_DATA_HOME"] = str(data_folder().parent)
+    with tempfile.TemporaryDirectory() as home:
+        settings = Path(home, ".gazebo", "gui.ini")
+        settings.parent.mkdir()
+        settings.write_text(f"[geometry]\nx=0\ny=0\nwidth={width}\nheight={height}\n")
+        os.environ["HOME"] = home
+        yield
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("output", type=Path)
+    parser.add_argument("--width", type=int, default=1280)
+    parser.add_argument("--height", type=int, default=800)
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()
