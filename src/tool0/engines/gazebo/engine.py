@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import logging
 import math
 import struct
 from collections.abc import Sequence
@@ -21,34 +20,26 @@ from tool0.engines.gazebo.connection import (
     Listener,
     numbers,
     pose_bytes,
-    text,
 )
 from tool0.engines.gazebo.couplings import couplings
 from tool0.engines.gazebo.installation import find_installation
 from tool0.engines.gazebo.model import body_poses, gazebo_urdf
-from tool0.engines.gazebo.objects import object_sdf
+from tool0.engines.gazebo.models import Models
 from tool0.engines.gazebo.plugin import bridge_libraries
 from tool0.engines.gazebo.server import Server, require_window
 from tool0.engines.gazebo.world import check_model, check_world, empty_world
 from tool0.errors import (
     ConfigError,
-    DescriptionError,
     DivergenceError,
     EngineError,
     EngineUnavailableError,
-    SourceLocation,
 )
-from tool0.hardware.bodies import Matrix, check_masses, moving_bodies, transform
+from tool0.hardware.bodies import check_masses, moving_bodies, transform
 from tool0.hardware.engine import ObjectPose
 from tool0.hardware.joint_state import JointState
 
-logger = logging.getLogger(__name__)
-
 START_PATIENCE = 30.0
 """[s] until gzserver has loaded the bridge; a cold disk takes ten."""
-_OTHER_WORLD = "Falling back on"
-_HALF_BUILT = "Loading model from factory message failed"
-"""What gzserver says, and otherwise goes on as if nothing were."""
 
 
 @final
@@ -103,7 +94,7 @@ class GazeboEngine:
         self._stepped = False
         at_zero = body_poses(self._bodies, [0.0] * n)
         held = couplings(model, self._bodies, at_zero)
-        self._gears = tuple(c for c in held if not c.is_gearbox)
+        gears = tuple(c for c in held if not c.is_gearbox)
         urdf = gazebo_urdf(description.urdf, model, self._bodies, held)
         installation = find_installation()
         if gui:
@@ -113,7 +104,8 @@ class GazeboEngine:
             failed.callback(self.server.close)
             self._connection, self.version = self._start()
             failed.callback(self._connection.close)
-            self._populate(urdf)
+            self._models = Models(self._connection, self.server, world)
+            self._models.populate(model, urdf, gears, self._scene, self._root)
             self.reset([0.0] * n)
             if gui:
                 self.server.open_window()
@@ -204,7 +196,7 @@ class GazeboEngine:
         """
         check_model(file)
         self._await_step()
-        self._spawn(name, file.resolve(), self._root @ transform(pose))
+        self._models.spawn(name, file.resolve(), self._root @ transform(pose))
 
     def delete(self, name: str) -> None:
         """Take the model ``name`` out of the world again.
@@ -234,60 +226,6 @@ class GazeboEngine:
         finally:
             listener.close()
         return Connection(peer, self.server.lost), version
-
-    def _populate(self, urdf: str) -> None:
-        file = self.server.folder / "robot.urdf"
-        file.write_text(urdf)
-        self._spawn(self._model.name, file, self._root)
-        for item in self._scene.objects:
-            file = self.server.folder / f"{item.name}.sdf"
-            file.write_text(object_sdf(item))
-            try:
-                pose = self._root @ transform(item.pose)
-                self._spawn(item.name, file, pose)
-            except EngineError as error:
-                raise EngineError(f"object '{item.name}': {error}") from error
-        transmissions = self._model.transmission_by_joint
-        armatures = [
-            transmissions[name].armature if name in transmissions else 0.0
-            for name in self._joint_names
-        ]
-        self._connection.ask(
-            Kind.BIND,
-            text(self._model.name),
-            struct.pack("=I", len(self._joint_names)),
-            *(
-                text(name) + numbers([armature, 0.0])
-                for name, armature in zip(self._joint_names, armatures, strict=True)
-            ),
-            struct.pack("=I", len(self._gears)),
-            *(
-                struct.pack("=IId", gear.joint, gear.other, gear.multiplier)
-                for gear in self._gears
-            ),
-            struct.pack("=I", len(self._scene.objects)),
-            *(text(item.name) for item in self._scene.objects),
-        )
-
-    def _spawn(self, name: str, file: Path, pose: Matrix) -> None:
-        try:
-            self._connection.spawn(name, file, pose)
-        except EngineUnavailableError:
-            raise
-        except EngineError as error:
-            raise EngineError(f"{error}{self._complaints()}") from None
-        complaints = self._complaints()
-        if _OTHER_WORLD in complaints:  # the first model's world, that is
-            where = SourceLocation(self._world)
-            raise DescriptionError(f"Gazebo cannot read this world:{complaints}", where)
-        if _HALF_BUILT in complaints:
-            self._connection.delete(name)
-            raise EngineError(f"Gazebo cannot build '{name}':{complaints}")
-        if complaints:
-            logger.warning("Gazebo complains:%s", complaints)
-
-    def _complaints(self) -> str:
-        return "".join(f"\n  {line}" for line in self.server.complaints())
 
     def _await_step(self) -> None:
         """Take the answer to the step, if there is one to come."""

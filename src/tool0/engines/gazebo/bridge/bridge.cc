@@ -15,6 +15,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -22,7 +23,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <algorithm>
 #include <functional>
 #include <iostream>
 #include <sstream>
@@ -52,7 +52,6 @@ constexpr std::size_t kLargest = 1 << 16;             // [bytes] of a packet
 constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or go
 constexpr int kIdleAfter = 20;                        // [ms] without a request
 constexpr double kIdleRate = 100.0;                   // [Hz] of a paused world's loop
-
 constexpr double kSlack = 0.02;                       // [rad] of an armature's stops
 constexpr double kSlip = 1e-7;                        // [m/s/N] of contacts; see Calm
 constexpr double kTeethErp = 0.2;                     // of an error, undone in a step
@@ -216,14 +215,15 @@ class Bridge : public gazebo::SystemPlugin {
     adopted_ = true;
   }
 
-  /// Ends the server with the socket, and wakes a paused world when asked.
+  /// Ends the server with the socket; wakes a paused world when something is asked, or
+  /// was: anybody may pause it, even in the middle of a step.
   void Watch() {
     for (;;) {
       const bool is_paused = adopted_ && world_->IsPaused();
       pollfd waiting{socket_, static_cast<short>(is_paused ? POLLIN : 0), 0};
-      ::poll(&waiting, 1, is_paused ? 100 : 10);
+      ::poll(&waiting, 1, 10);
       if (waiting.revents & (POLLHUP | POLLERR)) ::_exit(0);
-      if (waiting.revents & POLLIN) Wake();
+      if (is_paused && (waiting.revents & POLLIN || owes_)) Wake();
     }
   }
 
@@ -247,9 +247,9 @@ class Bridge : public gazebo::SystemPlugin {
       if (::poll(&waiting, 1, kIdleAfter) == 0) return Sleep();
       if (!Receive()) ::_exit(0);
       try {
-        const bool goes_on = Handle(static_cast<Kind>(packet_.Take<std::uint32_t>()));
+        owes_ = Handle(static_cast<Kind>(packet_.Take<std::uint32_t>()));
         if (stepping_) return;
-        if (goes_on) return Skip();
+        if (owes_) return Skip();
       } catch (const std::exception& error) {
         Fail(error.what());
       }
@@ -485,6 +485,7 @@ class Bridge : public gazebo::SystemPlugin {
   }
 
   void Send() {
+    owes_ = false;
     if (::send(socket_, packet_.Bytes(), packet_.Size(), MSG_NOSIGNAL) < 0) ::_exit(0);
   }
 
@@ -504,7 +505,7 @@ class Bridge : public gazebo::SystemPlugin {
   double dt_ = 0.0;
   Packet packet_;
   gazebo::physics::WorldPtr world_;
-  std::atomic<bool> adopted_{false};
+  std::atomic<bool> adopted_{false}, owes_{false};  // an answer
   bool stepping_ = false;
   std::vector<Drive> drives_;
   std::vector<Gear> gears_;
