@@ -102,7 +102,7 @@ class GazeboEngine:
         self.server = Server(installation, bridge_libraries(installation))
         with contextlib.ExitStack() as failed:
             failed.callback(self.server.close)
-            self._connection, self.version = self._start()
+            self._connection, self.version = self._start(gui)
             failed.callback(self._connection.close)
             self._models = Models(self._connection, self.server, world)
             self._models.populate(model, urdf, gears, self._scene, self._root)
@@ -214,14 +214,14 @@ class GazeboEngine:
         self._connection.close()
         self.server.close()
 
-    def _start(self) -> tuple[Connection, str]:
+    def _start(self, gui: bool) -> tuple[Connection, str]:
         listener = Listener(self.server.socket_path)
         try:
             world = self._world
             if world is None:
                 world = self.server.folder / "empty.world"
                 world.write_text(empty_world(ground=True))
-            self.server.start(world.resolve())
+            self.server.start(world.resolve(), seen=gui)
             peer, version = listener.accept(self._dt, self.server.check, START_PATIENCE)
         finally:
             listener.close()
