@@ -26,7 +26,8 @@ from tool0.engines.gazebo.installation import find_installation
 from tool0.engines.gazebo.model import body_poses, gazebo_urdf
 from tool0.engines.gazebo.models import Models
 from tool0.engines.gazebo.plugin import bridge_libraries
-from tool0.engines.gazebo.server import Server, require_window
+from tool0.engines.gazebo.server import Server
+from tool0.engines.gazebo.window import require_window
 from tool0.engines.gazebo.world import check_model, check_world, empty_world
 from tool0.errors import (
     ConfigError,

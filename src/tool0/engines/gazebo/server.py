@@ -3,39 +3,26 @@
 from __future__ import annotations
 
 import contextlib
-import logging
 import os
-import re
 import shutil
-import signal
 import socket
 import subprocess
 import tempfile
-import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final, final
 
 from tool0.engines.gazebo.installation import Installation
 from tool0.engines.gazebo.plugin import BridgeLibraries
+from tool0.engines.gazebo.window import Window, require_window
+from tool0.engines.gazebo.words import complaints, obituary, said
 from tool0.errors import EngineUnavailableError
 from tool0.user_data import locked
 
-logger = logging.getLogger(__name__)
-
-_LAST_LINES = 12
 _GRACE = 0.2  # [s] for a server that hung up to end by itself
 _FOLDER: Final = "tool0-gazebo-"
 _LOCK: Final = "lock"
 _NEW_LOCK: Final = "lock.new"
-_COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
-_CHATTER: Final = re.compile(
-    r"$|Gazebo multi-robot simulator|Copyright|Released under|http://gazebosim"
-    r"|\[Msg\]|\[\w+\] \[RenderEngine"  # which draws nothing without a display
-    r"|Error:\s+Could not find the 'robot'"  # before it tries SDF
-)
-"""What every gzserver says, and what a reason is not among."""
-_COMPLAINT: Final = re.compile(r"\[Err\]|Error|\[Wrn\] \[Server")
 
 
 @final
@@ -59,7 +46,7 @@ class Server:
         for end in (self._lifeline, our_end):
             self._exits.callback(os.close, end)
         self._server: subprocess.Popen[bytes] | None = None
-        self._client: subprocess.Popen[bytes] | None = None
+        self._window: Window | None = None
 
     @property
     def socket_path(self) -> Path:
@@ -74,7 +61,7 @@ class Server:
     @property
     def process_ids(self) -> tuple[int, ...]:
         """Of the processes that run."""
-        processes = (self._server, self._client)
+        processes = (self._server, self._window and self._window.process)
         return tuple(p.pid for p in processes if p is not None and p.poll() is None)
 
     def start(self, world: Path, *, seen: bool) -> None:
@@ -102,27 +89,22 @@ class Server:
         # Its own HOME is the person's: what they set up in the window stays.
         home = os.environ.get("HOME", str(self.folder))
         log = self.folder / "gzclient.log"
-        self._client = self._run(client, ["--verbose"], log, {"HOME": home})
-        watch = threading.Thread(
-            target=_tell_of_crash,
-            args=(self._client, log),
-            name="gzclient",
-            daemon=True,
+        self._window = Window(
+            lambda: self._run(client, ["--verbose"], log, {"HOME": home}), log
         )
-        watch.start()
 
     def check(self) -> None:
         """Raise EngineUnavailableError if the server has ended."""
         if self._server is None or self._server.poll() is not None:
             raise EngineUnavailableError(
-                _obituary("gzserver did not start", self._server, self._log)
+                obituary("gzserver did not start", self._server, self._log)
             )
 
     def complaints(self) -> list[str]:
         """Return the errors in what the server said since the last call."""
-        said = _said(self._log)
-        new, self._heard = said[self._heard :], len(said)
-        return [line for line in new if _COMPLAINT.match(line)]
+        lines = said(self._log)
+        new, self._heard = lines[self._heard :], len(lines)
+        return complaints(new)
 
     def lost(self, why: str) -> EngineUnavailableError:
         """End what is left of the server, and return the error that says so."""
@@ -131,17 +113,17 @@ class Server:
                 self._server.wait(_GRACE)
         except subprocess.TimeoutExpired:
             pass
-        error = EngineUnavailableError(_obituary(why, self._server, self._log))
+        error = EngineUnavailableError(obituary(why, self._server, self._log))
         self.close()
         return error
 
     def close(self) -> None:
         """End both processes and remove the folder; closing twice is allowed."""
-        for process in (self._client, self._server):
-            if process is not None:
-                if process.poll() is None:
-                    process.kill()  # nothing of theirs outlives the folder
-                process.wait()
+        if self._window is not None:
+            self._window.close()
+        if self._server is not None:
+            self._server.kill()  # nothing of its outlives the folder
+            self._server.wait()
         self._exits.close()
 
     def _run(
@@ -188,48 +170,6 @@ def _own_folder() -> Iterator[Path]:
             yield folder
         finally:
             shutil.rmtree(folder, ignore_errors=True)
-
-
-def _tell_of_crash(client: subprocess.Popen[bytes], log: Path) -> None:
-    """Wait for the window's end; a person may close it, and so may we."""
-    if client.wait() not in (0, -signal.SIGKILL):
-        logger.warning("%s", _obituary("Gazebo's window is gone", client, log))
-
-
-def _obituary(why: str, process: subprocess.Popen[bytes] | None, log: Path) -> str:
-    status = None if process is None else process.poll()
-    if status is None:
-        how = ""
-    elif status < 0:
-        how = f", killed by {signal.Signals(-status).name}"
-    else:
-        how = f", exit status {status}"
-    words = "".join(f"\n  {line}" for line in _said(log)[-_LAST_LINES:])
-    said = f"; its last words:{words}" if words else "; it said nothing"
-    return f"{why}{how}{said}"
-
-
-def _said(log: Path) -> list[str]:
-    try:
-        text = log.read_text(errors="replace")
-    except OSError:
-        return []
-    lines = (line.rstrip() for line in _COLOUR.sub("", text).splitlines())
-    return [line for line in lines if not _CHATTER.match(line)]
-
-
-def require_window(installation: Installation) -> Path:
-    """Return the program gzclient, or raise EngineUnavailableError."""
-    if installation.client is None:
-        raise EngineUnavailableError(
-            "this Gazebo has no gzclient; run `tool0 gazebo install --gui`"
-        )
-    if not os.environ.get("DISPLAY"):
-        raise EngineUnavailableError(
-            "gzclient needs an X display, and DISPLAY is not set; "
-            "leave out the Gazebo GUI, or use the panel"
-        )
-    return installation.client
 
 
 def _free_port() -> int:

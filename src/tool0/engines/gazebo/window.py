@@ -1,0 +1,74 @@
+"""Gazebo's own window: gzclient."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import subprocess
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final, final
+
+from tool0.engines.gazebo.installation import Installation
+from tool0.engines.gazebo.words import obituary
+from tool0.errors import EngineUnavailableError
+
+logger = logging.getLogger(__name__)
+
+_TRIES: Final = 3
+_BY_A_PERSON: Final = (0, -signal.SIGTERM, -signal.SIGINT, -signal.SIGKILL)
+"""How it ends if somebody wants it to."""
+
+
+def require_window(installation: Installation) -> Path:
+    """Return the program gzclient, or raise EngineUnavailableError."""
+    if installation.client is None:
+        raise EngineUnavailableError(
+            "this Gazebo has no gzclient; run `tool0 gazebo install --gui`"
+        )
+    if not os.environ.get("DISPLAY"):
+        raise EngineUnavailableError(
+            "gzclient needs an X display, and DISPLAY is not set; "
+            "leave out the Gazebo GUI, or use the panel"
+        )
+    return installation.client
+
+
+@final
+class Window:
+    """A gzclient, started again if it crashes.
+
+    gzclient 11 does so while it starts, by a segmentation fault, now and then: once in
+    30 times on two busy cores, with software GL.
+    """
+
+    def __init__(self, run: Callable[[], subprocess.Popen[bytes]], log: Path) -> None:
+        """Start it by ``run``, which writes what it says into ``log``."""
+        self._run = run
+        self._log = log
+        self._lock = threading.Lock()
+        self._is_closed = False
+        self.process = run()
+        watch = threading.Thread(target=self._watch, name="gzclient", daemon=True)
+        watch.start()
+
+    def close(self) -> None:
+        """End it; closing twice is allowed."""
+        with self._lock:
+            self._is_closed = True
+            self.process.kill()
+            self.process.wait()
+
+    def _watch(self) -> None:
+        for tries_left in reversed(range(_TRIES)):
+            status = self.process.wait()
+            with self._lock:
+                if self._is_closed or status in _BY_A_PERSON:
+                    return
+                if status != -signal.SIGSEGV or not tries_left:
+                    why = obituary("Gazebo's window is gone", self.process, self._log)
+                    logger.warning("%s", why)
+                    return
+                self.process = self._run()
