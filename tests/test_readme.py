@@ -41,6 +41,11 @@ def test_every_command_line_is_understood(
     if command == "bringup":
         assert read_bringup(arguments) is not None
         return
+    if command == "gazebo":  # understood, it gets no further than to the keys
+        line = [*line, "--private", "--keyring", "/absent.gpg"]
+        assert main(line) == FAILED
+        assert "/absent.gpg" in capsys.readouterr().err
+        return
     # Nobody serves this name, so a line that is understood ends right there.
     assert main([command, *arguments, "--name", "readme-test"]) == FAILED
     assert "no bringup named 'readme-test'" in capsys.readouterr().err
@@ -51,7 +56,9 @@ def test_the_table_names_every_command() -> None:
         assert re.search(rf"`tool0 [^`]*\b{command}\b", README), command
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/conventions.md", "CHANGELOG.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "docs/conventions.md", "docs/gazebo.md", "CHANGELOG.md"]
+)
 def test_links_lead_somewhere(page: str) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)#]+)\)", text):
