@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -50,6 +51,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kLargest = 1 << 16;             // [bytes] of a packet
 constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or go
+constexpr auto kAwake = std::chrono::microseconds(60);  // after an answer
 constexpr int kIdleAfter = 20;                        // [ms] without a request
 constexpr double kIdleRate = 100.0;                   // [Hz] of a paused world's loop
 constexpr double kSlack = 0.02;                       // [rad] of an armature's stops
@@ -195,8 +197,7 @@ class Bridge : public gazebo::SystemPlugin {
     packet_.Put(kVersion);
     packet_.Put(std::string(GAZEBO_VERSION_FULL));
     Send();
-    pollfd waiting{socket_, POLLIN, 0};
-    if (::poll(&waiting, 1, 5000) != 1 || !Receive()) Die("nobody answers");
+    if (!Receive(5000)) Die("nobody answers");
     if (packet_.Take<std::uint32_t>() != kVersion) Die("wrong version of the bridge");
     dt_ = packet_.Take<double>();
     // A gearbox writes three lines a step into the log file, that it has no angle.
@@ -243,9 +244,7 @@ class Bridge : public gazebo::SystemPlugin {
       Send();
     }
     for (;;) {
-      pollfd waiting{socket_, POLLIN, 0};
-      if (::poll(&waiting, 1, kIdleAfter) == 0) return Sleep();
-      if (!Receive()) ::_exit(0);
+      if (!Receive(kIdleAfter)) return Sleep();
       try {
         owes_ = Handle(static_cast<Kind>(packet_.Take<std::uint32_t>()));
         if (stepping_) return;
@@ -489,9 +488,19 @@ class Bridge : public gazebo::SystemPlugin {
     if (::send(socket_, packet_.Bytes(), packet_.Size(), MSG_NOSIGNAL) < 0) ::_exit(0);
   }
 
-  bool Receive() {
-    const ssize_t size = ::recv(socket_, packet_.Room(), kLargest, 0);
-    if (size <= 0) return false;
+  /// Returns whether a packet came within `patience` [ms]; ends when none ever will.
+  /// A loop at full speed answers at once: to be awake then saves 30 µs of waking.
+  bool Receive(int patience) {
+    const auto awake = Clock::now() + kAwake;
+    ssize_t size;
+    do size = ::recv(socket_, packet_.Room(), kLargest, MSG_DONTWAIT);
+    while (size < 0 && errno == EAGAIN && Clock::now() < awake);
+    if (size < 0 && errno == EAGAIN) {
+      pollfd waiting{socket_, POLLIN, 0};
+      if (::poll(&waiting, 1, patience) == 0) return false;
+      size = ::recv(socket_, packet_.Room(), kLargest, 0);
+    }
+    if (size <= 0) ::_exit(0);
     packet_.Fill(size);
     return true;
   }
