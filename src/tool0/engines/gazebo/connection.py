@@ -132,6 +132,7 @@ class Connection:
         poll.register(peer, select.POLLIN)
         self._poll = poll.poll
         self._answered = 0.0
+        self._is_hurried = False
         self._vain = self._unlooked = 0
 
     def send(self, packet: bytes) -> None:
