@@ -88,7 +88,7 @@ def random_place(rng: np.random.Generator) -> np.ndarray:
     return rng.uniform(-REACH, REACH)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(10))
 def test_from_rest_it_keeps_to_the_limits_and_arrives_at_rest(seed: int) -> None:
     rng = np.random.default_rng(seed)
     start, ends = moving(random_place(rng)), random_place(rng)
@@ -113,7 +113,7 @@ def test_from_rest_it_is_a_straight_line_that_ends_for_all_at_once(seed: int) ->
     )
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(15))
 def test_from_any_motion_it_goes_on_smoothly(seed: int) -> None:
     rng = np.random.default_rng(seed)
     most = FASTEST / TIME_TO_FULL_SPEED
@@ -151,7 +151,7 @@ def test_beyond_the_speed_that_is_asked_it_slows_down_first() -> None:
         speeds = 0.1 * FASTEST * excess * np.array([1, -1, 1, -1])
         start = moving([0.0] * 4, speeds)
         plan = plan_motion(ARM, start, [0.5, 0.5, 0.5, 0.5], speed=0.1)
-        times, _, qd, _ = sampled(start, plan)
+        times, _, qd, _ = sampled(start, plan, dt=0.005)
         assert (abs(qd) <= 1.0001 * abs(speeds)).all()
         assert (abs(qd[times > 0.5]) <= 1.001 * 0.1 * FASTEST).all()
         assert last(plan) == (0.5,) * 4
