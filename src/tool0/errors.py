@@ -75,6 +75,10 @@ class EngineUnavailableError(EngineError):
     """The physics engine is not installed, or does not answer."""
 
 
+class RosUnavailableError(Tool0Error):
+    """ROS is not installed, or its master does not answer."""
+
+
 class DivergenceError(EngineError):
     """The physics state, or what drives it, is no longer finite."""
 

@@ -6,18 +6,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, final
 
+from tool0.description.scene import SceneObject
 from tool0.hardware.joint_state import JointState
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class ObjectPose:
-    """Where an object of the scene is, in the robot's root."""
+class ObjectState:
+    """Where an object of the scene is and how it moves, in the robot's root."""
 
     name: str
     position: tuple[float, float, float]
     """[m]"""
     quat_wxyz: tuple[float, float, float, float]
+    linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Velocity of its origin [m/s]."""
+    angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """[rad/s]"""
 
 
 class Engine(Protocol):
@@ -38,8 +43,11 @@ class Engine(Protocol):
     def dt(self) -> float:
         """Length of one step [s]."""
 
-    def reset(self, position: Sequence[float]) -> None:
-        """Put the joints at ``position`` [rad | m], at rest, at time zero."""
+    def reset(self, position: Sequence[float], time: float = 0.0) -> None:
+        """Put joints at ``position`` [rad | m], at rest, and objects where they began.
+
+        Simulated time is ``time`` [s] then.
+        """
 
     def read(self) -> JointState:
         """Return the measured state: a copy, never a view into the engine.
@@ -58,8 +66,26 @@ class Engine(Protocol):
     def step(self) -> None:
         """Advance simulated time by ``dt``."""
 
-    def object_poses(self) -> tuple[ObjectPose, ...]:
-        """Return where the objects of the scene are now, in the scene's order."""
+    def object_states(self) -> tuple[ObjectState, ...]:
+        """Return how the objects of the scene are now, in the scene's order."""
+
+    def spawn(self, item: SceneObject) -> None:
+        """Put a further object into the scene, at rest; what moves goes on moving.
+
+        Raises:
+            ModelError: If the engine cannot have such an object.
+            EngineError: If the name is taken, or the engine refuses.
+        """
+
+    def delete(self, name: str) -> None:
+        """Take an object out of the scene, or raise EngineError if there is none."""
+
+    def place(self, state: ObjectState) -> None:
+        """Put an object somewhere, moving so.
+
+        Raises:
+            EngineError: If there is none, or it stands still and is to move.
+        """
 
     def close(self) -> None:
         """End the engine and what it started; closing twice is allowed."""

@@ -11,7 +11,7 @@ from typing import final
 from tool0.control.goal import Goal
 from tool0.control.intent import Intent
 from tool0.control.manager import ControllerStatus
-from tool0.hardware.engine import ObjectPose
+from tool0.hardware.engine import ObjectState
 
 EVENTS_KEPT = 1000
 """Events that a subscriber may fall behind before it loses the oldest."""
@@ -48,7 +48,7 @@ class Snapshot:
     asked to, as fast as possible."""
     intents: Mapping[str, Intent] = field(default_factory=dict)
     """What each running controller wants of its joints, of those that want anything."""
-    objects: tuple[ObjectPose, ...] = ()
+    objects: tuple[ObjectState, ...] = ()
     """The scene's objects, in the order of the scene."""
 
 

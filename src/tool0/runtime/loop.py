@@ -314,7 +314,7 @@ class Loop:
                 fault=None if self._fault is None else str(self._fault),
                 speed=self._speed,
                 intents=core.manager.intents(),
-                objects=core.engine.object_poses(),
+                objects=core.engine.object_states(),
             )
         )
 

@@ -36,7 +36,7 @@ from tool0.errors import (
     EngineUnavailableError,
 )
 from tool0.hardware.bodies import check_masses, moving_bodies, transform
-from tool0.hardware.engine import ObjectPose
+from tool0.hardware.engine import ObjectState
 from tool0.hardware.joint_state import JointState
 
 START_PATIENCE = 30.0
@@ -87,7 +87,7 @@ class GazeboEngine:
         self._root = transform(Pose(xyz=(0.0, 0.0, spawn_z)))
         self._dt = dt
         self._steps = 0
-        self._object_poses: tuple[ObjectPose, ...] = ()
+        self._object_poses: tuple[ObjectState, ...] = ()
         n = len(self._joint_names)
         self._effort = [0.0] * n
         self._pack_step = struct.Struct(f"=I{n}d").pack
@@ -163,7 +163,7 @@ class GazeboEngine:
         self._stepped = True
         self._steps += 1
 
-    def object_poses(self) -> tuple[ObjectPose, ...]:
+    def object_states(self) -> tuple[ObjectState, ...]:
         """Return where the objects of the scene are now.
 
         If Gazebo is gone they are where they were; the next step tells of the loss.
@@ -234,9 +234,9 @@ class GazeboEngine:
             self._stepped = False
             self._numbers = self._unpack_state(self._connection.receive())
 
-    def _seen_from_root(self, name: str, pose: tuple[float, ...]) -> ObjectPose:
+    def _seen_from_root(self, name: str, pose: tuple[float, ...]) -> ObjectState:
         x, y, z, qw, qx, qy, qz = pose
-        return ObjectPose(name, (x, y, z - float(self._root[2, 3])), (qw, qx, qy, qz))
+        return ObjectState(name, (x, y, z - float(self._root[2, 3])), (qw, qx, qy, qz))
 
     def _divergence(self, values: Sequence[float], time: float) -> DivergenceError:
         worst = int(np.argmin(np.isfinite(values))) % len(self._joint_names)

@@ -16,7 +16,7 @@ from tool0.description.scene import Scene
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.objects import ObjectPoses, add_objects, compile_with
 from tool0.errors import ConfigError, DivergenceError, ModelError
-from tool0.hardware.engine import ObjectPose
+from tool0.hardware.engine import ObjectState
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.pick import picker
 
@@ -120,7 +120,7 @@ class MujocoEngine:
         mujoco.mj_step(self.model, self.data)
         self._steps += 1
 
-    def object_poses(self) -> tuple[ObjectPose, ...]:
+    def object_states(self) -> tuple[ObjectState, ...]:
         """Return where the objects of the scene are now."""
         return self._objects.read()
 

@@ -33,7 +33,7 @@ from tool0.engines.mujoco.model import (
 )
 from tool0.errors import ModelError
 from tool0.hardware.bodies import transform
-from tool0.hardware.engine import ObjectPose
+from tool0.hardware.engine import ObjectState
 
 OBJECT_SOLREF = (0.004, 1.0)
 """Of contacts between objects, ground and links: a fifth of MuJoCo's time constant
@@ -162,7 +162,7 @@ class ObjectPoses:
         self._starts = {name: start - first for name, start in starts.items()}
         self._position = data.qpos[first:]  # a view
 
-    def read(self) -> tuple[ObjectPose, ...]:
+    def read(self) -> tuple[ObjectState, ...]:
         """Return the pose of each object, in the scene's order."""
         if not self._starts:
             return tuple(self._still.values())
@@ -173,10 +173,10 @@ class ObjectPoses:
         )
 
 
-def _pose(name: str, values: list[float], i: int) -> ObjectPose:
+def _pose(name: str, values: list[float], i: int) -> ObjectState:
     x, y, z, qw, qx, qy, qz = values[i : i + 7]
-    return ObjectPose(name, (x, y, z), (qw, qx, qy, qz))
+    return ObjectState(name, (x, y, z), (qw, qx, qy, qz))
 
 
-def _placed(name: str, pose: Pose) -> ObjectPose:
+def _placed(name: str, pose: Pose) -> ObjectState:
     return _pose(name, [*pose.xyz, *quat_wxyz(transform(pose)).tolist()], 0)

@@ -1,0 +1,52 @@
+"""Where rospy is: in a sourced workspace, a RoboStack, or Debian's packages."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+from pathlib import Path
+
+from tool0.errors import RosUnavailableError
+
+DEBIAN = Path("/usr/lib/python3/dist-packages")
+"""Where Debian and Ubuntu put the modules of their own Python 3."""
+DEFAULT_MASTER = "http://localhost:11311"
+SET_UP = (
+    "`tool0 ros1 install` installs it on Debian and Ubuntu; on a machine with Noetic, "
+    "`source /opt/ros/noetic/setup.bash` first (docs/ros1.md)"
+)
+
+
+def import_ros() -> None:
+    """Make rospy and its messages importable.
+
+    Debian's folder is appended, so that everything else is imported from where it was
+    before.
+
+    Raises:
+        RosUnavailableError: If there is no rospy that this Python can import.
+    """
+    os.environ.setdefault("ROS_MASTER_URI", DEFAULT_MASTER)
+    if importlib.util.find_spec("rospy") is not None:
+        return
+    if not (DEBIAN / "rospy").is_dir():
+        raise RosUnavailableError(f"ROS 1 needs rospy, which is not here; {SET_UP}")
+    theirs = system_python()
+    ours = f"{sys.version_info.major}.{sys.version_info.minor}"
+    if theirs not in (ours, None):
+        raise RosUnavailableError(
+            f"rospy is installed for Python {theirs}, and this is Python {ours}; make "
+            "the virtual environment with /usr/bin/python3"
+        )
+    sys.path.append(str(DEBIAN))
+    importlib.invalidate_caches()
+
+
+def system_python() -> str | None:
+    """Return the version of the Python that Debian's folder is for, as 3.11."""
+    try:
+        name = Path("/usr/bin/python3").resolve(strict=True).name
+    except OSError:
+        return None
+    return name.removeprefix("python") or None
