@@ -84,9 +84,9 @@ def _in_words(event: Event, now: float) -> Happening:
             return Happening(severity="warning", code="overrun", text=text, time=time)
         case Faulted(message, time):
             return Happening(severity="error", code="fault", text=message, time=time)
-        case WasReset():
+        case WasReset(time):
             text = "the simulation was reset"
-            return Happening(severity="info", code="reset", text=text, time=now)
+            return Happening(severity="info", code="reset", text=text, time=time)
 
 
 def _outcome(goal: Goal) -> str:

@@ -169,7 +169,14 @@ def bringup(
         gazebo_gui=gazebo_gui,
     )
     try:
-        core = _core(model, physics, config, position, control_period)
+        core = _core(
+            model,
+            physics,
+            config,
+            position,
+            scene=surroundings,
+            control_period=control_period,
+        )
         for name in (*started, *stopped):
             core.apply(ask.LoadController(name))
         core.apply(ask.SwitchControllers(start=started, strictness=Strictness.STRICT))
@@ -188,7 +195,6 @@ def bringup(
         poses=poses,
         defined_controllers=config.types,
         joint_limits=core.hardware.limits,
-        scene=surroundings,
         ground=None if world else -spawn_z,  # a person's world has what it has
         warnings=_warnings(config, model),
     )
@@ -311,6 +317,8 @@ def _core(
     engine: Engine,
     config: ControllerConfig,
     position: list[float],
+    *,
+    scene: Scene,
     control_period: float | None,
 ) -> Core:
     overrides = {
@@ -329,6 +337,7 @@ def _core(
         hardware=hardware,
         manager=manager,
         initial_position=position,
+        scene=scene,
         control_period=control_period,
     )
 

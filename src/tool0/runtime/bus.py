@@ -11,6 +11,7 @@ from typing import final
 from tool0.control.goal import Goal
 from tool0.control.intent import Intent
 from tool0.control.manager import ControllerStatus
+from tool0.description.scene import SceneObject
 from tool0.hardware.engine import ObjectState
 
 EVENTS_KEPT = 1000
@@ -48,8 +49,10 @@ class Snapshot:
     asked to, as fast as possible."""
     intents: Mapping[str, Intent] = field(default_factory=dict)
     """What each running controller wants of its joints, of those that want anything."""
+    scene: tuple[SceneObject, ...] = ()
+    """What is around the robot: the same tuple until something comes or goes."""
     objects: tuple[ObjectState, ...] = ()
-    """The scene's objects, in the order of the scene."""
+    """Where it is and how it moves, in the order of ``scene``."""
 
 
 @final
@@ -77,7 +80,10 @@ class Faulted:
 @final
 @dataclass(frozen=True, slots=True)
 class WasReset:
-    """Time is zero again."""
+    """Robot and objects are where they began."""
+
+    time: float = 0.0
+    """Simulated time, which may have gone on [s]."""
 
 
 Event = GoalFinished | Overran | Faulted | WasReset

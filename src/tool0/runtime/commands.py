@@ -9,6 +9,8 @@ from typing import final
 from tool0.control.goal import Goal
 from tool0.control.manager import Strictness
 from tool0.control.trajectory import TrajectoryGoal
+from tool0.description.scene import SceneObject
+from tool0.hardware.engine import ObjectState
 
 
 @final
@@ -117,6 +119,38 @@ class ReadController:
 
 
 @final
+@dataclass(frozen=True, slots=True)
+class ReadSpec:
+    """The parameters of a loaded controller."""
+
+    controller: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SpawnObject:
+    """Put a further object into the scene, at its pose and at rest."""
+
+    item: SceneObject
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DeleteObject:
+    """Take an object out of the scene."""
+
+    name: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PlaceObject:
+    """Put an object somewhere, moving so; a reset puts it back where it began."""
+
+    state: ObjectState
+
+
+@final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CapEffort:
     """Bound a drive's effort below its limit; None takes the bound away."""
@@ -150,9 +184,11 @@ class SetSpeed:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reset:
-    """Start again at time zero, in the initial pose or in ``position``."""
+    """Start again in the initial pose or in ``position``, objects where they began."""
 
     position: Mapping[str, float] = field(default_factory=dict)
+    keep_time: bool = False
+    """Whether simulated time goes on, as after ROS's ``reset_world``."""
 
 
 @final
@@ -174,6 +210,10 @@ CoreCommand = (
     | CancelGoal
     | QueryState
     | ReadController
+    | ReadSpec
+    | SpawnObject
+    | DeleteObject
+    | PlaceObject
     | CapEffort
     | Reset
     | EmergencyStop

@@ -12,6 +12,7 @@ from tool0.control.gripper_action import GripperActionController
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
 from tool0.description.model import RobotModel
+from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, ModelError, nearest_name
 from tool0.hardware.engine import Engine
 from tool0.hardware.joint_state import JointState
@@ -19,6 +20,7 @@ from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime import commands as ask
 from tool0.runtime.initial_pose import joint_positions
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
+from tool0.runtime.surroundings import Surroundings
 
 
 @final
@@ -33,6 +35,7 @@ class Core:
         hardware: RobotHardware,
         manager: ControllerManager,
         initial_position: Sequence[float],
+        scene: Scene | None = None,
         control_period: float | None = None,
     ) -> None:
         """Put the robot into its initial pose.
@@ -43,6 +46,7 @@ class Core:
             hardware: The drives, over the engine's joints.
             manager: The controllers, over the drives.
             initial_position: [rad | m], shape (n_joints,), in the engine's order.
+            scene: What the engine was made with around the robot.
             control_period: Time between updates of the controllers [s]; a whole
                 multiple of the engine's step, and that step if left out.
         """
@@ -50,6 +54,7 @@ class Core:
         self.engine = engine
         self.hardware = hardware
         self.manager = manager
+        self.surroundings = Surroundings(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
@@ -121,10 +126,18 @@ class Core:
                 ).query_state(command.time)
             case ask.ReadController(name):
                 return self._running(name, JointTrajectoryController).state()
+            case ask.ReadSpec(name):
+                return self.manager.spec(name)
+            case ask.SpawnObject(item):
+                self.surroundings.spawn(item)
+            case ask.DeleteObject(name):
+                self.surroundings.delete(name)
+            case ask.PlaceObject(state):
+                self.surroundings.place(state)
             case ask.CapEffort():
                 self._cap_effort(command.joint, command.effort)
             case ask.Reset():
-                self._reset(command.position)
+                self._reset(command.position, command.keep_time)
             case ask.EmergencyStop(engaged):
                 self._emergency_stop(engaged)
         return None
@@ -214,11 +227,11 @@ class Core:
             raise ControlError(f"effort must be above 0 and finite, got {effort}")
         self.hardware.cap_effort(joint, effort)
 
-    def _reset(self, position: Mapping[str, float]) -> None:
+    def _reset(self, position: Mapping[str, float], keep_time: bool) -> None:
         start = joint_positions(self._model, position, self._initial)
         self._start = start
-        self.engine.reset(start)
-        self.ticks = 0
+        self.ticks = self.ticks if keep_time else 0
+        self.engine.reset(start, self.time)
         self.state = self.engine.read()
         self._commanded.clear()
         self.hardware.restart(self.state)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import final
 
+from tool0.control.controller import ControllerSpec
 from tool0.control.goal import Goal, GoalStatus, Result
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint, TrajectoryState
 from tool0.errors import GoalTimeoutError
@@ -193,6 +194,12 @@ class ControllerHandle:
         """Desired, actual and error of a trajectory controller."""
         state: TrajectoryState = self._loop.call(ask.ReadController(self.name))
         return state
+
+    @property
+    def spec(self) -> ControllerSpec:
+        """The parameters that the controller was loaded with."""
+        spec: ControllerSpec = self._loop.call(ask.ReadSpec(self.name))
+        return spec
 
     def __repr__(self) -> str:
         return f"ControllerHandle({self.name!r})"

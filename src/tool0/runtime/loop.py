@@ -255,8 +255,8 @@ class Loop:
                 self._fault = None
                 self._look_at_state()
                 self._restart_clock()
-                self._bus.announce(WasReset())
-            case ask.QueryState() | ask.ReadController():
+                self._bus.announce(WasReset(self._core.time))
+            case ask.QueryState() | ask.ReadController() | ask.ReadSpec():
                 return self._core.apply(command)
             case _:
                 answer = self._core.apply(command)
@@ -314,6 +314,7 @@ class Loop:
                 fault=None if self._fault is None else str(self._fault),
                 speed=self._speed,
                 intents=core.manager.intents(),
+                scene=core.surroundings.objects,
                 objects=core.engine.object_states(),
             )
         )

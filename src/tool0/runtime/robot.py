@@ -12,7 +12,7 @@ from tool0.control.manager import ControllerStatus, Strictness
 from tool0.description.catalogue import RobotDescription
 from tool0.description.kinematics import Transform, link_pose
 from tool0.description.model import JointLimits
-from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene import SceneObject
 from tool0.description.yaml_tree import ConfigWarning
 from tool0.errors import ControlError, nearest_name
 from tool0.hardware.engine import Engine
@@ -24,6 +24,7 @@ from tool0.runtime.joint_motion import import_planner
 from tool0.runtime.loop import Loop
 from tool0.runtime.poses import NamedPose, PoseBook
 from tool0.runtime.summary import summarize
+from tool0.runtime.surroundings import object_state
 
 
 @final
@@ -55,15 +56,12 @@ class Robot:
         poses: PoseBook,
         defined_controllers: Mapping[str, str],
         joint_limits: Mapping[str, JointLimits],
-        scene: Scene | None = None,
         ground: float | None = None,
         warnings: Sequence[ConfigWarning] = (),
     ) -> None:
         self.description = description
         self.engine = engine
         """The physics itself, for scripts; touch it only between runs."""
-        self.objects: tuple[SceneObject, ...] = () if scene is None else scene.objects
-        """What is around it; ``snapshot.objects`` says where, in this order."""
         self.ground = ground
         """Height of the ground [m], in the robot's root; None if there is none."""
         self.warnings = tuple(warnings)
@@ -107,6 +105,54 @@ class Robot:
             position=dict(zip(names, snapshot.position, strict=True)),
             velocity=dict(zip(names, snapshot.velocity, strict=True)),
             effort=dict(zip(names, snapshot.effort, strict=True)),
+        )
+
+    @property
+    def objects(self) -> tuple[SceneObject, ...]:
+        """What is around it now; ``snapshot.objects`` says where, in this order."""
+        return self.snapshot.scene
+
+    def spawn(self, item: SceneObject) -> None:
+        """Put a further object into the scene at its pose, at rest.
+
+        What moves goes on moving.  The loop stands still for it, some milliseconds in
+        MuJoCo, more for a large mesh; in real time it catches up.
+
+        Raises:
+            ConfigError: If it has the name of a link.
+            ModelError: If the engine cannot have such an object.
+            EngineError: If an object has this name, or the engine refuses.
+        """
+        self._loop.call(ask.SpawnObject(item))
+
+    def delete(self, name: str) -> None:
+        """Take an object out of the scene, or raise EngineError if there is none."""
+        self._loop.call(ask.DeleteObject(name))
+
+    def place(
+        self,
+        name: str,
+        position: Sequence[float],
+        quat_wxyz: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+        *,
+        linear: Sequence[float] = (0.0, 0.0, 0.0),
+        angular: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Put an object somewhere at once, at rest or moving; ``reset`` puts it back.
+
+        Args:
+            name: The object.
+            position: Where its origin is to be, in the robot's root [m].
+            quat_wxyz: How it is to be turned there, of any length.
+            linear: Velocity of its origin, in the root's axes [m/s].
+            angular: How fast it is to turn, in the root's axes [rad/s].
+
+        Raises:
+            ControlError: If a value has another number of parts, or is not finite.
+            EngineError: If there is no such object, or it has no mass and is to move.
+        """
+        self._loop.call(
+            ask.PlaceObject(object_state(name, position, quat_wxyz, linear, angular))
         )
 
     def pose(self, link: str, relative_to: str | None = None) -> Transform:
@@ -264,12 +310,22 @@ class Robot:
         """Run at ``factor`` times real time."""
         self._loop.call(ask.SetSpeed(factor))
 
-    def reset(self, position: Mapping[str, float] | None = None) -> None:
-        """Start again at time zero, in the initial pose changed by ``position``.
+    def reset(
+        self,
+        position: Mapping[str, float] | None = None,
+        *,
+        keep_time: bool = False,
+    ) -> None:
+        """Start again in the initial pose changed by ``position``.
 
         Active goals are PREEMPTED; running controllers run on and hold the pose.
+        Objects go where they began; those that were deleted stay away.
+
+        Args:
+            position: Joint → where to, besides the initial pose [rad | m].
+            keep_time: Whether simulated time goes on; otherwise it is zero again.
         """
-        self._loop.call(ask.Reset(position=dict(position or {})))
+        self._loop.call(ask.Reset(position=dict(position or {}), keep_time=keep_time))
 
     def emergency_stop(self, engaged: bool = True) -> None:
         """Brake every joint at once, or release the brakes.

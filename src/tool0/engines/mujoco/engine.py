@@ -12,10 +12,12 @@ import mujoco
 import numpy as np
 
 from tool0.description.model import RobotModel
-from tool0.description.scene import Scene
+from tool0.description.scene import Scene, SceneObject
 from tool0.engines.mujoco.model import build_spec
-from tool0.engines.mujoco.objects import ObjectPoses, add_objects, compile_with
-from tool0.errors import ConfigError, DivergenceError, ModelError
+from tool0.engines.mujoco.object_states import ObjectStates
+from tool0.engines.mujoco.objects import add_objects, compile_with, object_of
+from tool0.engines.mujoco.succession import carry_over
+from tool0.errors import ConfigError, DivergenceError, EngineError, ModelError
 from tool0.hardware.engine import ObjectState
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.pick import picker
@@ -51,26 +53,18 @@ class MujocoEngine:
             raise ConfigError(f"the step must be above 0 s and finite, got {dt}")
         if ground is not None and not math.isfinite(ground):
             raise ConfigError(f"the height of the ground must be finite, got {ground}")
-        scene = scene or Scene()
-        spec = build_spec(model, dt=dt, ground=ground)
-        add_objects(spec, model, scene)
-        self.model = compile_with(spec, scene)
-        self.data = mujoco.MjData(self.model)
-        self._objects = ObjectPoses(self.model, self.data, scene)
+        self._robot = model
+        self._bare = build_spec(model, dt=dt, ground=ground)
         self._joint_names = tuple(joint.name for joint in model.movable_joints)
         self._dt = dt
         self._steps = 0
+        self._effort = [0.0] * len(self._joint_names)
+        self._have(scene or Scene())
         n = len(self._joint_names)
         compiled = tuple(self.model.joint(i).name for i in range(self.model.njnt))
         if compiled[:n] != self._joint_names:
             raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")
-        # Views: the arrays of MjData never move.  The robot's joints come first.
-        self._position = self.data.qpos[:n]
-        self._velocity = self.data.qvel
-        self._has_more = self.model.nv > n  # movable objects
-        self._effort = [0.0] * n
         # Packing plain floats costs a third of what assigning to the array does.
-        self._ctrl = memoryview(self.data.ctrl)
         self._pack = struct.Struct(f"{self.model.nu}d").pack_into
         self._motors = picker(
             [
@@ -87,12 +81,15 @@ class MujocoEngine:
     def dt(self) -> float:
         return self._dt
 
-    def reset(self, position: Sequence[float]) -> None:
-        """Put the joints at ``position`` [rad | m], at rest, at time zero."""
+    def reset(self, position: Sequence[float], time: float = 0.0) -> None:
+        """Put joints at ``position`` [rad | m] and objects where they began."""
         mujoco.mj_resetData(self.model, self.data)
+        self._objects.put_back()
         self._position[:] = position
         self._effort = [0.0] * len(self._joint_names)
-        self._steps = 0
+        self._steps = round(time / self._dt)
+        self.data.time = time
+        mujoco.mj_forward(self.model, self.data)
         self._warn_of_overlaps()
 
     def read(self) -> JointState:
@@ -121,15 +118,64 @@ class MujocoEngine:
         self._steps += 1
 
     def object_states(self) -> tuple[ObjectState, ...]:
-        """Return where the objects of the scene are now."""
+        """Return how the objects of the scene are now."""
         return self._objects.read()
+
+    def spawn(self, item: SceneObject) -> None:
+        """Put a further object into the scene, or raise ModelError or EngineError.
+
+        The model is compiled anew, which takes about 2 ms.
+        """
+        if item.name in self._objects.names:
+            raise EngineError(
+                f"there is an object '{item.name}' already; "
+                "delete it first, or take another name"
+            )
+        self._succeed(Scene((*self._scene.objects, item), self._scene.locations))
+        mujoco.mj_fwdPosition(self.model, self.data)  # changes no state
+        self._warn_of_overlaps(of=item.name)
+
+    def delete(self, name: str) -> None:
+        """Take an object out of the scene, or raise EngineError."""
+        self._objects.check_there(name)
+        left = tuple(item for item in self._scene.objects if item.name != name)
+        self._succeed(Scene(left, self._scene.locations))
+
+    def place(self, state: ObjectState) -> None:
+        """Put an object somewhere, moving so, or raise EngineError."""
+        self._objects.place(state)
 
     def close(self) -> None:
         """Nothing to end: MuJoCo lives inside the process."""
 
-    def _warn_of_overlaps(self) -> None:
-        """Tell which shapes the pose puts into each other: they will be flung apart."""
-        mujoco.mj_forward(self.model, self.data)
+    def _have(self, scene: Scene) -> None:
+        """Compile robot and scene, and look there from now on; or change nothing."""
+        spec = self._bare.copy()
+        add_objects(spec, self._robot, scene)
+        model = compile_with(spec, scene)
+        self.model, self.data = model, mujoco.MjData(model)
+        self._scene = scene
+        self._objects = ObjectStates(self.model, self.data, scene)
+        # Views: the arrays of one MjData never move.  The robot's joints come first.
+        n = len(self._joint_names)
+        self._position = self.data.qpos[:n]
+        self._velocity = self.data.qvel
+        self._has_more = self.model.nv > n  # movable objects
+        self._ctrl = memoryview(self.data.ctrl)
+
+    def _succeed(self, scene: Scene) -> None:
+        """Have another scene; everything that stays goes on as it was."""
+        model, data, objects = self.model, self.data, self._objects
+        self._have(scene)
+        carry_over(model, data, self.model, self.data)
+        self._objects.take_over(objects)
+
+    def _warn_of_overlaps(self, of: str | None = None) -> None:
+        """Tell which shapes are put into each other: they will be flung apart.
+
+        Args:
+            of: The object whose overlaps matter; None for any.
+        """
         deepest: dict[tuple[str, str], float] = {}
         for contact in self.data.contact[: self.data.ncon]:
             if contact.dist < -DEEP:
@@ -140,6 +186,8 @@ class MujocoEngine:
                 depth = max(-contact.dist, deepest.get((first, second), 0.0))
                 deepest[first, second] = depth
         for (first, second), depth in deepest.items():
+            if of is not None and of not in (first, second):
+                continue
             logger.warning(
                 "the pose puts '%s' %.1f mm into '%s'; expect it to be pushed out",
                 first,
@@ -156,7 +204,8 @@ class MujocoEngine:
         n = len(self._joint_names)
         finite = np.isfinite(self._velocity)
         finite[:n] &= np.isfinite(self._position)
-        # A free joint is called as its object.
         joint = int(self.model.dof_jntid[int(np.argmin(finite))])
-        name, kind = self.model.joint(joint).name, "joint" if joint < n else "object"
-        return DivergenceError(name, time, kind=kind)
+        name = self.model.joint(joint).name
+        if joint < n:
+            return DivergenceError(name, time)
+        return DivergenceError(object_of(name), time, kind="object")

@@ -1,4 +1,4 @@
-"""The scene's objects in MuJoCo: bodies beside the robot, and where they are.
+"""The scene's objects in MuJoCo: bodies beside the robot.
 
 Each is a body of its own, on a free joint if it has a mass.  Free joints come after
 the robot's, whose values so stay the first of every array.
@@ -7,19 +7,12 @@ the robot's, whose values so stay the first of every array.
 from __future__ import annotations
 
 import itertools
-from typing import Any, final
+from typing import Any
 
 import mujoco
 import numpy as np
 
-from tool0.description.model import (
-    Collision,
-    Cylinder,
-    Mesh,
-    Pose,
-    RobotModel,
-    Sphere,
-)
+from tool0.description.model import Collision, Cylinder, Mesh, RobotModel, Sphere
 from tool0.description.scene import Scene, SceneObject
 from tool0.engines.mujoco.model import (
     GRIP_CONDIM,
@@ -33,7 +26,6 @@ from tool0.engines.mujoco.model import (
 )
 from tool0.errors import ModelError
 from tool0.hardware.bodies import transform
-from tool0.hardware.engine import ObjectState
 
 OBJECT_SOLREF = (0.004, 1.0)
 """Of contacts between objects, ground and links: a fifth of MuJoCo's time constant
@@ -99,6 +91,19 @@ def compile_with(spec: Any, scene: Scene) -> Any:  # MjSpec and MjModel carry no
         raise
 
 
+def free_joint_name(name: str) -> str:
+    """Return what the joint of the object ``name`` is called: as no joint of a robot's.
+
+    A slash is in no object's name.
+    """
+    return f"{name}/free"
+
+
+def object_of(free_joint: str) -> str:
+    """Return the name of the object whose joint it is."""
+    return free_joint.partition("/")[0]
+
+
 def _add_object(spec: Any, item: SceneObject) -> None:
     frame = transform(item.pose)
     body = spec.worldbody.add_body(
@@ -119,7 +124,7 @@ def _add_object(spec: Any, item: SceneObject) -> None:
         mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
     if item.mass is not None:
         geom.mass = item.mass
-        body.add_freejoint(name=item.name)
+        body.add_freejoint(name=free_joint_name(item.name))
 
 
 def _add_pair(spec: Any, first: str, second: str, mu: float) -> Any:
@@ -136,47 +141,3 @@ def _condim(item: SceneObject) -> int:
 
 def _geom_name(item: SceneObject) -> str:
     return f"{item.name}/object"
-
-
-@final
-class ObjectPoses:
-    """Reads where the objects are, from the state itself.
-
-    ``xpos`` would be that of the step before.
-    """
-
-    def __init__(self, model: Any, data: Any, scene: Scene) -> None:
-        self.names = tuple(item.name for item in scene.objects)
-        self._still = {
-            item.name: _placed(item.name, item.pose)
-            for item in scene.objects
-            if item.mass is None
-        }
-        starts = {
-            name: int(model.joint(name).qposadr[0])
-            for name in self.names
-            if name not in self._still
-        }
-        self.movable = tuple(starts)
-        first = min(starts.values(), default=0)
-        self._starts = {name: start - first for name, start in starts.items()}
-        self._position = data.qpos[first:]  # a view
-
-    def read(self) -> tuple[ObjectState, ...]:
-        """Return the pose of each object, in the scene's order."""
-        if not self._starts:
-            return tuple(self._still.values())
-        position = self._position.tolist()
-        return tuple(
-            self._still.get(name) or _pose(name, position, self._starts[name])
-            for name in self.names
-        )
-
-
-def _pose(name: str, values: list[float], i: int) -> ObjectState:
-    x, y, z, qw, qx, qy, qz = values[i : i + 7]
-    return ObjectState(name, (x, y, z), (qw, qx, qy, qz))
-
-
-def _placed(name: str, pose: Pose) -> ObjectState:
-    return _pose(name, [*pose.xyz, *quat_wxyz(transform(pose)).tolist()], 0)

@@ -1,0 +1,29 @@
+"""From one compiled model to the next, when an object comes or goes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def carry_over(old: Any, was: Any, new: Any, now: Any) -> None:
+    """Give what is in both models the same state, to the bit.
+
+    Args:
+        old: The ``MjModel`` so far.
+        was: Its ``MjData``.
+        new: That of the same robot and other objects.
+        now: Its ``MjData``, which is changed.
+    """
+    now.time = was.time
+    now.ctrl[:], now.act[:] = was.ctrl, was.act  # the robot's alone
+    here = {new.joint(i).name for i in range(new.njnt)}
+    for name in (old.joint(i).name for i in range(old.njnt)):
+        if name in here:
+            before, after = was.joint(name), now.joint(name)
+            after.qpos[:], after.qvel[:] = before.qpos, before.qvel
+            after.qacc_warmstart[:] = before.qacc_warmstart
+            after.qfrc_applied[:] = before.qfrc_applied
+    here = {new.body(i).name for i in range(new.nbody)}
+    for name in (old.body(i).name for i in range(old.nbody)):
+        if name in here:
+            now.body(name).xfrc_applied[:] = was.body(name).xfrc_applied
