@@ -141,7 +141,7 @@ def test_a_loss_is_told_once_and_remembered(
     bridge.close()
     for _ in range(2):
         with pytest.raises(EngineUnavailableError, match="gone, which is sad"):
-            connection.ask(Kind.POSES)
+            connection.ask(Kind.OBJECTS)
     assert losses == ["gzserver is gone"]
 
 
@@ -150,7 +150,7 @@ def test_a_bridge_that_is_silent_is_lost(
 ) -> None:
     bridge, connection, losses = ends
     with pytest.raises(EngineUnavailableError, match=r"not answer within 1\.5 s"):
-        connection.ask(Kind.POSES)
+        connection.ask(Kind.OBJECTS)
     assert losses == ["gzserver does not answer within 1.5 s"]
     bridge.settimeout(1.0)
     assert bridge.recv(100) != b""

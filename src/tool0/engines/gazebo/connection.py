@@ -17,7 +17,7 @@ import numpy as np
 from tool0.errors import EngineError, EngineUnavailableError
 from tool0.hardware.bodies import Matrix
 
-VERSION = 1
+VERSION = 2
 """Of the packets; as ``kVersion`` in bridge.cc."""
 _LARGEST = 1 << 16
 _HURRY = 1e-4  # [s] between an answer and the next request, at full speed
@@ -33,9 +33,10 @@ class Kind(IntEnum):
     STEP = 1
     RESET = 2
     BIND = 3
-    POSES = 4
+    OBJECTS = 4
     SPAWN = 5
     DELETE = 6
+    PLACE = 7
 
 
 @final
@@ -184,13 +185,24 @@ class Connection:
         self.send(struct.pack("=I", kind) + b"".join(parts))
         return self.receive()
 
-    def spawn(self, name: str, file: Path, pose: Matrix) -> None:
+    def spawn(
+        self, name: str, file: Path, pose: Matrix, *, is_object: bool = False
+    ) -> None:
         """Add the model of a URDF or SDF file to the world.
+
+        Where an object is, how it moves, and where it goes at a reset are asked for
+        in the order in which objects came.
 
         Raises:
             EngineError: If Gazebo does not take it.
         """
-        self._ask_patiently(Kind.SPAWN, text(name), text(str(file)), pose_bytes(pose))
+        self._ask_patiently(
+            Kind.SPAWN,
+            text(name),
+            text(str(file)),
+            pose_bytes(pose),
+            struct.pack("=I", is_object),
+        )
 
     def delete(self, name: str) -> None:
         """Take the model called ``name`` out of the world.

@@ -13,7 +13,7 @@ import numpy as np
 
 from tool0.description.catalogue import RobotDescription
 from tool0.description.model import Pose
-from tool0.description.scene import Scene
+from tool0.description.scene import Scene, SceneObject
 from tool0.engines.gazebo.connection import (
     Connection,
     Kind,
@@ -32,7 +32,6 @@ from tool0.engines.gazebo.world import check_model, check_world, empty_world
 from tool0.errors import (
     ConfigError,
     DivergenceError,
-    EngineError,
     EngineUnavailableError,
 )
 from tool0.hardware.bodies import check_masses, moving_bodies, transform
@@ -79,7 +78,6 @@ class GazeboEngine:
             check_world(world)
         model = description.model
         self._world = world
-        self._scene = scene or Scene()
         self._model = model
         self._bodies = moving_bodies(model)
         check_masses(model, self._bodies)
@@ -87,7 +85,7 @@ class GazeboEngine:
         self._root = transform(Pose(xyz=(0.0, 0.0, spawn_z)))
         self._dt = dt
         self._steps = 0
-        self._object_poses: tuple[ObjectState, ...] = ()
+        self._objects: tuple[ObjectState, ...] = ()
         n = len(self._joint_names)
         self._effort = [0.0] * n
         self._pack_step = struct.Struct(f"=I{n}d").pack
@@ -105,8 +103,8 @@ class GazeboEngine:
             failed.callback(self.server.close)
             self._connection, self.version = self._start(gui)
             failed.callback(self._connection.close)
-            self._models = Models(self._connection, self.server, world)
-            self._models.populate(model, urdf, gears, self._scene, self._root)
+            self._models = Models(self._connection, self.server, world, self._root)
+            self._models.populate(model, urdf, gears, scene or Scene())
             self.reset([0.0] * n)
             if gui:
                 self.server.open_window()
@@ -120,19 +118,24 @@ class GazeboEngine:
     def dt(self) -> float:
         return self._dt
 
-    def reset(self, position: Sequence[float]) -> None:
-        """Put the joints at ``position`` [rad | m], at rest, at time zero."""
+    def reset(self, position: Sequence[float], time: float = 0.0) -> None:
+        """Put joints at ``position`` [rad | m], at rest, and objects where they began.
+
+        Args:
+            position: Of each joint.
+            time: Simulated time then [s], a whole number of steps.
+        """
         self._await_step()
+        self._steps = round(time / self._dt)
         poses = body_poses(self._bodies, list(position))
         answer = self._connection.ask(
             Kind.RESET,
-            numbers(position),
+            numbers([self._steps * self._dt, *position]),
             *(pose_bytes(self._root @ pose) for pose in poses),
-            *(pose_bytes(self._root @ transform(o.pose)) for o in self._scene.objects),
+            self._models.start_poses(),
         )
         self._numbers = self._unpack_state(answer)
         self._effort = [0.0] * len(self._joint_names)
-        self._steps = 0
 
     def read(self) -> JointState:
         """Return the measured state, or raise DivergenceError."""
@@ -164,26 +167,26 @@ class GazeboEngine:
         self._steps += 1
 
     def object_states(self) -> tuple[ObjectState, ...]:
-        """Return where the objects of the scene are now.
+        """Return how the objects are now.
 
-        If Gazebo is gone they are where they were; the next step tells of the loss.
+        If Gazebo is gone they are as they were; the next step tells of the loss.
         """
-        if not self._scene.objects:
-            return ()
-        try:
+        with contextlib.suppress(EngineUnavailableError):
             self._await_step()
-            answer = self._connection.ask(Kind.POSES)
-        except EngineUnavailableError:
-            return self._object_poses
-        self._object_poses = tuple(
-            self._seen_from_root(item.name, pose)
-            for item, pose in zip(
-                self._scene.objects, struct.iter_unpack("=7d", answer), strict=True
-            )
-        )
-        return self._object_poses
+            self._objects = self._models.object_states()
+        return self._objects
 
-    def spawn(self, name: str, file: Path, pose: Pose) -> None:
+    def spawn(self, item: SceneObject) -> None:
+        """Put a further object into the scene, at rest; what moves goes on moving.
+
+        Raises:
+            ModelError: If it is to move and is a mesh that encloses nothing.
+            EngineError: If the name is taken, or Gazebo does not take it.
+        """
+        self._await_step()
+        self._models.spawn(item)
+
+    def spawn_file(self, name: str, file: Path, pose: Pose) -> None:
         """Put the model of a person's URDF or SDF file into the world.
 
         Args:
@@ -197,18 +200,25 @@ class GazeboEngine:
         """
         check_model(file)
         self._await_step()
-        self._models.spawn(name, file.resolve(), self._root @ transform(pose))
+        self._models.spawn_file(name, file.resolve(), pose)
 
     def delete(self, name: str) -> None:
-        """Take the model ``name`` out of the world again.
+        """Take an object of the scene, or another model, out of the world.
 
         Raises:
-            EngineError: If there is none, or it is the robot or one of the scene.
+            EngineError: If there is none, or it is the robot.
         """
-        if any(item.name == name for item in self._scene.objects):
-            raise EngineError(f"'{name}' belongs to the scene, which stays as it is")
         self._await_step()
-        self._connection.delete(name)
+        self._models.delete(name)
+
+    def place(self, state: ObjectState) -> None:
+        """Put an object somewhere, moving so.
+
+        Raises:
+            EngineError: If there is none, or it stands still and is to move.
+        """
+        self._await_step()
+        self._models.place(state)
 
     def close(self) -> None:
         """End gzserver, and gzclient; closing twice is allowed."""
@@ -233,10 +243,6 @@ class GazeboEngine:
         if self._stepped:
             self._stepped = False
             self._numbers = self._unpack_state(self._connection.receive())
-
-    def _seen_from_root(self, name: str, pose: tuple[float, ...]) -> ObjectState:
-        x, y, z, qw, qx, qy, qz = pose
-        return ObjectState(name, (x, y, z - float(self._root[2, 3])), (qw, qx, qy, qz))
 
     def _divergence(self, values: Sequence[float], time: float) -> DivergenceError:
         worst = int(np.argmin(np.isfinite(values))) % len(self._joint_names)

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import logging
+import math
 import struct
 from pathlib import Path
 from typing import final
 
-from tool0.description.model import RobotModel, Transmission
-from tool0.description.scene import Scene
-from tool0.engines.gazebo.connection import Connection, Kind, numbers, text
+from tool0.description.model import Pose, RobotModel, Transmission
+from tool0.description.scene import Scene, SceneObject
+from tool0.engines.gazebo.connection import (
+    Connection,
+    Kind,
+    numbers,
+    pose_bytes,
+    text,
+)
 from tool0.engines.gazebo.couplings import Coupling
 from tool0.engines.gazebo.objects import object_sdf
 from tool0.engines.gazebo.server import Server
@@ -20,6 +27,7 @@ from tool0.errors import (
     SourceLocation,
 )
 from tool0.hardware.bodies import Matrix, transform
+from tool0.hardware.engine import ObjectState
 
 logger = logging.getLogger(__name__)
 
@@ -33,12 +41,21 @@ class Models:
     """The models in the world of one gzserver."""
 
     def __init__(
-        self, connection: Connection, server: Server, world: Path | None
+        self, connection: Connection, server: Server, world: Path | None, root: Matrix
     ) -> None:
-        """Ask over ``connection``; ``world`` is the file of the world, for messages."""
+        """Ask over ``connection``.
+
+        Args:
+            connection: To the bridge.
+            server: The one that it is in.
+            world: The file of the world, for messages.
+            root: The robot's root in the world, shape (4, 4): moved, not turned.
+        """
         self._connection = connection
         self._server = server
         self._world = world
+        self._root = root
+        self._objects: dict[str, SceneObject] = {}  # as the bridge lists them
 
     def populate(
         self,
@@ -46,42 +63,102 @@ class Models:
         urdf: str,
         gears: tuple[Coupling, ...],
         scene: Scene,
-        root: Matrix,
     ) -> None:
-        """Spawn the robot and the scene, and bind the bridge to them.
+        """Spawn the robot and the scene, and bind the bridge to the robot.
 
         Args:
             model: The robot.
             urdf: What libsdformat makes it of.
             gears: The couplings that are for the bridge to hold.
             scene: The objects around it.
-            root: The robot's root in the world, shape (4, 4).
 
         Raises:
             EngineError: If Gazebo refuses one of them.
         """
         file = self._server.folder / "robot.urdf"
         file.write_text(urdf)
-        self.spawn(model.name, file, root)
+        self._spawn(model.name, file, self._root)
         for item in scene.objects:
-            file = self._server.folder / f"{item.name}.sdf"
-            file.write_text(object_sdf(item))
-            try:
-                self.spawn(item.name, file, root @ transform(item.pose))
-            except EngineUnavailableError:
-                raise
-            except EngineError as error:
-                raise EngineError(f"object '{item.name}': {error}") from error
-        self._bind(model, gears, scene)
+            self.spawn(item)
+        self._bind(model, gears)
 
-    def spawn(self, name: str, file: Path, pose: Matrix) -> None:
-        """Put the model of a URDF or SDF file into the world, at ``pose`` there.
+    def start_poses(self) -> bytes:
+        """Return where a reset puts the objects, as the bridge reads it."""
+        return b"".join(
+            pose_bytes(self._root @ transform(item.pose))
+            for item in self._objects.values()
+        )
+
+    def object_states(self) -> tuple[ObjectState, ...]:
+        """Return how the objects are, in the order of their coming."""
+        if not self._objects:
+            return ()
+        rows = struct.iter_unpack("=13d", self._connection.ask(Kind.OBJECTS))
+        return tuple(map(self._seen_from_root, self._objects, rows))
+
+    def spawn(self, item: SceneObject) -> None:
+        """Put an object into the world.
+
+        Raises:
+            ModelError: If it is to move and is a mesh that encloses nothing.
+            EngineError: If Gazebo does not take it.
+        """
+        file = self._server.folder / f"{item.name}.sdf"
+        file.write_text(object_sdf(item))
+        pose = self._root @ transform(item.pose)
+        try:
+            self._spawn(item.name, file, pose, is_object=True)
+        except EngineUnavailableError:
+            raise
+        except EngineError as error:
+            raise EngineError(f"object '{item.name}': {error}") from error
+        self._objects[item.name] = item
+
+    def spawn_file(self, name: str, file: Path, pose: Pose) -> None:
+        """Put the model of a person's file into the world, at ``pose`` in the root.
 
         Raises:
             EngineError: If Gazebo does not take it, or only half of it.
         """
+        self._spawn(name, file, self._root @ transform(pose))
+
+    def delete(self, name: str) -> None:
+        """Take an object, or another model, out of the world.
+
+        Raises:
+            EngineError: If there is none, or it is the robot.
+        """
+        self._connection.delete(name)
+        self._objects.pop(name, None)
+
+    def place(self, state: ObjectState) -> None:
+        """Put an object somewhere, moving so.
+
+        Raises:
+            EngineError: If there is none, or it stands still and is to move.
+        """
+        item = self._objects.get(state.name)
+        if item is None:
+            known = ", ".join(f"'{name}'" for name in self._objects) or "none"
+            raise EngineError(f"there is no object '{state.name}'; there is: {known}")
+        velocity = (*state.linear, *state.angular)
+        if item.mass is None and any(velocity):
+            raise EngineError(f"object '{state.name}' has no mass: it cannot move")
+        x, y, z = state.position
+        norm = math.hypot(*state.quat_wxyz)
+        self._connection.ask(
+            Kind.PLACE,
+            text(state.name),
+            numbers((x, y, z + float(self._root[2, 3]))),
+            numbers([part / norm for part in state.quat_wxyz]),
+            numbers(velocity),
+        )
+
+    def _spawn(
+        self, name: str, file: Path, pose: Matrix, *, is_object: bool = False
+    ) -> None:
         try:
-            self._connection.spawn(name, file, pose)
+            self._connection.spawn(name, file, pose, is_object=is_object)
         except EngineUnavailableError:
             raise
         except EngineError as error:
@@ -96,9 +173,7 @@ class Models:
         if complaints:
             logger.warning("Gazebo complains:%s", complaints)
 
-    def _bind(
-        self, model: RobotModel, gears: tuple[Coupling, ...], scene: Scene
-    ) -> None:
+    def _bind(self, model: RobotModel, gears: tuple[Coupling, ...]) -> None:
         transmissions = model.transmission_by_joint
         names = [joint.name for joint in model.movable_joints]
         self._connection.ask(
@@ -115,8 +190,16 @@ class Models:
                 struct.pack("=IId", gear.joint, gear.other, gear.multiplier)
                 for gear in gears
             ),
-            struct.pack("=I", len(scene.objects)),
-            *(text(item.name) for item in scene.objects),
+        )
+
+    def _seen_from_root(self, name: str, row: tuple[float, ...]) -> ObjectState:
+        x, y, z, qw, qx, qy, qz, vx, vy, vz, wx, wy, wz = row
+        return ObjectState(
+            name,
+            (x, y, z - float(self._root[2, 3])),
+            (qw, qx, qy, qz),
+            (vx, vy, vz),
+            (wx, wy, wz),
         )
 
     def _complaints(self) -> str:

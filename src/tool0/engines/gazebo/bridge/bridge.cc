@@ -46,9 +46,10 @@
 namespace tool0 {
 
 using ignition::math::Pose3d;
+using ignition::math::Vector3d;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kLargest = 1 << 16;             // [bytes] of a packet
 constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or go
 constexpr auto kAwake = std::chrono::microseconds(60);  // after an answer
@@ -58,7 +59,15 @@ constexpr double kSlack = 0.02;                       // [rad] of an armature's 
 constexpr double kSlip = 1e-7;                        // [m/s/N] of contacts; see Calm
 constexpr double kTeethErp = 0.2;                     // of an error, undone in a step
 
-enum Kind : std::uint32_t { kStep = 1, kReset, kBind, kPoses, kSpawn, kDelete };
+enum Kind : std::uint32_t {
+  kStep = 1,
+  kReset,
+  kBind,
+  kObjects,
+  kSpawn,
+  kDelete,
+  kPlace
+};
 
 /// A packet that is being read or written, piece by piece.
 class Packet {
@@ -85,6 +94,9 @@ class Packet {
                      pose.Rot().X(), pose.Rot().Y(), pose.Rot().Z()})
       Put(x);
   }
+  void Put(const Vector3d& vector) {
+    for (double x : {vector.X(), vector.Y(), vector.Z()}) Put(x);
+  }
 
   template <typename T>
   T Take() {
@@ -106,6 +118,11 @@ class Packet {
     double v[7];
     for (double& x : v) x = Take<double>();
     return Pose3d(v[0], v[1], v[2], v[3], v[4], v[5], v[6]);
+  }
+  Vector3d TakeVector() {
+    double v[3];
+    for (double& x : v) x = Take<double>();
+    return Vector3d(v[0], v[1], v[2]);
   }
 
  private:
@@ -170,7 +187,7 @@ struct Gear {
   }
 
  private:
-  static void Set(dReal* to, const ignition::math::Vector3d& from) {
+  static void Set(dReal* to, const Vector3d& from) {
     for (int i : {0, 1, 2}) to[i] = from[i];
   }
   static dBodyID Body(const Drive& drive) {
@@ -262,9 +279,10 @@ class Bridge : public gazebo::SystemPlugin {
       case kStep: Step(); return true;
       case kReset: Reset(); return false;
       case kBind: Bind(); return false;
-      case kPoses: Poses(); return false;
+      case kObjects: Objects(); return false;
       case kSpawn: Spawn(); return true;
       case kDelete: Delete(); return true;
+      case kPlace: PlaceObject(); return false;
     }
     throw std::runtime_error("unknown request");
   }
@@ -290,11 +308,11 @@ class Bridge : public gazebo::SystemPlugin {
     for (const Drive& drive : drives_) packet_.Put(drive.velocity);
   }
 
-  /// In: position of each joint, pose of each joint's child link, pose of each object.
-  /// Puts them there at rest, at time zero.  Out: see PutState.
+  /// In: time [s], position of each joint, pose of each joint's child link, pose of each
+  /// object.  Puts them there at rest.  Out: see PutState.
   void Reset() {
     world_->ResetTime();
-    world_->SetSimTime(gazebo::common::Time(dt_));
+    world_->SetSimTime(gazebo::common::Time(packet_.Take<double>() + dt_));
     for (Drive& drive : drives_) drive.position = packet_.Take<double>();
     for (const Drive& drive : drives_) Place(drive.child, packet_.TakePose());
     for (const auto& object : objects_) Place(object, packet_.TakePose());
@@ -314,7 +332,7 @@ class Bridge : public gazebo::SystemPlugin {
 
   /// In: name of the robot; n; of each joint its name, armature [kg·m²] and position
   /// [rad | m] now; g; of each gear the numbers of its second and first joint, and its
-  /// multiplier; m; names of the objects whose poses Poses tells.
+  /// multiplier.
   void Bind() {
     const auto robot = Model(packet_.TakeText());
     std::vector<Drive> drives;
@@ -337,9 +355,6 @@ class Bridge : public gazebo::SystemPlugin {
     }
     if (!gears.empty() && world_->Physics()->GetType() != "ode")
       throw std::runtime_error("mimic joints need the physics engine ode");
-    std::vector<gazebo::physics::ModelPtr> objects;
-    for (auto m = packet_.Take<std::uint32_t>(); m > 0; --m)
-      objects.push_back(Model(packet_.TakeText()));
     const auto physics = world_->Physics();
     physics->SetMaxStepSize(dt_);
     physics->SetRealTimeUpdateRate(0.0);
@@ -349,7 +364,6 @@ class Bridge : public gazebo::SystemPlugin {
     for (const auto& model : world_->Models()) Calm(model);
     drives_.swap(drives);
     gears_.swap(gears);
-    objects_.swap(objects);
     Begin();
   }
 
@@ -379,16 +393,35 @@ class Bridge : public gazebo::SystemPlugin {
     joint->SetUpperLimit(0, joint->UpperLimit(0) + kSlack);
   }
 
-  /// Out: pose of each object in the world [m, quaternion w x y z].
-  void Poses() {
+  /// Out: of each object, in the order of their coming, its pose in the world [m,
+  /// quaternion w x y z], the velocity of its origin [m/s], the angular one [rad/s].
+  void Objects() {
     Begin();
-    for (const auto& object : objects_) packet_.Put(object->WorldPose());
+    for (const auto& object : objects_) {
+      const auto link = object->GetLinks().front();
+      packet_.Put(object->WorldPose());
+      packet_.Put(link->WorldLinearVel());
+      packet_.Put(link->WorldAngularVel());
+    }
   }
 
-  /// In: name, file of the URDF or SDF, pose.
+  /// In: name of an object, pose, velocity of its origin [m/s], angular one [rad/s].
+  void PlaceObject() {
+    const auto object = Model(packet_.TakeText());
+    Place(object, packet_.TakePose());
+    const auto link = object->GetLinks().front();
+    const auto center = link->WorldCoGPose().Pos() - link->WorldPose().Pos();
+    const auto linear = packet_.TakeVector(), angular = packet_.TakeVector();
+    link->SetLinearVel(linear + angular.Cross(center));  // ODE's is the centre's
+    link->SetAngularVel(angular);
+    Begin();
+  }
+
+  /// In: name, file of the URDF or SDF, pose, whether it is an object as uint32.
   void Spawn() {
     const std::string name = packet_.TakeText(), file = packet_.TakeText();
     const Pose3d pose = packet_.TakePose();
+    const bool is_object = packet_.Take<std::uint32_t>();
     if (world_->ModelByName(name))
       throw std::runtime_error("the world has a model '" + name + "' already");
     std::ifstream stream(file);
@@ -404,10 +437,12 @@ class Bridge : public gazebo::SystemPlugin {
     model->GetElement("pose")->Set(pose);
     world_->InsertModelSDF(*sdf);
     WaitUntil(
-        [this, name] {
+        [this, name, is_object] {
           const auto model = world_->ModelByName(name);
-          if (model) Calm(model);
-          return bool(model);
+          if (!model) return false;
+          Calm(model);
+          if (is_object) objects_.push_back(model);
+          return true;
         },
         "Gazebo did not take the model '" + name + "'");
   }
@@ -420,8 +455,15 @@ class Bridge : public gazebo::SystemPlugin {
       if (drive.child->GetModel() == model)
         throw std::runtime_error("'" + name + "' is the robot");
     world_->RemoveModel(name);
-    WaitUntil([this, name] { return !world_->ModelByName(name); },
-              "Gazebo did not remove the model '" + name + "'");
+    WaitUntil(
+        [this, name] {
+          if (world_->ModelByName(name)) return false;
+          const auto is_it = [&name](const auto& o) { return o->GetName() == name; };
+          objects_.erase(std::remove_if(objects_.begin(), objects_.end(), is_it),
+                         objects_.end());
+          return true;
+        },
+        "Gazebo did not remove the model '" + name + "'");
   }
 
   gazebo::physics::ModelPtr Model(const std::string& name) const {
@@ -460,8 +502,8 @@ class Bridge : public gazebo::SystemPlugin {
   void Resume() {
     for (const auto& model : world_->Models())
       for (const auto& link : model->GetLinks()) {
-        link->SetForce(ignition::math::Vector3d::Zero);
-        link->SetTorque(ignition::math::Vector3d::Zero);
+        link->SetForce(Vector3d::Zero);
+        link->SetTorque(Vector3d::Zero);
       }
     world_->SetPhysicsEnabled(true);
   }
