@@ -12,6 +12,7 @@ PAGE := src/tool0/panel/static/.stamp
 WEB  := $(BIN)/python tools/web.py
 BROWSER := $(VENV)/.stamp-browser
 GAZEBO  := $(VENV)/.stamp-gazebo
+ROS1    := $(VENV)/.stamp-ros1
 # What `make test` may not do without; other things that are absent skip their tests.
 TOOL0_REQUIRE ?= browser
 
@@ -56,7 +57,7 @@ unit-python: $(DEV)
 unit-web: $(DEV)
 	$(WEB) run test
 
-test: $(DEV) $(PAGE) $(BROWSER) $(GAZEBO) unit-web
+test: $(DEV) $(PAGE) $(BROWSER) $(GAZEBO) $(ROS1) unit-web
 	TOOL0_REQUIRE='$(TOOL0_REQUIRE)' $(BIN)/python -m pytest $(ARGS)
 
 bench: $(DEV)
@@ -96,3 +97,8 @@ $(BROWSER): tools/setup-browser | $(RUN)
 $(GAZEBO): tools/setup-gazebo | $(RUN)
 	@if tools/setup-gazebo $(VENV); then touch $@; \
 	else echo 'setup: no Gazebo here; the tests that need it will be skipped' >&2; fi
+
+# From the distribution's packages, RViz with them; some distributions have none.
+$(ROS1): tools/setup-ros1 src/tool0/ros1/packages.py | $(RUN)
+	@if tools/setup-ros1 $(VENV); then touch $@; \
+	else echo 'setup: no ROS 1 here; the tests that need it will be skipped' >&2; fi

@@ -11,7 +11,7 @@ from tool0.engines.gazebo.readiness import readiness
 
 
 def absent(part: str, why: str) -> NoReturn:
-    """Skip visibly, or fail if this run promised ``part``: browser, gazebo."""
+    """Skip visibly, or fail if this run promised ``part``: browser, gazebo, ros1."""
     if part in os.environ.get("TOOL0_REQUIRE", "").split():
         pytest.fail(f"{why}, which this run promised")
     pytest.skip(f"{why}; `make test` sees to it")

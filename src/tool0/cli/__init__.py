@@ -24,6 +24,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "reset": ("simulation", "go back to time zero and the initial pose"),
     "estop": ("simulation", "engage or release the emergency stop"),
     "gazebo": ("gazebo", "get a Gazebo 11 to simulate with, or see which would run"),
+    "ros1": ("ros1", "get ROS 1 for bringup --ros1, or see what of it is there"),
 }
 """Command → its module in this package, and what it does."""
 
@@ -87,7 +88,7 @@ def _help() -> str:
             "",
             *rows,
             "",
-            "`tool0 COMMAND --help` explains a command.  All but the first three and",
-            "gazebo talk to a running bringup, by --name if there are several.",
+            "`tool0 COMMAND --help` explains a command.  All but the first three, gazebo",
+            "and ros1 talk to a running bringup, by --name if there are several.",
         ]
     )

@@ -1,0 +1,181 @@
+"""What of ROS 1 is used, how to see whether it is there, and who packages it."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, final
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """Something that is there or not as a whole."""
+
+    name: str
+    purpose: str
+    """What cannot be done without it."""
+    modules: tuple[str, ...] = ()
+    """Python modules to import."""
+    programs: tuple[str, ...] = ()
+    """Programs on PATH."""
+    nodes: tuple[str, ...] = ()
+    """Programs that rosrun would start, as ``package/program``."""
+    definitions: tuple[str, ...] = ()
+    """Packages whose ``.msg`` files are read."""
+    debian: tuple[str, ...]
+    """Its packages in Debian and Ubuntu."""
+    ros: tuple[str, ...]
+    """Its packages in a distribution of ROS, such as Noetic."""
+    is_needed: bool = False
+    """Whether nothing works without it."""
+
+
+PARTS: Final = (
+    Part(
+        name="rospy",
+        purpose="the client library",
+        modules=("rospy",),
+        debian=("python3-rospy",),
+        ros=("rospy",),
+        is_needed=True,
+    ),
+    Part(
+        name="actionlib",
+        purpose="actions: trajectories and the gripper",
+        modules=("actionlib",),
+        debian=("python3-actionlib",),
+        ros=("actionlib",),
+        is_needed=True,
+    ),
+    Part(
+        name="messages",
+        purpose="types of topics and services",
+        modules=(
+            *("genpy", "genmsg", "std_msgs", "std_srvs", "rosgraph_msgs"),
+            *("geometry_msgs", "sensor_msgs", "trajectory_msgs"),
+            *("actionlib_msgs", "tf2_msgs"),
+        ),
+        definitions=(
+            *("std_msgs", "geometry_msgs", "sensor_msgs"),
+            *("trajectory_msgs", "actionlib_msgs"),
+        ),
+        debian=(
+            *("python3-genpy", "python3-genmsg"),
+            *("python3-std-msgs", "python3-std-srvs", "python3-rosgraph-msgs"),
+            *("python3-geometry-msgs", "python3-sensor-msgs"),
+            *("python3-trajectory-msgs", "python3-actionlib-msgs", "python3-tf2-msgs"),
+            *("ros-std-msgs", "ros-geometry-msgs", "ros-sensor-msgs"),
+            *("ros-trajectory-msgs", "ros-actionlib-msgs"),
+        ),
+        ros=(
+            *("genpy", "genmsg", "std_msgs", "std_srvs", "rosgraph_msgs"),
+            *("geometry_msgs", "sensor_msgs", "trajectory_msgs"),
+            *("actionlib_msgs", "tf2_msgs"),
+        ),
+        is_needed=True,
+    ),
+    Part(
+        name="roscore",
+        purpose="a master of one's own: --roscore",
+        modules=("rosmaster", "roslaunch"),
+        programs=("roscore",),
+        nodes=("rosout/rosout",),
+        debian=("python3-rosmaster", "python3-roslaunch", "rosout"),
+        ros=("rosmaster", "roslaunch", "rosout"),
+    ),
+    Part(
+        name="robot_state_publisher",
+        purpose="/tf by the usual node; without it tool0 publishes /tf itself",
+        nodes=("robot_state_publisher/robot_state_publisher",),
+        debian=("ros-robot-state-publisher",),
+        ros=("robot_state_publisher",),
+    ),
+    Part(
+        name="tf2",
+        purpose="looking transforms up in Python",
+        modules=("tf2_ros",),
+        debian=("python3-tf2-ros",),
+        ros=("tf2_ros",),
+    ),
+    Part(
+        name="tools",
+        purpose="rostopic, rosservice, rosnode, rosparam, rosmsg",
+        programs=("rostopic", "rosservice", "rosnode", "rosparam", "rosmsg"),
+        debian=(
+            *("python3-rostopic", "python3-rosservice", "python3-rosnode"),
+            *("python3-rosparam", "python3-rosmsg"),
+        ),
+        ros=("rostopic", "rosservice", "rosnode", "rosparam", "rosmsg"),
+    ),
+    Part(
+        name="rviz",
+        purpose="seeing the robot in RViz",
+        programs=("rviz",),
+        debian=("rviz",),
+        ros=("rviz",),
+    ),
+)
+OURS: Final = ("control_msgs", "controller_manager_msgs", "gazebo_msgs")
+"""Messages that tool0 brings along, for where they are not installed."""
+
+
+def wanted(*, rviz: bool) -> tuple[Part, ...]:
+    """Return the parts to install."""
+    return tuple(part for part in PARTS if rviz or part.name != "rviz")
+
+
+def lacks(part: Part) -> tuple[str, ...]:
+    """Return what of the part is not there, by name; nothing is imported.
+
+    Debian's modules are on no path before ``import_ros``.
+    """
+    roots = prefixes()
+    return (
+        *(name for name in part.modules if not importlib.util.find_spec(name)),
+        *(name for name in part.programs if not shutil.which(name)),
+        *(name for name in part.nodes if find_node(name) is None),
+        *(
+            f"{name}/msg"
+            for name in part.definitions
+            if not any((root / "share" / name / "msg").is_dir() for root in roots)
+        ),
+    )
+
+
+def find_node(name: str) -> Path | None:
+    """Return the program of the node ``package/program``, as rosrun finds it."""
+    files = (root / "lib" / name for root in prefixes())
+    return next((file for file in files if os.access(file, os.X_OK)), None)
+
+
+def prefixes() -> tuple[Path, ...]:
+    """Return where ROS packages are installed, a workspace's first."""
+    named = os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
+    folders = [Path(name) for name in named if name]
+    own = package_prefix("rospy")
+    return tuple(dict.fromkeys(folders if own is None else [*folders, own]))
+
+
+def package_prefix(module: str) -> Path | None:
+    """Return the prefix that the package of a module is installed in."""
+    spec = importlib.util.find_spec(module)
+    if spec is None or spec.origin is None:
+        return None
+    manifest = Path("share", module, "package.xml")
+    folders = Path(spec.origin).parents
+    return next((folder for folder in folders if (folder / manifest).is_file()), None)
+
+
+def package_version(module: str) -> str | None:
+    """Return the version in the manifest of the package of a module."""
+    from xml.etree import ElementTree
+
+    prefix = package_prefix(module)
+    if prefix is None:
+        return None
+    manifest = prefix / "share" / module / "package.xml"
+    return ElementTree.parse(manifest).getroot().findtext("version")
