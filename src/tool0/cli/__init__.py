@@ -88,7 +88,7 @@ def _help() -> str:
             "",
             *rows,
             "",
-            "`tool0 COMMAND --help` explains a command.  All but the first three, gazebo",
-            "and ros1 talk to a running bringup, by --name if there are several.",
+            "`tool0 COMMAND --help` explains a command.  All but the first three,",
+            "gazebo and ros1 talk to a bringup that runs: --name if there are several.",
         ]
     )
