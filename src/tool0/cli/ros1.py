@@ -44,7 +44,8 @@ def install(*, rviz: bool = False, dry_run: bool = False) -> int:
     if dry_run:
         print(found.command)
         return OK
-    print(f"installing ROS 1 by apt, from {found.where}: {' '.join(found.packages)}")
+    names = " ".join(found.packages)
+    print(f"installing ROS 1 by apt, from {found.where}: {names}", flush=True)
     with Progress() as progress:
         carry_out(found, progress)
     print("ready: tool0 bringup --ros1 --roscore")

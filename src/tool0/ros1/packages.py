@@ -119,8 +119,6 @@ PARTS: Final = (
         ros=("rviz",),
     ),
 )
-OURS: Final = ("control_msgs", "controller_manager_msgs", "gazebo_msgs")
-"""Messages that tool0 brings along, for where they are not installed."""
 
 
 def wanted(*, rviz: bool) -> tuple[Part, ...]:

@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import Final, final
 
 from tool0.errors import RosUnavailableError
+from tool0.ros1.generation import package_names
 from tool0.ros1.library import DEBIAN, DEFAULT_MASTER, import_ros
+from tool0.ros1.messages import is_generated
 from tool0.ros1.packages import (
-    OURS,
     PARTS,
     Part,
     lacks,
@@ -117,10 +118,7 @@ def readiness() -> Readiness:
         master=master,
         is_master_up=_is_up(),
         missing=missing,
-        messages={
-            name: "ours" if importlib.util.find_spec(name) is None else "installed"
-            for name in OURS
-        },
+        messages={name: _whose_messages(name) for name in package_names()},
         remedies=(_remedy(missing),) if missing else (),
     )
 
@@ -185,6 +183,13 @@ def _is_up() -> bool:
 
 def _up(is_up: bool) -> str:
     return "answers" if is_up else "does not answer: start roscore, or add --roscore"
+
+
+def _whose_messages(package: str) -> str:
+    spec = importlib.util.find_spec(package)
+    if spec is None or spec.origin is None:
+        return "ours"
+    return "ours" if is_generated(str(Path(spec.origin).parents[1])) else "installed"
 
 
 def _whose(kind: str) -> str:
