@@ -9,11 +9,13 @@ from contextlib import ExitStack, suppress
 from unittest.mock import patch
 
 import pytest
-from page import PATIENCE, page_at, socket_url
+from page import PATIENCE, Message, Page, page_at, socket_url
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import tool0
+from tool0.description.model import Box, Pose
+from tool0.description.scene import SceneObject
 from tool0.errors import TransportError
 from tool0.panel import client as client_module
 from tool0.panel.server import Panel
@@ -30,9 +32,11 @@ def eventually(is_so: Callable[[], bool], what: str) -> None:
 
 def test_a_page_is_greeted_with_all_it_needs(panel: Panel, robot: tool0.Robot) -> None:
     with connect(socket_url(panel.url), compression=None) as ws:
-        messages = [json.loads(ws.recv(PATIENCE)) for _ in range(3)]
-    assert [message["type"] for message in messages] == ["hello", "status", "frame"]
-    hello, status, frame = messages
+        messages = [json.loads(ws.recv(PATIENCE)) for _ in range(4)]
+    kinds = [message["type"] for message in messages]
+    assert kinds == ["hello", "scene", "status", "frame"]
+    hello, scene, status, frame = messages
+    assert (scene["number"], scene["objects"]) == (frame["scene"], frame["objects"])
     assert hello["mode"] == "simulation"
     assert hello["engine"] == "mujoco"
     assert hello["robot"]["title"] == "ur5 + 2f85"
@@ -47,6 +51,35 @@ def test_a_page_is_greeted_with_all_it_needs(panel: Panel, robot: tool0.Robot) -
     assert states.keys() == robot.defined_controllers.keys()
     assert {pose["name"] for pose in status["poses"]} >= {"home", "zero"}
     assert status["targets"].keys() >= {"elbow_joint", "finger_joint"}
+
+
+def test_pages_see_objects_come_and_go(panel: Panel, robot: tool0.Robot) -> None:
+    def box(name: str) -> SceneObject:
+        pose = Pose(xyz=(1.5, 0.0, 0.0))
+        return SceneObject(name=name, geometry=Box(size=(0.1, 0.1, 0.1)), pose=pose)
+
+    def shown(page: Page, names: list[str]) -> Message:
+        """Return a frame with these objects, as the page itself would know them."""
+
+        def has_them(scene: Message) -> bool:
+            return [item["name"] for item in scene["objects"]] == names
+
+        number = page.see("scene", has_them)["number"]
+        return page.see("frame", lambda frame: frame["scene"] == number)
+
+    with page_at(panel.url) as old:
+        shown(old, [])
+        robot.spawn(box("one"))
+        assert shown(old, ["one"])["objects"] == [[[1.5, 0, 0], [1, 0, 0, 0]]]
+        robot.spawn(box("two"))
+        with page_at(panel.url) as new:
+            for page in (old, new):
+                shown(page, ["one", "two"])
+            robot.delete("one")
+            robot.place("two", (1.0, 2.0, 3.0))
+            for page in (old, new):
+                shown(page, ["two"])
+                page.see("frame", lambda frame: frame["objects"][0][0] == [1, 2, 3])
 
 
 def test_each_controller_says_whether_sliders_drive_it(panel: Panel) -> None:

@@ -6,7 +6,7 @@ import { parseMessage, PROTOCOL } from "./messages";
 import type { RequestMessage, StreamMessage } from "./messages";
 import { forgetNotices, tell, tellNotice } from "./notices";
 import type { Problem, Reply, ServerMessage } from "./protocol";
-import { connectionState, hello, status } from "./store";
+import { connectionState, hello, scene, status } from "./store";
 
 export const BACKOFF_MS = [250, 500, 1000, 2000] as const;
 /** Between two messages of a stream: the display's rate would be more than arms follow. */
@@ -122,9 +122,13 @@ export class Connection {
         this.attempts = 0;
         frames.clear();
         status.value = null;
+        scene.value = null;
         hello.value = message;
         forgetNotices(message.notices);
         connectionState.value = "open";
+        return;
+      case "scene":
+        scene.value = message;
         return;
       case "status":
         status.value = message;

@@ -13,14 +13,22 @@ const NEEDED: Record<
   ServerMessage["type"],
   Record<string, "array" | "object" | "number">
 > = {
-  hello: { protocol: "number", robot: "object", objects: "array", notices: "array" },
+  hello: { protocol: "number", robot: "object", notices: "array" },
+  scene: { number: "number", objects: "array" },
   status: {
     controllers: "array",
     grippers: "array",
     poses: "array",
     targets: "object",
   },
-  frame: { time: "number", position: "array", velocity: "array", desired: "array" },
+  frame: {
+    time: "number",
+    position: "array",
+    velocity: "array",
+    desired: "array",
+    objects: "array",
+    scene: "number",
+  },
   notice: { number: "number" },
   reply: {},
 };

@@ -1,6 +1,6 @@
 /** What the server said, and how this person wants to see it.  Components only read. */
 import { computed, signal } from "@preact/signals";
-import type { Hello, JointInfo, Notice, Status } from "./protocol";
+import type { Hello, JointInfo, Notice, Scene, Status } from "./protocol";
 
 export type ConnectionState = "connecting" | "open" | "lost" | "refused" | "outdated";
 
@@ -8,6 +8,8 @@ export type ConnectionState = "connecting" | "open" | "lost" | "refused" | "outd
 
 export const connectionState = signal<ConnectionState>("connecting");
 export const hello = signal<Hello | null>(null);
+/** What is around the robot now. */
+export const scene = signal<Scene | null>(null);
 export const status = signal<Status | null>(null);
 /** Oldest first, the last few hundred. */
 export const notices = signal<readonly Notice[]>([]);

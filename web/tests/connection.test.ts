@@ -27,9 +27,11 @@ describe("the connection", () => {
 
   it("fills the store", () => {
     const socket = connect();
+    socket.say({ type: "scene", number: 4, objects: [] });
     socket.say(status());
     socket.say(frame());
     expect(store.connectionState.value).toBe("open");
+    expect(store.scene.value?.number).toBe(4);
     expect(store.status.value?.controllers[0]?.name).toBe("arm");
     expect(frames.latest?.time).toBe(1);
   });

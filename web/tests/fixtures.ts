@@ -52,7 +52,6 @@ export function hello(changes: Partial<Hello> = {}): Hello {
       grippers: [],
       part_names: { pan: { en: "Base joint", zh: "底座关节" } },
     },
-    objects: [],
     notices: [],
     ...changes,
   };
@@ -85,6 +84,7 @@ export function frame(changes: Partial<Frame> = {}): Frame {
     effort: [0, 0],
     desired: [0.5, null],
     objects: [],
+    scene: 0,
     ...changes,
   };
 }

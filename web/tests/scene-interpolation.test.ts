@@ -10,7 +10,7 @@ function frameAt(time: number, position: number[], objects: unknown[] = []): Fra
 }
 
 function empty(): Pose {
-  return { time: 0, values: new Float64Array(0) };
+  return { time: 0, values: new Float64Array(0), scene: 0 };
 }
 
 /** A joint that moves evenly: its position is its simulated time. */
@@ -169,5 +169,31 @@ describe("poses of objects", () => {
       const quaternion = [...pose.values.slice(4)];
       expect(quaternion.map((one) => Number(one.toFixed(9)))).toEqual([0.6, 0, 0, 0.8]);
     }
+  });
+
+  test("nothing flies from where one was to where another, which came for it, is", () => {
+    const interpolator = new Interpolator();
+    const pose = empty();
+    const at = (x: number): Frame["objects"] => [
+      [
+        [x, 0, 0],
+        [1, 0, 0, 0],
+      ],
+    ];
+    for (let i = 0; i < 40; i++) {
+      const time = (i * TICK) / 1000;
+      const [x, scene] = i < 39 ? [1, 0] : [5, 1];
+      interpolator.push(
+        frame({ time, position: [time], objects: at(x), scene }),
+        i * TICK,
+      );
+    }
+    interpolator.sample(40 * TICK, pose);
+    expect(pose.scene).toBe(1);
+    expect(pose.values[1]).toBe(5);
+    // while the joints move as evenly as ever
+    expect(pose.values[0]).toBeCloseTo((38.5 * TICK) / 1000, 6);
+    interpolator.sample(40.6 * TICK, pose);
+    expect(pose.values[0]).toBeCloseTo(0.039 * TICK, 6);
   });
 });

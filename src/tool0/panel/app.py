@@ -48,7 +48,6 @@ def build_app(source: PanelSource, hub: Hub, door: Door, static: Path) -> ASGIAp
         static: The folder of the page, as it was built from ``web/``.
     """
     files = source.facts.files
-    meshes = files.meshes
 
     async def urdf(request: Request) -> Response:
         etag = f'"{hashlib.sha256(files.urdf).hexdigest()[:16]}"'
@@ -58,9 +57,9 @@ def build_app(source: PanelSource, hub: Hub, door: Door, static: Path) -> ASGIAp
         return Response(files.urdf, media_type="application/xml", headers=headers)
 
     async def mesh(request: Request) -> Response:
-        file = meshes.get(request.url.path)
+        file = files.meshes.get(request.url.path)
         if file is None:
-            return PlainTextResponse("the robot has no such mesh\n", 404)
+            return PlainTextResponse("there is no such mesh\n", 404)
         kind = _MIME.get(file.suffix.lower(), "application/octet-stream")
         response = FileResponse(file, media_type=kind, headers=_ASK_AGAIN)
         response.set_stat_headers(file.stat())

@@ -40,6 +40,7 @@ class Client:
         self._socket = socket
         self._wake = asyncio.Event()
         self._queue: deque[str] = deque()
+        self._scene: str | None = None
         self._status: str | None = None
         self._frame: str | None = None
         self._asked: asyncio.Queue[ClientMessage | Unreadable | None]
@@ -67,8 +68,15 @@ class Client:
         self._queue.append(text)
         self._wake.set()
 
-    def show(self, *, status: str | None = None, frame: str | None = None) -> None:
+    def show(
+        self,
+        *,
+        scene: str | None = None,
+        status: str | None = None,
+        frame: str | None = None,
+    ) -> None:
         """Send these in the place of older ones that were not sent yet."""
+        self._scene = scene or self._scene
         self._status = status or self._status
         self._frame = frame or self._frame
         self._wake.set()
@@ -117,6 +125,9 @@ class Client:
     def _next(self) -> str | None:
         if self._queue:
             return self._queue.popleft()
+        if self._scene is not None:
+            text, self._scene = self._scene, None
+            return text
         if self._status is not None:
             text, self._status = self._status, None
             return text

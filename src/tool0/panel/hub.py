@@ -69,6 +69,8 @@ class Hub:
         self._urgent: set[asyncio.Task[None]] = set()
         self._frame = source.frame()
         self._frame_text = encode(self._frame)
+        self._scene = source.scene()
+        self._scene_text = encode(self._scene)
         self._status: Status | None = None
         self._status_text = ""
         self._looking = asyncio.create_task(self._look())
@@ -84,7 +86,9 @@ class Hub:
         self._clients[client] = socket
         self._show_now()
         client.tell(encode(self._hello()))
-        client.show(status=self._status_text, frame=self._frame_text)
+        client.show(
+            scene=self._scene_text, status=self._status_text, frame=self._frame_text
+        )
         try:
             await client.serve(self._answer_urgently, self._answer)
         finally:
@@ -120,7 +124,6 @@ class Hub:
             engine=facts.engine,
             control_period=facts.control_period,
             robot=facts.robot,
-            objects=list(facts.objects),
             notices=list(self._book.kept),
         )
 
@@ -154,8 +157,14 @@ class Hub:
         if frame is self._frame:
             return
         self._frame, self._frame_text = frame, encode(frame)
+        scene = self._source.scene()
+        is_other = scene is not self._scene
+        if is_other:
+            self._scene, self._scene_text = scene, encode(scene)
         for client in self._clients:
-            client.show(frame=self._frame_text)
+            client.show(
+                scene=self._scene_text if is_other else None, frame=self._frame_text
+            )
 
     def _show_status(self) -> None:
         status = self._source.status(len(self._clients))

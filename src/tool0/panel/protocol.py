@@ -340,11 +340,24 @@ class Frame(Struct, frozen=True, kw_only=True, tag="frame"):
     """Where controllers want the joints at this instant; null for joints that none
     moves by position."""
     objects: list[tuple[Vector3, Quaternion]]
-    """Poses in the order of the objects of ``hello``."""
+    """Poses in the order of the objects of the ``scene`` with this number."""
+    scene: int
+    """Number of the ``scene`` that these objects are of."""
+
+
+class Scene(Struct, frozen=True, kw_only=True, tag="scene"):
+    """What is around the robot: sent at the start, and when an object comes or goes.
+
+    A frame says by number which scene its objects are of.
+    """
+
+    number: int
+    """Counts up from 0 for the life of the server."""
+    objects: list[ObjectInfo]
 
 
 class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
-    """The first message of the server; a ``status`` and a ``frame`` follow."""
+    """The first message of the server; ``scene``, ``status`` and ``frame`` follow."""
 
     protocol: int
     version: str
@@ -355,7 +368,6 @@ class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
     control_period: float | None
     """Simulated time of a tick [s]; null in ``view``."""
     robot: RobotInfo
-    objects: list[ObjectInfo]
     notices: list[Notice]
 
 
@@ -375,4 +387,4 @@ class Reply(Struct, frozen=True, kw_only=True, tag="reply"):
     error: Problem | UnsetType = UNSET
 
 
-ServerMessage = Hello | Status | Frame | Notice | Reply
+ServerMessage = Hello | Scene | Status | Frame | Notice | Reply

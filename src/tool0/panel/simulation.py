@@ -11,13 +11,14 @@ from tool0.errors import ConfigError, ControlError, nearest_name
 from tool0.panel import protocol as ask
 from tool0.panel.controller_info import controller_infos
 from tool0.panel.happenings import Watcher
-from tool0.panel.protocol import Frame, GripperState, PoseInfo, Status
+from tool0.panel.protocol import Frame, GripperState, PoseInfo, Scene, Status
 from tool0.panel.robot_files import RobotFiles
 from tool0.panel.robot_info import object_info, robot_info
 from tool0.panel.source import Facts, Happening
 from tool0.runtime.grasp import GraspDetector
 
 if TYPE_CHECKING:
+    from tool0.description.scene import SceneObject
     from tool0.runtime.bus import Snapshot
     from tool0.runtime.gripper import Gripper
     from tool0.runtime.robot import Robot
@@ -32,24 +33,25 @@ class SimulationSource:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        files = RobotFiles(robot.description, robot.objects)
-        joints = robot.snapshot.joint_names
+        self._files = RobotFiles(robot.description)
+        first = robot.snapshot
         self._facts = Facts(
             mode="simulation",
             engine=robot.engine.name,
             control_period=robot.control_period,
             robot=robot_info(
-                robot.description, joints, robot.ground, robot.joint_limits
+                robot.description, first.joint_names, robot.ground, robot.joint_limits
             ),
-            objects=[object_info(item, files) for item in robot.objects],
-            files=files,
+            files=self._files,
         )
         self._joints = {
             name: replace(joint, limits=robot.joint_limits.get(name, joint.limits))
             for name, joint in robot.description.model.joint_by_name.items()
         }
         self._seen: Snapshot | None = None
-        self._frame = _frame_of(robot.snapshot)
+        self._objects = first.scene
+        self._scene = self._scene_of(0, first.scene)
+        self._frame = _frame_of(first, self._scene.number)
         self._watcher = Watcher(robot)
         self._grasps = {
             name: GraspDetector(gripper.geometry)
@@ -61,6 +63,9 @@ class SimulationSource:
     def facts(self) -> Facts:
         return self._facts
 
+    def scene(self) -> Scene:
+        return self._scene
+
     def frame(self) -> Frame:
         snapshot = self._robot.snapshot
         if snapshot is not self._seen:
@@ -69,7 +74,10 @@ class SimulationSource:
                 _gripper_state(name, detector, snapshot)
                 for name, detector in self._grasps.items()
             ]
-            frame = _frame_of(snapshot)
+            if snapshot.scene is not self._objects:
+                self._objects = snapshot.scene
+                self._scene = self._scene_of(self._scene.number + 1, snapshot.scene)
+            frame = _frame_of(snapshot, self._scene.number)
             if frame != self._frame:
                 self._frame = frame
         return self._frame
@@ -180,6 +188,11 @@ class SimulationSource:
     def close(self) -> None:
         self._watcher.close()
 
+    def _scene_of(self, number: int, objects: Sequence[SceneObject]) -> Scene:
+        self._files.have(objects)
+        infos = [object_info(item, self._files) for item in objects]
+        return Scene(number=number, objects=infos)
+
     def _gripper(self, name: str) -> Gripper:
         grippers = self._robot.grippers
         if name not in grippers:
@@ -203,7 +216,7 @@ class SimulationSource:
         ]
 
 
-def _frame_of(snapshot: Snapshot) -> Frame:
+def _frame_of(snapshot: Snapshot, scene: int) -> Frame:
     desired: dict[str, float] = {}
     for intent in snapshot.intents.values():
         positions = intent.state().desired.positions
@@ -226,6 +239,7 @@ def _frame_of(snapshot: Snapshot) -> Frame:
                 (item.position, item.quat_wxyz) for item in snapshot.objects
             )
         ],
+        scene=scene,
     )
 
 

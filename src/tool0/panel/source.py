@@ -11,8 +11,8 @@ from tool0.panel.protocol import (
     Frame,
     Mode,
     NoticeCode,
-    ObjectInfo,
     RobotInfo,
+    Scene,
     Severity,
     Status,
     Stream,
@@ -42,7 +42,6 @@ class Facts:
     control_period: float | None
     """[s]"""
     robot: RobotInfo
-    objects: Sequence[ObjectInfo]
     files: RobotFiles
 
 
@@ -55,6 +54,12 @@ class PanelSource(Protocol):
 
     @property
     def facts(self) -> Facts: ...
+
+    def scene(self) -> Scene:
+        """Return what is around the robot in the newest frame that was returned.
+
+        The same object until something comes or goes.
+        """
 
     def frame(self) -> Frame:
         """Return where everything is: the same object while nothing changes."""

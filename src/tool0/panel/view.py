@@ -10,7 +10,7 @@ from tool0.description.catalogue import RobotDescription
 from tool0.description.model import Joint, JointType, RobotModel
 from tool0.errors import ConfigError, ControlError, ModelError
 from tool0.panel import protocol as ask
-from tool0.panel.protocol import Frame, GripperState, PoseInfo, Status
+from tool0.panel.protocol import Frame, GripperState, PoseInfo, Scene, Status
 from tool0.panel.robot_files import RobotFiles
 from tool0.panel.robot_info import ONE_AXIS, robot_info
 from tool0.panel.source import Facts, Happening
@@ -19,6 +19,7 @@ from tool0.runtime.poses import PoseBook
 FIRST_POSE: Final = "home"
 _ROUNDING: Final = 1e-6
 """How far beyond a limit a position may be that was meant to be at it [rad | m]."""
+_NOTHING: Final = Scene(number=0, objects=[])
 
 
 @final
@@ -51,13 +52,15 @@ class ViewSource:
             engine=None,
             control_period=None,
             robot=robot_info(description, self._names, ground, {}),
-            objects=(),
             files=RobotFiles(description),
         )
 
     @property
     def facts(self) -> Facts:
         return self._facts
+
+    def scene(self) -> Scene:
+        return _NOTHING
 
     def frame(self) -> Frame:
         return self._frame
@@ -157,6 +160,7 @@ class ViewSource:
             effort=[0.0] * n_joints,
             desired=[None] * n_joints,
             objects=[],
+            scene=_NOTHING.number,
         )
 
     def _poses(self) -> list[PoseInfo]:

@@ -72,12 +72,33 @@ def test_a_person_s_robot_and_scene_are_served_too(tmp_path: Path) -> None:
     description = load_robot(file)
     mesh = Mesh(uri="scene.stl", path=tmp_path / "scene.stl")
     thing = SceneObject(name="thing", geometry=mesh)
-    files = RobotFiles(description, [thing])
+    files = RobotFiles(description)
+    files.have([thing])
     assert {path: file.name for path, file in files.meshes.items()} == {
-        "/meshes/0.stl": "scene.stl",
-        "/meshes/1.stl": "a.STL",
-        "/meshes/2.obj": "b.obj",
+        "/meshes/0.stl": "a.STL",
+        "/meshes/1.obj": "b.obj",
+        "/meshes/2.stl": "scene.stl",
     }
-    assert mesh_paths(files.urdf) == {"/meshes/1.stl", "/meshes/2.obj"}
-    assert object_info(thing, files).shape.url == "/meshes/0.stl"
+    assert mesh_paths(files.urdf) == {"/meshes/0.stl", "/meshes/1.obj"}
+    assert object_info(thing, files).shape.url == "/meshes/2.stl"
     assert str(tmp_path) not in files.urdf.decode()
+
+
+def test_the_mesh_of_what_comes_again_is_fetched_again(tmp_path: Path) -> None:
+    path = tmp_path / "part.stl"
+    part = SceneObject(name="part", geometry=Mesh(uri="part.stl", path=path))
+    twin = SceneObject(name="twin", geometry=Mesh(uri="part.stl", path=path))
+    files = RobotFiles(assemble())
+
+    def url() -> str | None:
+        return object_info(part, files).shape.url
+
+    files.have([part])
+    first = url()
+    files.have([part, twin])
+    assert url() == first  # of what stays nothing changes
+    files.have([])
+    assert first not in files.meshes
+    files.have([part])  # from a file that may have been written anew
+    assert url() != first
+    assert files.meshes[url() or ""] == path

@@ -4,7 +4,14 @@ import { useEffect, useRef } from "preact/hooks";
 import { frames } from "../frames";
 import { t } from "../i18n";
 import type { Hello } from "../protocol";
-import { hoveredLink, showCollision, showGhost, shownFrames, status } from "../store";
+import {
+  hoveredLink,
+  scene,
+  showCollision,
+  showGhost,
+  shownFrames,
+  status,
+} from "../store";
 import { shownTheme, token } from "../ui/theme";
 import { watchPointer } from "./pointer";
 import type { Quality } from "./quality";
@@ -54,8 +61,14 @@ function onKey(viewer: Viewer, event: KeyboardEvent): void {
 }
 
 /** Tell the viewer what the page knows, as it changes; the answer ends it. */
-function follow(viewer: Viewer): () => void {
+function follow(
+  viewer: Viewer,
+  tell: (failures: readonly string[]) => void,
+): () => void {
   const ends = [
+    effect(() => {
+      if (scene.value) void viewer.surround(scene.value).then(tell);
+    }),
     effect(() => {
       viewer.paint(coloursOf(shownTheme.value));
     }),
@@ -109,14 +122,18 @@ function start(host: HTMLDivElement, props: CanvasProps): () => void {
   }, 500);
 
   let over = false;
-  viewer.load().then(
+  const tell = (failures: readonly string[]) => {
+    if (over) return;
+    const reason = failures.join("; ");
+    props.onProblem(reason ? t("scene.meshesFailed", { reason }) : null);
+  };
+  viewer.load(scene.peek()).then(
     (failures) => {
       if (over) return;
-      ends.push(follow(viewer));
+      ends.push(follow(viewer, tell));
       host.dataset.ready = "true";
       props.onReady(viewer);
-      const reason = failures.join("; ");
-      props.onProblem(reason ? t("scene.meshesFailed", { reason }) : null);
+      tell(failures);
     },
     (error: unknown) => {
       const reason = error instanceof Error ? error.message : String(error);

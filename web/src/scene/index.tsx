@@ -21,8 +21,7 @@ const source = computed(() => {
   // read anew after every hello, and only then do both belong together
   if (!model.value || !greeting) return null;
   const urdf = urdfText.peek();
-  const { robot, objects } = greeting;
-  return { hello: greeting, urdf, key: JSON.stringify([robot, objects, urdf]) };
+  return { hello: greeting, urdf, key: JSON.stringify([greeting.robot, urdf]) };
 });
 
 export default function SceneView() {

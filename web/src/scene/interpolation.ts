@@ -23,6 +23,9 @@ interface Sample {
   readonly arrival: number;
   /** Positions of the joints, then poses of the objects. */
   readonly values: Float64Array;
+  /** Of which scene the objects are. */
+  readonly scene: number;
+  readonly joints: number;
 }
 
 /** What to draw at an instant. */
@@ -31,10 +34,13 @@ export interface Pose {
   time: number;
   /** Positions of the joints [rad | m], then x y z w x y z of each object. */
   values: Float64Array;
+  /** Of which scene the objects are. */
+  scene: number;
 }
 
-/** Return the numbers of a frame, quaternions on the same side as in `previous`. */
-function flattened(frame: Frame, previous: Float64Array | undefined): Float64Array {
+/** Return the numbers of a frame, quaternions on the same side as in `before`. */
+function flattened(frame: Frame, before: Sample | undefined): Float64Array {
+  const previous = before?.scene === frame.scene ? before.values : undefined;
   const count = frame.position.length;
   const values = new Float64Array(count + frame.objects.length * PER_OBJECT);
   values.set(frame.position);
@@ -68,8 +74,9 @@ export class Interpolator {
   /** Take a frame that arrived at `arrival` [ms]. */
   push(frame: Frame, arrival: number): void {
     const newest = this.history.at(-1);
-    const values = flattened(frame, newest?.values);
-    const sample = { time: frame.time, arrival, values };
+    const values = flattened(frame, newest);
+    const { time, scene } = frame;
+    const sample = { time, arrival, values, scene, joints: frame.position.length };
     if (newest?.time === frame.time) {
       // paused, or posed by hand: there is no time in which to move
       this.history[this.history.length - 1] = { ...sample, arrival: newest.arrival };
@@ -109,12 +116,15 @@ export class Interpolator {
     if (pose.values.length !== to.values.length) {
       pose.values = new Float64Array(to.values.length);
     }
+    // from objects of one scene to those of another there is no way
+    const moving = from.scene === to.scene ? to.values.length : to.joints;
     for (let i = 0; i < to.values.length; i++) {
       const a = from.values[i] ?? 0;
       const b = to.values[i] ?? 0;
-      pose.values[i] = share === 1 ? b : a + share * (b - a);
+      pose.values[i] = share === 1 || i >= moving ? b : a + share * (b - a);
     }
     pose.time = time;
+    pose.scene = to.scene;
     return time >= newest.time;
   }
 

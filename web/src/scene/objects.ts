@@ -1,4 +1,4 @@
-/** The objects of the scene. */
+/** The objects of the scene, as they come and go. */
 import {
   BoxGeometry,
   type BufferGeometry,
@@ -8,7 +8,8 @@ import {
   MeshPhongMaterial,
   SphereGeometry,
 } from "three";
-import type { ObjectInfo } from "../protocol";
+import type { ObjectInfo, Scene } from "../protocol";
+import type { Pose } from "./interpolation";
 import { MODEL_LAYER } from "./layers";
 import type { Materials } from "./materials";
 import type { Meshes } from "./meshes";
@@ -26,48 +27,87 @@ function primitive(shape: ObjectInfo["shape"]): BufferGeometry {
   return new BoxGeometry(x, y, z);
 }
 
+/** An object as it was described; `failure` says why it has no shape. */
+interface Shown {
+  readonly key: string;
+  readonly holder: Group;
+  failure?: string;
+  readonly made: Promise<void>;
+}
+
 export class Objects {
   readonly root = new Group();
-  private constructor(readonly failures: readonly string[]) {}
+  /** In the order of the poses of a frame of this scene. */
+  private shown: Shown[] = [];
+  private number = -1;
 
-  static async load(
-    infos: readonly ObjectInfo[],
-    meshes: Meshes,
-    materials: Materials,
-  ): Promise<Objects> {
-    const failures: string[] = [];
-    const objects = new Objects(failures);
-    const made = infos.map(async ({ name, shape, rgba }) => {
-      const holder = new Group();
-      holder.name = name;
-      objects.root.add(holder);
-      if (shape.kind === "mesh") {
-        if (shape.size) holder.scale.set(...shape.size);
-        const look = new MeshPhongMaterial({ opacity: rgba[3] });
-        look.color.setRGB(rgba[0], rgba[1], rgba[2]);
-        holder.add(await meshes.load(shape.url ?? "", look));
-      } else {
-        holder.add(new Mesh(primitive(shape), materials.of(rgba)));
-      }
-      holder.traverse((one) => {
-        one.layers.enable(MODEL_LAYER);
-        one.userData.object = name;
-        one.castShadow = one.receiveShadow = true;
-      });
-    });
-    for (const result of await Promise.allSettled(made)) {
-      if (result.status === "rejected") failures.push(String(result.reason));
-    }
-    return objects;
+  constructor(
+    private readonly meshes: Meshes,
+    private readonly materials: Materials,
+  ) {}
+
+  /** What could not be read of what is here. */
+  get failures(): readonly string[] {
+    return this.shown.flatMap(({ failure }) => failure ?? []);
   }
 
-  /** Put them where `values`, from `start` on, says: x y z w x y z of each. */
-  pose(values: ArrayLike<number>, start: number): void {
+  /** Have these objects and no others; those that were here stay as they are. */
+  async show(scene: Scene): Promise<void> {
+    const before = new Map(this.shown.map((one) => [one.key, one]));
+    this.shown = scene.objects.map((info) => {
+      const key = JSON.stringify(info);
+      const known = before.get(key);
+      before.delete(key);
+      return known ?? this.add(info, key);
+    });
+    this.number = scene.number;
+    for (const { holder } of before.values()) {
+      holder.removeFromParent();
+      holder.traverse((one) => {
+        if (one instanceof Mesh) (one.geometry as BufferGeometry).dispose();
+      });
+    }
+    await Promise.all(this.shown.map((one) => one.made));
+  }
+
+  /** Put them where a pose says, from `start` on: x y z w x y z of each. */
+  pose({ values, scene }: Pose, start: number): void {
+    if (scene !== this.number) return;
     const at = (index: number) => values[index] ?? 0;
-    this.root.children.forEach((object, index) => {
+    this.shown.forEach(({ holder }, index) => {
       const i = start + 7 * index;
-      object.position.set(at(i), at(i + 1), at(i + 2));
-      object.quaternion.set(at(i + 4), at(i + 5), at(i + 6), at(i + 3)).normalize();
+      holder.position.set(at(i), at(i + 1), at(i + 2));
+      holder.quaternion.set(at(i + 4), at(i + 5), at(i + 6), at(i + 3)).normalize();
+      holder.visible = true;
+    });
+  }
+
+  private add(info: ObjectInfo, key: string): Shown {
+    const holder = new Group();
+    holder.name = info.name;
+    // until a frame says where it is
+    holder.visible = false;
+    this.root.add(holder);
+    const shown: Shown = { key, holder, made: this.fill(holder, info).catch(report) };
+    function report(reason: unknown): void {
+      shown.failure = String(reason);
+    }
+    return shown;
+  }
+
+  private async fill(holder: Group, { name, shape, rgba }: ObjectInfo): Promise<void> {
+    if (shape.kind === "mesh") {
+      if (shape.size) holder.scale.set(...shape.size);
+      const look = new MeshPhongMaterial({ opacity: rgba[3] });
+      look.color.setRGB(rgba[0], rgba[1], rgba[2]);
+      holder.add(await this.meshes.load(shape.url ?? "", look));
+    } else {
+      holder.add(new Mesh(primitive(shape), this.materials.of(rgba)));
+    }
+    holder.traverse((one) => {
+      one.layers.enable(MODEL_LAYER);
+      one.userData.object = name;
+      one.castShadow = one.receiveShadow = true;
     });
   }
 }

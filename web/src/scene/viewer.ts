@@ -1,6 +1,6 @@
 /** The scene on its canvas: what the page calls. */
 import { type Box3, type Mesh, type Object3D, Vector3 } from "three";
-import type { Frame, Hello } from "../protocol";
+import type { Frame, Hello, Scene } from "../protocol";
 import { CollisionLook } from "./collision";
 import { directionOf, toolDirection, type View } from "./framing";
 import { Ghost } from "./ghost";
@@ -33,7 +33,10 @@ export class Viewer {
   private readonly collision = new CollisionLook();
   private readonly loop: Loop;
   private readonly interpolator = new Interpolator();
-  private readonly pose: Pose = { time: 0, values: new Float64Array(0) };
+  private readonly pose: Pose = { time: 0, values: new Float64Array(0), scene: 0 };
+  private readonly meshes: Meshes;
+  /** Whether an object came or went since the last picture. */
+  private isChanged = false;
   private shown = new Float64Array(0);
   private loaded: Loaded | undefined;
   private targets: Readonly<Record<string, number>> | undefined = {};
@@ -51,6 +54,7 @@ export class Viewer {
       this.loop.invalidate();
     });
     this.materials = new Materials(quality);
+    this.meshes = new Meshes(this.materials);
     this.picker = new Picker(canvas, this.stage.rig.camera);
   }
 
@@ -65,11 +69,11 @@ export class Viewer {
   }
 
   /** Read the robot and the objects; return what could not be read. */
-  async load(): Promise<readonly string[]> {
-    const meshes = new Meshes(this.materials);
-    const [robot, objects] = await Promise.all([
-      Robot.load(this.hello.robot, this.urdf, meshes, this.materials),
-      Objects.load(this.hello.objects, meshes, this.materials),
+  async load(scene: Scene | null): Promise<readonly string[]> {
+    const objects = new Objects(this.meshes, this.materials);
+    const [robot] = await Promise.all([
+      Robot.load(this.hello.robot, this.urdf, this.meshes, this.materials),
+      scene && objects.show(scene),
     ]);
     const ghost = new Ghost(robot);
     this.stage.scene.add(robot.root, robot.twin, objects.root);
@@ -82,6 +86,22 @@ export class Viewer {
   }
 
   // ---- what the page tells ----------------------------------------------------------
+
+  /** Have these objects around the robot; return what could not be read. */
+  async surround(scene: Scene): Promise<readonly string[]> {
+    if (!this.loaded) return [];
+    const { robot, objects } = this.loaded;
+    const shown = objects.show(scene);
+    this.redraw();
+    await shown;
+    this.redraw();
+    return [...robot.failures, ...objects.failures];
+  }
+
+  private redraw(): void {
+    this.isChanged = true;
+    this.loop.wake();
+  }
 
   push(frame: Frame, arrival: number): void {
     this.interpolator.push(frame, arrival);
@@ -226,12 +246,14 @@ export class Viewer {
     const { values } = this.pose;
     const { shown } = this;
     const moved =
+      this.isChanged ||
       shown.length !== values.length ||
       values.some((value, i) => Math.abs(value - (shown[i] ?? 0)) > UNSEEN);
     if (!moved) return;
     this.shown = values.slice();
+    this.isChanged = false;
     robot.pose(values);
-    objects.pose(values, this.hello.robot.joints.length);
+    objects.pose(this.pose, this.hello.robot.joints.length);
     this.updateGhost();
     this.stage.castAnew();
     // before the first frame nobody knew where anything is
