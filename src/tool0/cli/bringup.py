@@ -7,6 +7,7 @@ import logging
 import math
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from tool0.cli.bringup_text import (
@@ -61,6 +62,7 @@ def bring_up(options: BringupOptions) -> int:
         robot = exits.enter_context(_robot(options))
         if claim is not None:
             exits.enter_context(_reachable(robot, claim))
+        ros = exits.enter_context(_in_ros(robot, options, stop))
         if door is not None:
             from tool0.cli.panel import served, show
 
@@ -68,7 +70,7 @@ def bring_up(options: BringupOptions) -> int:
             show(door.url, options.panel, console)
         url = None if door is None else door.url
         if simulation.summary != "json" or console.isatty():
-            print(greeting(robot, simulation, url), file=console, flush=True)
+            print(greeting(robot, simulation, url, ros), file=console, flush=True)
         elif url is not None:
             print(panel_line(url), file=console, flush=True)
         status = StatusLine(console)
@@ -138,6 +140,29 @@ def _reachable(robot: Robot, claim: Claim) -> Iterator[None]:
         yield
     finally:
         server.close()
+
+
+@contextlib.contextmanager
+def _in_ros(
+    robot: Robot, options: BringupOptions, stop: StopSignal
+) -> Iterator[str | None]:
+    """Present the robot in ROS 1, if asked to; yield a line that says where."""
+    if not options.ros.ros1:
+        yield None
+        return
+    from tool0.ros1.edge import Ros1
+    from tool0.ros1.options import Ros1Options
+
+    given = options.ros
+    ros = Ros1Options(
+        ns=given.ns,
+        roscore=given.roscore,
+        tf_prefix=options.description.tf_prefix or "",
+    )
+    if given.tf_pub_rate is not None:
+        ros = replace(ros, tf_pub_rate=given.tf_pub_rate)
+    with Ros1(robot, ros, when_killed=stop.request) as edge:
+        yield f"ROS 1: node {ros.node} under {edge.node.master.uri}"
 
 
 def _run(

@@ -20,9 +20,19 @@ def panel_line(url: str) -> str:
 
 
 def greeting(
-    robot: Robot, simulation: SimulationOptions, url: str | None = None
+    robot: Robot,
+    simulation: SimulationOptions,
+    url: str | None = None,
+    ros: str | None = None,
 ) -> str:
-    """Return what came up, and how to move it; ``url`` is the panel's."""
+    """Return what came up, and how to move it.
+
+    Args:
+        robot: The robot.
+        simulation: How it runs.
+        url: The panel's, if there is one.
+        ros: A line on where it is in ROS, if it is.
+    """
     description = robot.description
     parts = [item for item in (description.arm, description.gripper) if item]
     name = " + ".join(parts) or description.source.name
@@ -36,6 +46,7 @@ def greeting(
         ).splitlines(),
     ]
     lines += [] if url is None else [panel_line(url)]
+    lines += [] if ros is None else [ros]
     if simulation.duration is None:
         if simulation.remote:
             lines += ["From another terminal:", *_examples(robot, simulation.name)]

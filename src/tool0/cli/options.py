@@ -140,6 +140,25 @@ class PanelOptions:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RosOptions:
+    """How it appears in ROS 1."""
+
+    ros1: bool = False
+    """Present it in ROS 1, as ur_gazebo does; `tool0 ros1 install` gets a ROS."""
+    roscore: bool = False
+    """Start a roscore if none answers."""
+    ns: str = ""
+    """Put before all its names in ROS, as robot1: several robots, one roscore."""
+    tf_pub_rate: float | None = None
+    """Transforms per second [Hz]."""
+
+    def __post_init__(self) -> None:
+        if not self.ros1 and (self.roscore or self.ns or self.tf_pub_rate is not None):
+            raise ConfigError("--roscore, --ns and --tf-pub-rate need --ros1")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BringupOptions:
     """Bring a robot up in simulation, its controllers running.
 
@@ -152,6 +171,7 @@ class BringupOptions:
     control: ControllerOptions = field(default_factory=ControllerOptions)
     simulation: SimulationOptions = field(default_factory=SimulationOptions)
     panel: PanelOptions = field(default_factory=PanelOptions)
+    ros: RosOptions = field(default_factory=RosOptions)
 
 
 _EDGE: frozenset[str] = frozenset({"duration", "headless", "summary", "name", "remote"})

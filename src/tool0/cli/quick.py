@@ -17,6 +17,7 @@ from tool0.cli.options import (
     ControllerOptions,
     PanelOptions,
     RobotOptions,
+    RosOptions,
     SimulationOptions,
 )
 from tool0.cli.parsing import gathered
@@ -36,7 +37,13 @@ _SEVERAL: Final[dict[str, Callable[[str], object]]] = {
 
 def read_bringup(arguments: Sequence[str]) -> BringupOptions | None:
     """Return the options, or None if tyro should have a look."""
-    groups = (RobotOptions, ControllerOptions, SimulationOptions, PanelOptions)
+    groups = (
+        RobotOptions,
+        ControllerOptions,
+        SimulationOptions,
+        PanelOptions,
+        RosOptions,
+    )
     form = {f"--{_dashed(f.name)}": (g, f) for g in groups for f in fields(g)}
     values: dict[type, dict[str, object]] = {group: {} for group in groups}
     words = gathered(arguments)
@@ -59,6 +66,7 @@ def read_bringup(arguments: Sequence[str]) -> BringupOptions | None:
         control=ControllerOptions(**values[ControllerOptions]),  # type: ignore[arg-type]
         simulation=SimulationOptions(**values[SimulationOptions]),  # type: ignore[arg-type]
         panel=PanelOptions(**values[PanelOptions]),  # type: ignore[arg-type]
+        ros=RosOptions(**values[RosOptions]),  # type: ignore[arg-type]
     )
 
 

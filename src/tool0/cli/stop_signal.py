@@ -42,9 +42,13 @@ class StopSignal:
             select.select([self._read], [], [], max(timeout, 0.0))
         return self.is_set
 
-    def _note(self, number: int, frame: FrameType | None) -> None:
+    def request(self) -> None:
+        """Stop as if a signal had come; any thread may ask."""
         self.is_set = True
         self._write.send(b"x")
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self.request()
         self._give_back()
 
     def _give_back(self) -> None:

@@ -89,6 +89,13 @@ class ControllerConfig:
             for name in self.names
         }
 
+    def parameters(self) -> Mapping[str, object]:
+        """Return everything that the files say, as plain values by name."""
+        return {
+            name: entry.plain()
+            for name, entry in (self.tree.root.children or {}).items()
+        }
+
     def spec(self, name: str, robot: Robot) -> ControllerSpec:
         """Return the checked parameters of a controller.
 

@@ -115,8 +115,12 @@ class ControllerManager:
 
     # ---- loading ------------------------------------------------------------------
 
-    def load(self, name: str) -> None:
+    def load(self, name: str, config: ControllerConfig | None = None) -> None:
         """Check a controller's parameters and keep it ready.
+
+        Args:
+            name: The controller.
+            config: What its parameters are taken from, instead of the manager's own.
 
         Raises:
             ControlError: If it is loaded already.
@@ -126,7 +130,7 @@ class ControllerManager:
             raise ControlError(
                 f"A controller named '{name}' was already loaded; unload it first"
             )
-        spec = self._config.spec(name, self._robot)
+        spec = (config or self._config).spec(name, self._robot)
         indices = tuple(self._hardware.index[joint] for joint in spec.joints)
         self._loaded[name] = _Loaded(spec, indices)
         self._refresh()

@@ -118,9 +118,18 @@ def transforms(
         raise ModelError(f"unknown joint '{name}'{hint}")
     found = {model.root: Transform()}
     for joint in model.joints:
-        T_parent_child = to_transform(joint.origin) @ _motion(joint, given)
-        found[joint.child] = found[joint.parent] @ T_parent_child
+        found[joint.child] = found[joint.parent] @ joint_transform(joint, given)
     return found
+
+
+def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
+    """Return the pose of the joint's child link in its parent link.
+
+    Args:
+        joint: The joint.
+        position: Joint positions [rad | m] by name, as for ``transforms``.
+    """
+    return to_transform(joint.origin) @ _motion(joint, position)
 
 
 def link_pose(

@@ -45,6 +45,14 @@ class Entry:
             return "a mapping"
         return "a list" if self.items is not None else f"{self.scalar!r}"
 
+    def plain(self) -> object:
+        """Return the value as YAML's own: mappings, lists, scalars."""
+        if self.children is not None:
+            return {name: child.plain() for name, child in self.children.items()}
+        if self.items is not None:
+            return [item.plain() for item in self.items]
+        return self.scalar
+
     def leaves(self) -> Iterator[Entry]:
         """Yield every value that is no namespace, depth first."""
         if self.children is None:

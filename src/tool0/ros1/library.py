@@ -6,6 +6,8 @@ import importlib.util
 import os
 import sys
 from pathlib import Path
+from platform import node
+from urllib.parse import urlsplit
 
 from tool0.errors import RosUnavailableError
 
@@ -27,7 +29,6 @@ def import_ros() -> None:
     Raises:
         RosUnavailableError: If there is no rospy that this Python can import.
     """
-    os.environ.setdefault("ROS_MASTER_URI", DEFAULT_MASTER)
     if importlib.util.find_spec("rospy") is not None:
         return
     if not (DEBIAN / "rospy").is_dir():
@@ -41,6 +42,21 @@ def import_ros() -> None:
         )
     sys.path.append(str(DEBIAN))
     importlib.invalidate_caches()
+
+
+def keep_to_this_machine() -> None:
+    """Have ROS listen on 127.0.0.1 alone, unless the person's settings say otherwise.
+
+    They do if ``ROS_IP`` or ``ROS_HOSTNAME`` is set, or the master is elsewhere.
+    """
+    master = os.environ.setdefault("ROS_MASTER_URI", DEFAULT_MASTER)
+    if not {"ROS_IP", "ROS_HOSTNAME"} & os.environ.keys() and is_local(master):
+        os.environ["ROS_IP"] = "127.0.0.1"
+
+
+def is_local(uri: str) -> bool:
+    """Return whether an address of ROS is one of this machine."""
+    return urlsplit(uri).hostname in ("localhost", "127.0.0.1", "::1", node())
 
 
 def system_python() -> str | None:

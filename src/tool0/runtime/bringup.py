@@ -194,6 +194,7 @@ def bringup(
         bus=bus,
         poses=poses,
         defined_controllers=config.types,
+        parameters=config.parameters(),
         joint_limits=core.hardware.limits,
         ground=None if world else -spawn_z,  # a person's world has what it has
         warnings=_warnings(config, model),

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import final
 
+from tool0.control.config import ControllerConfig
 from tool0.control.goal import Goal
 from tool0.control.manager import Strictness
 from tool0.control.trajectory import TrajectoryGoal
@@ -17,6 +18,8 @@ from tool0.hardware.engine import ObjectState
 @dataclass(frozen=True, slots=True)
 class LoadController:
     name: str
+    config: ControllerConfig | None = None
+    """Its parameters; None for those of the bring-up."""
 
 
 @final

@@ -85,8 +85,8 @@ class Core:
     def apply(self, command: ask.CoreCommand) -> Any:  # the answer is the command's
         """Carry out ``command`` now, between two ticks, and return its answer."""
         match command:
-            case ask.LoadController(name):
-                return self.manager.load(name)
+            case ask.LoadController(name, config):
+                return self.manager.load(name, config)
             case ask.UnloadController(name):
                 return self.manager.unload(name)
             case ask.SwitchControllers():

@@ -7,6 +7,7 @@ from typing import final
 
 from tool0.control.controller import ControllerSpec
 from tool0.control.goal import Goal, GoalStatus, Result
+from tool0.control.tolerances import ToleranceOverride
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint, TrajectoryState
 from tool0.errors import GoalTimeoutError
 from tool0.runtime import commands as ask
@@ -89,8 +90,8 @@ class ControllerHandle:
         *,
         joint_names: Sequence[str] | None = None,
         stamp: float | None = None,
-        path_tolerance: Mapping[str, float] | None = None,
-        goal_tolerance: Mapping[str, float] | None = None,
+        path_tolerance: Mapping[str, ToleranceOverride] | None = None,
+        goal_tolerance: Mapping[str, ToleranceOverride] | None = None,
         goal_time_tolerance: float | None = None,
     ) -> GoalHandle:
         """Send a trajectory as a goal; no points stop the motion.

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import final
 
+from tool0.control.config import ControllerConfig
+from tool0.control.controller_types import TYPES
 from tool0.control.manager import ControllerStatus, Strictness
 from tool0.description.catalogue import RobotDescription
 from tool0.description.kinematics import Transform, link_pose
@@ -55,6 +57,7 @@ class Robot:
         bus: Bus,
         poses: PoseBook,
         defined_controllers: Mapping[str, str],
+        parameters: Mapping[str, object],
         joint_limits: Mapping[str, JointLimits],
         ground: float | None = None,
         warnings: Sequence[ConfigWarning] = (),
@@ -68,6 +71,8 @@ class Robot:
         """What the controllers' YAML says that nothing reads."""
         self.defined_controllers = defined_controllers
         """The type of each controller of the YAML, loaded or not, in its order."""
+        self.parameters = parameters
+        """The whole YAML, as plain values."""
         self.joint_limits = joint_limits
         """Of each driven joint: the URDF's, or what the YAML puts in their place."""
         self._poses = poses
@@ -168,6 +173,11 @@ class Robot:
         """Return every loaded controller with its state and claims."""
         return self.snapshot.controllers
 
+    @staticmethod
+    def controller_types() -> tuple[str, ...]:
+        """Return every type of controller that can be loaded."""
+        return TYPES
+
     @property
     def control_period(self) -> float:
         """Simulated time of a tick [s]."""
@@ -187,9 +197,9 @@ class Robot:
             )
         return ControllerHandle(name, self._loop)
 
-    def load(self, name: str) -> None:
-        """Load a controller that the configuration defines."""
-        self._loop.call(ask.LoadController(name))
+    def load(self, name: str, config: ControllerConfig | None = None) -> None:
+        """Load a controller that the configuration defines, or ``config`` instead."""
+        self._loop.call(ask.LoadController(name, config))
 
     def unload(self, name: str) -> None:
         """Unload a controller that does not run."""

@@ -1,0 +1,56 @@
+"""A JointStateController in ROS: /joint_states."""
+
+from __future__ import annotations
+
+from typing import final
+
+from tool0.control.joint_state import JointStateSpec
+from tool0.control.publish_rate import PublishRate
+from tool0.ros1.node import RosNode
+from tool0.runtime.bus import Snapshot
+from tool0.runtime.handles import ControllerHandle
+
+
+@final
+class JointStateEdge:
+    """The topic of one controller, while it runs."""
+
+    def __init__(
+        self, node: RosNode, spec: JointStateSpec, controller: ControllerHandle
+    ) -> None:
+        from sensor_msgs.msg import JointState
+
+        del controller  # it takes no commands
+        self._node = node
+        self._spec = spec
+        self._message = JointState
+        self._rate = PublishRate(spec.publish_rate)
+        self._names = (*spec.joints, *(joint.name for joint in spec.extra_joints))
+        self._publisher = node.publisher("joint_states", JointState, queue_size=10)
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """Publish the joints, if it is time to."""
+        if not self._rate.is_due(snapshot.time):
+            return
+        extra = self._spec.extra_joints
+        indices = [snapshot.joint_names.index(name) for name in self._spec.joints]
+
+        def pick(values: tuple[float, ...]) -> list[float]:
+            return [values[i] for i in indices]
+
+        self._publisher.publish(
+            self._message(
+                header=self._node.header(snapshot.time),
+                name=self._names,
+                position=(*pick(snapshot.position), *(j.position for j in extra)),
+                velocity=(*pick(snapshot.velocity), *(j.velocity for j in extra)),
+                effort=(*pick(snapshot.effort), *(j.effort for j in extra)),
+            )
+        )
+
+    def restart(self) -> None:
+        """Forget nothing: the rate sees that time went back."""
+
+    def close(self) -> None:
+        """Present it no longer."""
+        self._publisher.unregister()

@@ -1,0 +1,33 @@
+"""The parameter server: what launch files would have put there."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+import yaml
+
+from tool0.errors import RosUnavailableError
+from tool0.ros1.node import RosNode
+from tool0.runtime.robot import Robot
+
+logger = logging.getLogger(__name__)
+
+
+def upload(node: RosNode, robot: Robot) -> None:
+    """Set robot_description, the controllers' YAML, and that time is simulated."""
+    node.master.call("setParam", "/use_sim_time", True)
+    node.master.call("setParam", node.name("robot_description"), robot.description.urdf)
+    for name, value in robot.parameters.items():
+        node.master.call("setParam", node.name(name), value)
+
+
+def controller_yaml(node: RosNode, name: str) -> str | None:
+    """Return the parameters of a controller as YAML, None if the server has none."""
+    try:
+        value: Any = node.master.call("getParam", node.name(name))
+    except RosUnavailableError:
+        return None
+    if not isinstance(value, dict) or "type" not in value:
+        return None
+    return yaml.safe_dump({name.strip("/"): value}, sort_keys=False)

@@ -1,0 +1,143 @@
+"""/tf and /tf_static: by robot_state_publisher where there is one, else by us."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+from pathlib import Path
+from typing import Any, final
+
+from tool0.control.publish_rate import PublishRate
+from tool0.description.kinematics import Transform, joint_transform
+from tool0.description.model import Joint
+from tool0.ros1.child import Child
+from tool0.ros1.node import Part, RosNode
+from tool0.runtime.bus import Snapshot
+from tool0.runtime.robot import Robot
+
+logger = logging.getLogger(__name__)
+
+NAME = "robot_state_publisher"
+_WATCH_RATE = 1.0  # [Hz] of simulated time
+
+
+def state_publisher() -> Path | None:
+    """Return the program of that name, in the sourced workspaces or Debian's place."""
+    folders = [
+        Path(prefix) / "lib" / NAME
+        for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
+        if prefix
+    ]
+    folders.append(Path("/usr/lib") / NAME)
+    for folder in folders:
+        found = shutil.which(NAME, path=str(folder))
+        if found is not None:
+            return Path(found)
+    return None
+
+
+def transforms_of(node: RosNode, robot: Robot) -> Part:
+    """Return what publishes the robot's frames."""
+    program = state_publisher()
+    if program is None:
+        return OwnTransforms(node, robot)
+    return TheirTransforms(node, robot, program)
+
+
+@final
+class TheirTransforms:
+    """The real robot_state_publisher, as a child; if it ends, ours go on."""
+
+    def __init__(self, node: RosNode, robot: Robot, program: Path) -> None:
+        self._node, self._robot = node, robot
+        self._own: OwnTransforms | None = None
+        self._rate = PublishRate(_WATCH_RATE)
+        place = node.name(NAME)
+        options = node.options
+        node.master.call("setParam", f"{place}/publish_frequency", options.tf_pub_rate)
+        node.master.call("setParam", f"{place}/tf_prefix", options.tf_prefix)
+        environment = {**os.environ, "ROS_NAMESPACE": options.root or "/"}
+        self._child = Child([str(program), f"__name:={NAME}"], environment)
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """See whether it lives."""
+        if self._own is not None:
+            self._own.publish(snapshot)
+        elif self._rate.is_due(snapshot.time) and self._child.exit_status is not None:
+            logger.warning(
+                "robot_state_publisher ended with status %d; /tf is published by "
+                "tool0 from now on.  It said last:\n%s",
+                self._child.exit_status,
+                self._child.last_words(),
+            )
+            self._own = OwnTransforms(self._node, self._robot)
+
+    def restart(self) -> None:
+        """Forget nothing: the rates see that time went back."""
+
+    def close(self) -> None:
+        """End it."""
+        self._child.close()
+
+
+@final
+class OwnTransforms:
+    """The same frames, by our own kinematics."""
+
+    def __init__(self, node: RosNode, robot: Robot) -> None:
+        from geometry_msgs.msg import TransformStamped
+        from tf2_msgs.msg import TFMessage
+
+        self._node = node
+        joints = robot.description.model.joints
+        self._moving = [joint for joint in joints if joint.is_movable]
+        self._stamped, self._message = TransformStamped, TFMessage
+        self._rate = PublishRate(node.options.tf_pub_rate)
+        prefix = node.options.tf_prefix.strip("/")
+        self._prefix = f"{prefix}/" if prefix else ""
+        self._publisher = node.publisher("/tf", TFMessage, queue_size=100)
+        self._static = node.publisher("/tf_static", TFMessage, latch=True)
+        now = robot.time
+        self._static.publish(
+            TFMessage(
+                [
+                    self._transform(joint, joint_transform(joint, {}), now)
+                    for joint in joints
+                    if not joint.is_movable
+                ]
+            )
+        )
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """Publish the frames of movable joints, if it is time to."""
+        if not self._rate.is_due(snapshot.time):
+            return
+        position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
+        self._publisher.publish(
+            self._message(
+                [
+                    self._transform(
+                        joint, joint_transform(joint, position), snapshot.time
+                    )
+                    for joint in self._moving
+                ]
+            )
+        )
+
+    def restart(self) -> None:
+        """Forget nothing: the rate sees that time went back."""
+
+    def close(self) -> None:
+        """Publish no more."""
+        self._publisher.unregister()
+        self._static.unregister()
+
+    def _transform(self, joint: Joint, pose: Transform, time: float) -> Any:
+        message = self._stamped(header=self._node.header(time))
+        message.header.frame_id = self._prefix + joint.parent
+        message.child_frame_id = self._prefix + joint.child
+        place, turn = message.transform.translation, message.transform.rotation
+        place.x, place.y, place.z = pose.position
+        turn.w, turn.x, turn.y, turn.z = pose.quat_wxyz
+        return message
