@@ -16,7 +16,7 @@ OK, IMPOSSIBLE = 0, 1
 def run(command: str, arguments: list[str]) -> int:
     """Run the command and return its exit status."""
     status: int = tyro.extras.subcommand_cli_from_dict(
-        {"install": install, "status": status_of_ros},
+        {"install": install, "status": status_of_ros, "env": env},
         prog=f"tool0 {command}",
         description="Get ROS 1 onto this machine, and see what of it is there.",
         args=arguments,
@@ -66,3 +66,16 @@ def status_of_ros(*, format: Literal["text", "json"] = "text") -> int:
     else:
         print(columns(found.rows()), end="")
     return OK if found.can_run else IMPOSSIBLE
+
+
+def env() -> int:
+    """Print what lets rostopic, rosservice and rosmsg know our messages.
+
+    Say ``eval "$(tool0 ros1 env)"`` in the shell.  Nothing is printed where
+    control_msgs, controller_manager_msgs and gazebo_msgs are installed.
+    """
+    from tool0.ros1.shell import exports
+
+    for line in exports():
+        print(line)
+    return OK

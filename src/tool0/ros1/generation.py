@@ -15,7 +15,7 @@ from tool0.errors import RosUnavailableError
 DEFINITIONS = Path(__file__).parent / "definitions"
 """One folder a ROS package, holding msg/, srv/ and action/."""
 
-_SECTIONS = re.compile(r"^---.*\n", re.MULTILINE)
+SECTIONS = re.compile(r"^---.*\n", re.MULTILINE)
 _NAMED_ELSEWHERE = re.compile(r"^(\w+)/(\w+)(?:\[\d*\])?\s", re.MULTILINE)
 _EMBEDDED = re.compile(r"^=+\nMSG: (\S+)\n", re.MULTILINE)
 """What genpy puts between a message's own text and those that it embeds."""
@@ -72,7 +72,7 @@ def _write_definitions(package: str, home: Path) -> None:
 
 def _messages_of_action(name: str, text: str) -> dict[Path, str]:
     """Return the seven messages that an action stands for, as actionlib has them."""
-    goal, result, feedback = _SECTIONS.split(text)
+    goal, result, feedback = SECTIONS.split(text)
     status = "Header header\nactionlib_msgs/GoalStatus status\n"
     texts = {
         "Goal": goal,

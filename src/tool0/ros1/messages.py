@@ -11,16 +11,18 @@ import importlib.util
 import shutil
 import sys
 import tempfile
+from importlib.machinery import PathFinder
 from pathlib import Path
 
 from tool0.errors import RosUnavailableError
 from tool0.ros1 import generation
+from tool0.ros1.installed import check_installed
 from tool0.ros1.library import SET_UP, import_ros
 from tool0.user_data import cache_folder, locked
 
 
 def import_messages() -> None:
-    """Make rospy and every message package importable.
+    """Make rospy and every message package importable; a second call changes nothing.
 
     Raises:
         RosUnavailableError: If there is no rospy, or an installed package lacks what
@@ -28,33 +30,40 @@ def import_messages() -> None:
     """
     import_ros()
     absent = absent_packages()
+    for package in generation.package_names():
+        if package not in absent:
+            check_installed(package)
     if not absent:
         return
     try:
         folder = generated_packages(absent)
-    except OSError:
-        folder = _for_this_process_alone(absent)
-    sys.path.append(str(folder))
+    except OSError as error:
+        folder = _for_this_process_alone(absent, error)
+    sys.path[:] = [*_path(), str(folder)]
     importlib.invalidate_caches()
 
 
 def absent_packages() -> tuple[str, ...]:
-    """Return the packages of ours that are not installed.
+    """Return the packages of ours that are not installed; rospy is importable.
 
-    What an earlier run generated, and a shell names, does not count as installed.
+    What an earlier run generated, and PYTHONPATH names, does not count as installed.
     """
-    sys.path[:] = [entry for entry in sys.path if not is_generated(entry)]
-    return tuple(name for name in generation.package_names() if not _is_installed(name))
+    path = _path()
+    return tuple(name for name in generation.package_names() if not _is_in(path, name))
 
 
-def _is_installed(package: str) -> bool:
-    spec = importlib.util.find_spec(package)
+def _is_in(path: list[str], package: str) -> bool:
+    spec = PathFinder.find_spec(package, path)
     return spec is not None and spec.origin is not None  # or a mere folder of that name
 
 
-def is_generated(path: str) -> bool:
-    """Return whether the path is a folder that ``generated_packages`` made."""
-    return Path(path).parent == _home()
+def _path() -> list[str]:
+    return [entry for entry in sys.path if not is_generated(entry)]
+
+
+def is_generated(entry: str) -> bool:
+    """Return whether an entry of a search path is what ``generated_packages`` made."""
+    return Path(entry).parent == _home()
 
 
 def _home() -> Path:
@@ -64,7 +73,10 @@ def _home() -> Path:
 def generated_packages(packages: tuple[str, ...]) -> Path:
     """Return the folder that holds these packages, made if it is not there.
 
+    It is an entry for both PYTHONPATH and ROS_PACKAGE_PATH.
+
     Raises:
+        RosUnavailableError: If genpy cannot make them.
         OSError: If it is not there and the cache cannot be written.
     """
     folder = _home() / _key(packages)
@@ -72,11 +84,10 @@ def generated_packages(packages: tuple[str, ...]) -> Path:
         return folder
     folder.parent.mkdir(parents=True, exist_ok=True)
     with locked(folder.parent / "lock"):
-        if not folder.is_dir():
+        if not folder.is_dir():  # another process may have made it meanwhile
             new = Path(tempfile.mkdtemp(prefix="new-", dir=folder.parent))
             try:
                 generation.generate(packages, new)
-                new.chmod(0o755)
                 new.rename(folder)
             except BaseException:
                 shutil.rmtree(new, ignore_errors=True)
@@ -98,11 +109,18 @@ def _key(packages: tuple[str, ...]) -> str:
     return digest.hexdigest()[:16]
 
 
-def _for_this_process_alone(packages: tuple[str, ...]) -> Path:
+def _for_this_process_alone(packages: tuple[str, ...], why: OSError) -> Path:
     """Make the packages in a temporary folder that ends with the process."""
     import atexit
 
-    folder = Path(tempfile.mkdtemp(prefix="tool0-ros1-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    generation.generate(packages, folder)
+    try:
+        folder = Path(tempfile.mkdtemp(prefix="tool0-ros1-"))
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        generation.generate(packages, folder)
+    except OSError as error:
+        raise RosUnavailableError(
+            f"the classes of {', '.join(packages)} can be written neither to the cache "
+            f"({why}) nor to a temporary folder ({error}); XDG_CACHE_HOME and TMPDIR "
+            "name others"
+        ) from None
     return folder
