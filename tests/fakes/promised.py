@@ -8,6 +8,8 @@ from typing import NoReturn
 import pytest
 
 from tool0.engines.gazebo.readiness import readiness
+from tool0.ros1.packages import wanted
+from tool0.ros1.readiness import readiness as readiness_of_ros
 
 
 def absent(part: str, why: str) -> NoReturn:
@@ -21,3 +23,10 @@ def require_engine(name: str) -> None:
     """Skip visibly, or fail if this run promised it, if there is no Gazebo for it."""
     if name == "gazebo" and not (found := readiness()).can_run:
         absent(name, f"no Gazebo can run here ({'; '.join(found.missing)})")
+
+
+def require_ros(*, rviz: bool = False) -> None:
+    """Skip visibly, or fail if this run promised it, if ROS 1 is not all here."""
+    why = readiness_of_ros().why_not(part.name for part in wanted(rviz=rviz))
+    if why is not None:
+        absent("ros1", f"not all of ROS 1 is here ({why})")

@@ -7,20 +7,14 @@ from collections.abc import Iterator
 from types import ModuleType
 
 import pytest
-from promised import absent
+from promised import require_ros
 from ros import Bringup, Ros
-
-from tool0.ros1.packages import PARTS
-from tool0.ros1.readiness import readiness
-
-NOT_FOR_ALL = ("rviz",)
-"""Parts that only some tests need, which see to it themselves."""
 
 
 @pytest.fixture(scope="session")
 def ros() -> Iterator[Ros]:
     """Start one roscore for all tests that do not need one to themselves."""
-    require(*(part.name for part in PARTS if part.name not in NOT_FOR_ALL))
+    require_ros()
     with Ros() as ros:
         yield ros
 
@@ -54,13 +48,6 @@ def bringup(ros: Ros) -> Iterator[Bringup]:
 @pytest.fixture
 def own_ros() -> Iterator[Ros]:
     """Start a roscore for this test alone, which may end it."""
-    require(*(part.name for part in PARTS if part.name not in NOT_FOR_ALL))
+    require_ros()
     with Ros() as ros:
         yield ros
-
-
-def require(*parts: str) -> None:
-    """Skip visibly, or fail if this run promised it, if a part of ROS is absent."""
-    why = readiness().why_not(parts)
-    if why is not None:
-        absent("ros1", f"not all of ROS 1 is here ({why})")

@@ -38,9 +38,9 @@ PARTS: Final = (
     Part(
         name="rospy",
         purpose="the client library",
-        modules=("rospy",),
-        debian=("python3-rospy",),
-        ros=("rospy",),
+        modules=("rospy", "rosgraph"),
+        debian=("python3-rospy", "python3-rosgraph"),
+        ros=("rospy", "rosgraph"),
         is_needed=True,
     ),
     Part(

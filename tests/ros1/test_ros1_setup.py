@@ -1,0 +1,328 @@
+"""``tool0 ros1 install`` and ``status``: what is said and done, machine by machine."""
+
+import json
+import os
+import platform
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from promised import require_ros
+
+from tool0.cli import FAILED, OK, main
+from tool0.ros1 import readiness
+from tool0.ros1.apt import not_installed
+from tool0.ros1.distribution import PYTHON
+from tool0.ros1.packages import PARTS, Part, wanted
+
+Capture = pytest.CaptureFixture[str]
+
+OURS = f"{sys.version_info.major}.{sys.version_info.minor}"
+RELEASES = {
+    "bookworm": {"PRETTY_NAME": "Debian 12", "VERSION_CODENAME": "bookworm"},
+    "mint": {
+        "PRETTY_NAME": "Linux Mint 21",
+        "VERSION_CODENAME": "vanessa",
+        "UBUNTU_CODENAME": "jammy",
+    },
+    "noble": {"PRETTY_NAME": "Ubuntu 24.04", "VERSION_CODENAME": "noble"},
+    "focal": {"PRETTY_NAME": "Ubuntu 20.04", "VERSION_CODENAME": "focal"},
+    "arch": {"PRETTY_NAME": "Arch Linux"},
+}
+NOTHING_INSTALLED = "exit 1"
+APT = """
+echo "$@" >> "$(dirname "$0")/log"
+case "$*" in *install*)
+    echo "dlstatus:1:50.0:Retrieving"
+    echo "pmstatus:python3-rospy:80.0:Unpacking"
+esac
+"""
+
+
+class Machine:
+    """A machine whose distribution and programs are what a test says."""
+
+    def __init__(self, folder: Path, patch: pytest.MonkeyPatch) -> None:
+        self._programs, self._patch = folder / "bin", patch
+        self._programs.mkdir()
+        patch.setenv("PATH", f"{self._programs}:/bin")
+        for name in ("ROS_DISTRO", "ROS_VERSION"):
+            patch.delenv(name, raising=False)
+        self.runs("bookworm")
+        patch.setitem(PYTHON, "bookworm", OURS)
+        self.has("dpkg-query", NOTHING_INSTALLED)
+        self.has("apt-get", APT)
+        self.has("sudo", "exit 1")
+        self.is_root(True)
+
+    def runs(self, release: str) -> None:
+        self._patch.setattr(
+            platform, "freedesktop_os_release", lambda: RELEASES[release]
+        )
+
+    def has(self, program: str, script: str) -> None:
+        file = self._programs / program
+        file.write_text(f"#!/bin/sh\n{script}\n")
+        file.chmod(0o755)
+
+    def is_root(self, it_is: bool) -> None:
+        self._patch.setattr(os, "geteuid", lambda: 0 if it_is else 1000)
+
+    @property
+    def asked(self) -> list[str]:
+        """What apt-get was called with."""
+        return (self._programs / "log").read_text().splitlines()
+
+
+@pytest.fixture
+def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Machine:
+    return Machine(tmp_path, monkeypatch)
+
+
+def refusal(capsys: Capture, *arguments: str) -> str:
+    assert main(["ros1", "install", *arguments]) == FAILED
+    return capsys.readouterr().err
+
+
+def test_a_dry_run_prints_the_command(machine: Machine, capsys: Capture) -> None:
+    assert main(["ros1", "install", "--dry-run"]) == OK
+    command = capsys.readouterr().out
+    assert command.startswith("apt-get update && apt-get install --yes")
+    assert "--no-install-recommends -o DPkg::Lock::Timeout=300" in command
+    for name in ("python3-rospy", "python3-roslaunch", "ros-robot-state-publisher"):
+        assert name in command.split()
+    assert "rviz" not in command
+    machine.is_root(False)
+    assert main(["ros1", "install", "--dry-run", "--rviz"]) == OK
+    command = capsys.readouterr().out
+    assert "&& sudo apt-get install" in command
+    assert command.split()[-1] == "rviz"
+
+
+def test_only_what_is_missing_is_installed(machine: Machine, capsys: Capture) -> None:
+    names = [name for part in wanted(rviz=False) for name in part.debian]
+    rows = "".join(f"echo {name} installed\n" for name in names[1:])
+    machine.has("dpkg-query", f"echo {names[0]} config-files\n{rows}exit 0")
+    assert main(["ros1", "install", "--dry-run"]) == OK
+    assert capsys.readouterr().out.endswith(f"Timeout=300 {names[0]}\n")
+    machine.has("dpkg-query", f"echo {names[0]} installed\n{rows}exit 0")
+    assert main(["ros1", "install"]) == OK
+    assert "nothing to do: Debian 12 has what is needed" in capsys.readouterr().out
+
+
+def test_it_installs_and_says_how_far_it_is(machine: Machine, capsys: Capture) -> None:
+    assert main(["ros1", "install"]) == OK
+    said = capsys.readouterr()
+    assert said.out.startswith("installing ROS 1 by apt, from Debian 12: python3-rospy")
+    assert said.out.splitlines()[-1].startswith("ready: tool0 bringup --ros1")
+    assert said.err.splitlines()[-2:] == ["downloading", "installing"]
+    update, install = machine.asked
+    assert update.endswith("update")
+    assert "--no-install-recommends" in install
+    assert "DPkg::Lock::Timeout=300" in install
+
+
+def test_without_root_it_goes_through_sudo(machine: Machine) -> None:
+    machine.is_root(False)
+    machine.has("sudo", 'shift; exec "$@"')
+    assert main(["ros1", "install"]) == OK
+    assert "python3-rospy" in machine.asked[-1]
+
+
+def test_without_root_or_sudo_it_prints_the_command(
+    machine: Machine, capsys: Capture
+) -> None:
+    machine.is_root(False)
+    said = refusal(capsys)
+    assert "needs root" in said
+    assert "sudo apt-get install --yes --no-install-recommends" in said
+    assert "python3-rospy" in said
+
+
+@pytest.mark.parametrize(
+    ("script", "cause"),
+    [
+        ("echo 'Err:1 x: Temporary failure resolving h'; exit 100", "is there a net"),
+        ("echo 'E: Unable to locate package rviz'; exit 100", "`universe`"),
+        ("echo 'E: You do not have enough free space'; exit 100", "disk is full"),
+        ("echo 'E: Could not get lock /var/lib/dpkg/lock'; exit 100", "wait for it"),
+        ("echo 'E: whatever'; exit 77", "ended with status 77"),
+    ],
+)
+def test_failures_of_apt_are_explained(
+    script: str, cause: str, machine: Machine, capsys: Capture
+) -> None:
+    machine.has("apt-get", script)
+    said = refusal(capsys)
+    assert cause in said
+    assert script.split("'")[1] in said
+    assert "apt-get install --yes" in said
+
+
+def test_lists_that_could_not_be_fetched_explain_what_is_not_found(
+    machine: Machine, capsys: Capture
+) -> None:
+    machine.has(
+        "apt-get",
+        "case $* in *update) echo 'W: Failed to fetch x  Could not resolve h';; "
+        "*) echo 'E: Unable to locate package rviz'; exit 100;; esac",
+    )
+    assert "is there a network" in refusal(capsys)
+
+
+@pytest.mark.parametrize(
+    ("release", "remedy"),
+    [("noble", "RoboStack"), ("arch", "RoboStack"), ("focal", "setup.bash")],
+)
+def test_a_distribution_without_ros_1_is_told_the_ways_left(
+    release: str, remedy: str, machine: Machine, capsys: Capture
+) -> None:
+    machine.runs(release)
+    said = refusal(capsys)
+    assert RELEASES[release]["PRETTY_NAME"] in said
+    assert remedy in said
+
+
+def test_a_derivative_is_what_it_is_built_on(
+    machine: Machine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine.runs("mint")
+    monkeypatch.setitem(PYTHON, "jammy", OURS)
+    assert main(["ros1", "install", "--dry-run"]) == OK
+    monkeypatch.setitem(PYTHON, "jammy", "3.1")
+    said = refusal(capsys)
+    assert f"Linux Mint 21 are for Python 3.1, and this is Python {OURS}" in said
+    assert "PYTHON=/usr/bin/python3" in said
+
+
+def test_without_apt_it_names_the_packages(machine: Machine, capsys: Capture) -> None:
+    machine.has("dpkg-query", "")
+    os.environ["PATH"] = os.environ["PATH"].split(":")[0]
+    Path(os.environ["PATH"], "apt-get").unlink()
+    assert "no apt-get; install the equivalent of: python3-rospy" in refusal(capsys)
+
+
+# --- beside a ROS of another origin ---
+
+
+MODULE = "def get_master_uri(): return 'http://127.0.0.1:1'\n"
+"""Enough of rosgraph to find that there is no master."""
+
+
+def sourced(prefix: Path, parts: tuple[Part, ...]) -> dict[str, str]:
+    """Return the environment of a Noetic with these parts, made in a folder."""
+    modules = prefix / "lib" / "python3" / "dist-packages"
+    for part in parts:
+        for name in part.modules:
+            (modules / name).mkdir(parents=True)
+            (modules / name / "__init__.py").write_text(MODULE)
+        for name in (*part.nodes, *(f"../bin/{name}" for name in part.programs)):
+            file = prefix / "lib" / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.touch(mode=0o755)
+        for name in part.definitions:
+            (prefix / "share" / name / "msg").mkdir(parents=True)
+    manifest = prefix / "share" / "rospy" / "package.xml"
+    manifest.parent.mkdir(parents=True)
+    manifest.write_text("<package><version>1.17.4</version></package>")
+    return {
+        **os.environ,
+        "PATH": f"{prefix}/bin:/bin",
+        "PYTHONPATH": str(modules),
+        "ROS_DISTRO": "noetic",
+        "ROS_VERSION": "1",
+    }
+
+
+def tool0(
+    environment: dict[str, str], *arguments: str
+) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        [sys.executable, "-m", "tool0", "ros1", *arguments],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_beside_a_sourced_ros_there_is_nothing_to_do(tmp_path: Path) -> None:
+    environment = sourced(tmp_path, PARTS)
+    answer = tool0(environment, "install", "--rviz")
+    assert answer.returncode == OK, answer.stderr
+    assert answer.stdout.startswith("nothing to do: ROS noetic")
+    answer = tool0(environment, "status", "--format", "json")
+    assert answer.returncode == OK, answer.stderr
+    found = json.loads(answer.stdout)
+    assert (found["version"], found["source"]) == ("1.17.4", "ROS noetic")
+    assert all(found["parts"].values())
+
+
+def test_what_a_sourced_ros_lacks_is_named(tmp_path: Path) -> None:
+    environment = sourced(
+        tmp_path, tuple(part for part in PARTS if part.name != "robot_state_publisher")
+    )
+    answer = tool0(environment, "install")
+    assert answer.returncode == FAILED
+    assert "without: robot_state_publisher" in answer.stderr
+    assert "ros-noetic-robot-state-publisher" in answer.stderr
+    answer = tool0(environment, "status")
+    assert answer.returncode == OK  # tool0 publishes /tf itself then
+    assert "ros-noetic-robot-state-publisher" in answer.stdout
+
+
+def test_each_kind_of_ros_has_its_own_installer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (rviz,) = (part for part in PARTS if part.name == "rviz")
+    monkeypatch.setenv("ROS_DISTRO", "noetic")
+    for kind, prefix, command in (
+        ("ROS noetic", Path("/opt/ros/noetic"), "sudo apt-get install ros-noetic-rviz"),
+        (
+            "RoboStack",
+            Path("/home/x/env"),
+            "mamba install -c conda-forge -c robostack-noetic ros-noetic-rviz",
+        ),
+    ):
+        monkeypatch.setattr(readiness, "whose", lambda kind=kind: kind)
+        monkeypatch.setattr(
+            readiness, "package_prefix", lambda name, prefix=prefix: prefix
+        )
+        assert readiness.own_command([rviz]) == command
+
+
+def test_a_ros_that_is_named_but_not_found_is_told(
+    machine: Machine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_DISTRO", "noetic")
+    monkeypatch.setattr("tool0.ros1.library.DEBIAN", Path("/nowhere"))
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert "source /opt/ros/noetic/setup.bash" in refusal(capsys)
+    monkeypatch.setenv("ROS_VERSION", "2")
+    assert main(["ros1", "install", "--dry-run"]) == OK
+
+
+# --- the real ones ---
+
+
+def test_with_everything_installed_the_status_is_good(
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    require_ros(rviz=True)
+    assert main(["ros1", "status"]) == OK
+    assert "to do" not in capsys.readouterr().out
+    if readiness.whose() == "the distribution's":
+        assert not_installed(n for part in PARTS for n in part.debian) == ()
+
+
+def test_without_rospy_the_status_says_what_to_do(
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tool0.ros1.library.DEBIAN", Path("/nowhere"))
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert main(["ros1", "status", "--format", "json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert found["can_run"] is False
+    assert "tool0 ros1 install" in found["remedies"][0]
+    assert readiness.readiness().why_not(["rospy"]) is not None
