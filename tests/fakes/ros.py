@@ -242,7 +242,7 @@ class Bringup:
 
     def wait(self) -> None:
         """Wait until it is up, ROS included."""
-        self.wait_for("ros1:")
+        self.wait_for("Ctrl-C")
 
     def end(self, number: signal.Signals = signal.SIGINT) -> int:
         """Let it end, as by Ctrl-C; return its exit status."""
