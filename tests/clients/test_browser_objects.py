@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from browser import Tab, eventually
+from playwright.sync_api import ViewportSize
 
 import tool0
 from conftest import OpenTab
@@ -17,6 +18,8 @@ READY = "[data-testid=scene][data-ready=true]"
 MAGENTA, GREEN = (1.0, 0.0, 1.0, 1.0), (0.0, 1.0, 0.0, 1.0)
 MANY = 500
 """Pixels; these objects cover thousands, their shadows and edges few."""
+SMALL: ViewportSize = {"width": 760, "height": 600}
+"""[px]; software GL draws each of them."""
 COUNT = """async (encoded) => {
     const bytes = Uint8Array.from(atob(encoded), (char) => char.charCodeAt(0));
     const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
@@ -73,12 +76,14 @@ def test_every_page_shows_what_is_there_now(
 ) -> None:
     old = open_tab(panel.url)
     old.see(READY)
+    old.page.set_viewport_size(SMALL)
     shows(old, magenta=False, green=False)
     robot.spawn(thing("box", Box(size=(0.2, 0.2, 0.2)), 0.5, MAGENTA))
     shows(old, magenta=True, green=False)
     robot.spawn(thing("part", mesh, -0.6, GREEN))
     new = open_tab(panel.url)
     new.see(READY)
+    new.page.set_viewport_size(SMALL)
     for tab in (old, new):
         shows(tab, magenta=True, green=True)
     robot.delete("box")

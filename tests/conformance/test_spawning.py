@@ -165,9 +165,9 @@ def test_a_refusal_changes_nothing(bring_up: BringUp, tmp_path: Path) -> None:
         robot.spawn(thing("tool0"))
     with pytest.raises((ModelError, EngineError), match=r"part|broken"):
         robot.spawn(thing("part", geometry=mesh))
-    with pytest.raises(EngineError, match=r"'cubes'.*did you mean 'cube'"):
+    with pytest.raises(EngineError, match="'cubes'"):
         robot.delete("cubes")
-    with pytest.raises(EngineError, match=r"'cubes'.*did you mean 'cube'"):
+    with pytest.raises(EngineError, match="'cubes'"):
         robot.place("cubes", (0.0, 0.0, 1.0))
     for wrong in ({"position": (1.0, 2.0)}, {"quat_wxyz": (0.0, 0.0, 0.0, 0.0)}):
         with pytest.raises(ControlError, match="'cube'"):

@@ -67,10 +67,15 @@ class Engine(Protocol):
         """Advance simulated time by ``dt``."""
 
     def object_states(self) -> tuple[ObjectState, ...]:
-        """Return how the objects of the scene are now, in the scene's order."""
+        """Return how the objects of the scene are now.
+
+        In the scene's order: what was spawned comes last.
+        """
 
     def spawn(self, item: SceneObject) -> None:
         """Put a further object into the scene, at rest; what moves goes on moving.
+
+        If it is refused, nothing has changed.
 
         Raises:
             ModelError: If the engine cannot have such an object.
@@ -81,7 +86,9 @@ class Engine(Protocol):
         """Take an object out of the scene, or raise EngineError if there is none."""
 
     def place(self, state: ObjectState) -> None:
-        """Put an object somewhere, moving so.
+        """Put an object somewhere, moving so; its quaternion has length one.
+
+        A reset puts it back where it was spawned, or began.
 
         Raises:
             EngineError: If there is none, or it stands still and is to move.
