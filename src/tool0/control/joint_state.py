@@ -119,10 +119,10 @@ class JointStateController:
 def parse(parameters: Namespace, robot: Robot) -> JointStateSpec:
     """Return the checked parameters of a JointStateController.
 
-    Without ``joints`` it publishes those with a transmission, as in ROS; with it, any
-    movable joint.
+    Without ``joints`` it publishes those with a transmission, by name, as in ROS, which
+    keeps them in a map; with it, any movable joint, in the order given.
     """
-    joints = tuple(robot.interfaces)
+    joints = tuple(sorted(robot.interfaces))
     if parameters.find("joints") is not None:
         joints = parameters.texts("joints")
         entry = parameters.find("joints") or parameters.entry
