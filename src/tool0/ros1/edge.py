@@ -11,6 +11,7 @@ from typing import final
 
 from tool0.errors import RosUnavailableError
 from tool0.ros1.controllers import ControllerEdges
+from tool0.ros1.gazebo_services import present_gazebo
 from tool0.ros1.library import keep_to_this_machine
 from tool0.ros1.manager_services import ManagerServices
 from tool0.ros1.master import Master, Watch, running_master
@@ -71,7 +72,9 @@ class Ros1:
             self._parts: list[Part] = [controllers]
             ManagerServices(node, robot, controllers)
             node.time.advance(robot.snapshot.time)
-            self._parts.append(transforms_of(node, robot))
+            self._parts.append(present_gazebo(node, robot))
+            self._transforms = transforms_of(node, robot)
+            self._parts.append(self._transforms)
             for part in self._parts:
                 exits.callback(part.close)
             self._threads = [
@@ -137,6 +140,7 @@ class Ros1:
         def again() -> None:
             upload(node, self._robot)
             node.register_again()
+            self._transforms.register_again()
 
         watch = Watch(node.master, node.options.node, node.uri, again)
         while not self._over.wait(_WATCH_PERIOD):

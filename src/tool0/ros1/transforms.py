@@ -6,7 +6,7 @@ import logging
 import os
 import shutil
 from pathlib import Path
-from typing import Any, final
+from typing import Any, Protocol, final
 
 from tool0.control.publish_rate import PublishRate
 from tool0.description.kinematics import Transform, joint_transform
@@ -37,7 +37,14 @@ def state_publisher() -> Path | None:
     return None
 
 
-def transforms_of(node: RosNode, robot: Robot) -> Part:
+class Transforms(Part, Protocol):
+    """What publishes the robot's frames."""
+
+    def register_again(self) -> None:
+        """Appear under a master that is new."""
+
+
+def transforms_of(node: RosNode, robot: Robot) -> Transforms:
     """Return what publishes the robot's frames."""
     program = state_publisher()
     if program is None:
@@ -53,12 +60,21 @@ class TheirTransforms:
         self._node, self._robot = node, robot
         self._own: OwnTransforms | None = None
         self._rate = PublishRate(_WATCH_RATE)
+        self._program = program
+        self._child = self._start()
+
+    def _start(self) -> Child:
+        node, options = self._node, self._node.options
         place = node.name(NAME)
-        options = node.options
         node.master.call("setParam", f"{place}/publish_frequency", options.tf_pub_rate)
         node.master.call("setParam", f"{place}/tf_prefix", options.tf_prefix)
         environment = {**os.environ, "ROS_NAMESPACE": options.root or "/"}
-        self._child = Child([str(program), f"__name:={NAME}"], environment)
+        return Child([str(self._program), f"__name:={NAME}"], environment)
+
+    def register_again(self) -> None:
+        """Start it anew: nodes of roscpp do not notice that the master is another."""
+        old, self._child = self._child, self._start()
+        old.close()
 
     def publish(self, snapshot: Snapshot) -> None:
         """See whether it lives."""
@@ -124,6 +140,9 @@ class OwnTransforms:
                 ]
             )
         )
+
+    def register_again(self) -> None:
+        """Do nothing: the node does it."""
 
     def restart(self) -> None:
         """Forget nothing: the rate sees that time went back."""
