@@ -196,6 +196,7 @@ def bringup(
         defined_controllers=config.types,
         parameters=config.parameters(),
         joint_limits=core.hardware.limits,
+        spawn_z=spawn_z,
         ground=None if world else -spawn_z,  # a person's world has what it has
         warnings=_warnings(config, model),
     )

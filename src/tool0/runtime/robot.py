@@ -59,12 +59,15 @@ class Robot:
         defined_controllers: Mapping[str, str],
         parameters: Mapping[str, object],
         joint_limits: Mapping[str, JointLimits],
+        spawn_z: float = 0.0,
         ground: float | None = None,
         warnings: Sequence[ConfigWarning] = (),
     ) -> None:
         self.description = description
         self.engine = engine
         """The physics itself, for scripts; touch it only between runs."""
+        self.spawn_z = spawn_z
+        """Height of the robot's root above the world's origin [m]."""
         self.ground = ground
         """Height of the ground [m], in the robot's root; None if there is none."""
         self.warnings = tuple(warnings)
