@@ -142,6 +142,8 @@ def test_a_loss_is_told_once_and_remembered(
     for _ in range(2):
         with pytest.raises(EngineUnavailableError, match="gone, which is sad"):
             connection.ask(Kind.OBJECTS)
+        with pytest.raises(EngineUnavailableError, match="gone, which is sad"):
+            connection.delete("box")
     assert losses == ["gzserver is gone"]
 
 

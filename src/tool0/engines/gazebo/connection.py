@@ -208,7 +208,7 @@ class Connection:
         """Take the model called ``name`` out of the world.
 
         Raises:
-            EngineError: If there is none, or it is the robot.
+            EngineError: If there is none.
         """
         self._ask_patiently(Kind.DELETE, text(name))
 
@@ -221,10 +221,11 @@ class Connection:
         try:
             self.ask(kind, *parts)
         finally:
-            if self._peer.fileno() >= 0:
-                self._set_patience(_PATIENCE)
+            self._set_patience(_PATIENCE)
 
     def _set_patience(self, seconds: float) -> None:
+        if self._peer.fileno() < 0:  # closed
+            return
         self._patience = seconds
         value = struct.pack("@ll", int(seconds), round(seconds % 1.0 * 1e6))
         for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):

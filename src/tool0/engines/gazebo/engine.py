@@ -180,7 +180,8 @@ class GazeboEngine:
         """Put a further object into the scene, at rest; what moves goes on moving.
 
         Raises:
-            ModelError: If it is to move and is a mesh that encloses nothing.
+            ModelError: If it is a mesh that cannot be read, or is to move and encloses
+                nothing.
             EngineError: If the name is taken, or Gazebo does not take it.
         """
         self._await_step()

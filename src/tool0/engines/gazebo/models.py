@@ -25,6 +25,7 @@ from tool0.errors import (
     EngineError,
     EngineUnavailableError,
     SourceLocation,
+    nearest_name,
 )
 from tool0.hardware.bodies import Matrix, transform
 from tool0.hardware.engine import ObjectState
@@ -33,6 +34,7 @@ logger = logging.getLogger(__name__)
 
 _OTHER_WORLD = "Falling back on"
 _HALF_BUILT = "Loading model from factory message failed"
+_NO_MESH = "Unable to load mesh"
 """What gzserver says, and otherwise goes on as if nothing were."""
 
 
@@ -55,6 +57,7 @@ class Models:
         self._server = server
         self._world = world
         self._root = root
+        self._robot = ""
         self._objects: dict[str, SceneObject] = {}  # as the bridge lists them
 
     def populate(
@@ -78,6 +81,7 @@ class Models:
         file = self._server.folder / "robot.urdf"
         file.write_text(urdf)
         self._spawn(model.name, file, self._root)
+        self._robot = model.name
         for item in scene.objects:
             self.spawn(item)
         self._bind(model, gears)
@@ -94,15 +98,21 @@ class Models:
         if not self._objects:
             return ()
         rows = struct.iter_unpack("=13d", self._connection.ask(Kind.OBJECTS))
-        return tuple(map(self._seen_from_root, self._objects, rows))
+        return tuple(
+            self._seen_from_root(name, row)
+            for name, row in zip(self._objects, rows, strict=True)
+        )
 
     def spawn(self, item: SceneObject) -> None:
         """Put an object into the world.
 
         Raises:
-            ModelError: If it is to move and is a mesh that encloses nothing.
+            ModelError: If it is a mesh that cannot be read, or is to move and encloses
+                nothing.
             EngineError: If Gazebo does not take it.
         """
+        if item.name in self._objects:
+            raise EngineError(f"there is an object '{item.name}' already")
         file = self._server.folder / f"{item.name}.sdf"
         file.write_text(object_sdf(item))
         pose = self._root @ transform(item.pose)
@@ -128,7 +138,15 @@ class Models:
         Raises:
             EngineError: If there is none, or it is the robot.
         """
-        self._connection.delete(name)
+        if name == self._robot:
+            raise EngineError(f"'{name}' is the robot, which stays")
+        try:
+            self._connection.delete(name)
+        except EngineUnavailableError:
+            raise
+        except EngineError as error:
+            hint = nearest_name(name, set(self._objects))
+            raise EngineError(f"{error}{hint}") from None
         self._objects.pop(name, None)
 
     def place(self, state: ObjectState) -> None:
@@ -139,8 +157,8 @@ class Models:
         """
         item = self._objects.get(state.name)
         if item is None:
-            known = ", ".join(f"'{name}'" for name in self._objects) or "none"
-            raise EngineError(f"there is no object '{state.name}'; there is: {known}")
+            hint = nearest_name(state.name, set(self._objects))
+            raise EngineError(f"there is no object '{state.name}'{hint}")
         velocity = (*state.linear, *state.angular)
         if item.mass is None and any(velocity):
             raise EngineError(f"object '{state.name}' has no mass: it cannot move")
@@ -167,7 +185,7 @@ class Models:
         if _OTHER_WORLD in complaints:  # the first model's world, that is
             where = SourceLocation(self._world)
             raise DescriptionError(f"Gazebo cannot read this world:{complaints}", where)
-        if _HALF_BUILT in complaints:
+        if _HALF_BUILT in complaints or (is_object and _NO_MESH in complaints):
             self._connection.delete(name)
             raise EngineError(f"Gazebo cannot build '{name}':{complaints}")
         if complaints:

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.scene import SceneObject
-from tool0.engines.gazebo.solids import solid_of
+from tool0.engines.gazebo.solids import check_mesh, solid_of
 
 STIFFNESS, DAMPING = 1e5, 10.0
 """Of contact [N/m, N·s/m], as of the pads: calm at rest, and no visible depth."""
@@ -18,8 +18,11 @@ def object_sdf(item: SceneObject) -> str:
     """Return the object as an SDF document, at its model's origin.
 
     Raises:
-        ModelError: If it is to move and is a mesh that encloses nothing.
+        ModelError: If it is a mesh that cannot be read, or one that encloses nothing
+            and is to move.
     """
+    if isinstance(item.geometry, Mesh):
+        check_mesh(item.geometry.path)
     sdf = ET.Element("sdf", version="1.6")
     model = ET.SubElement(sdf, "model", name=item.name)
     _add(model, "static", "false" if item.mass else "true")

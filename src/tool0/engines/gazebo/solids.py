@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import struct
+import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -45,6 +46,20 @@ def solid_of(geometry: Geometry) -> Solid:
             return _enclosed(_triangles(path) * np.asarray(scale), path)
 
 
+def check_mesh(path: Path) -> None:
+    """Raise ModelError unless there is a mesh, which Gazebo would silently leave out.
+
+    What is in a COLLADA file is left to Gazebo; one that is no XML would end it.
+    """
+    if path.suffix.lower() != ".dae":
+        _triangles(path)
+        return
+    try:
+        ET.parse(path)
+    except (OSError, ET.ParseError) as error:
+        raise ModelError(f"cannot read the mesh {path}: {error}") from None
+
+
 def _centred(*moments: float, over: float) -> Solid:
     return Solid(np.zeros(3), np.diag(moments) / over)
 
@@ -76,8 +91,7 @@ def _triangles(path: Path) -> Array:
     read = {".stl": _read_stl, ".obj": _read_obj}.get(path.suffix.lower())
     if read is None:
         raise ModelError(
-            f"the place of the mass of {path} is not known; use STL or OBJ for what "
-            "moves, or leave the mass out"
+            f"cannot read the mesh {path}: use STL or OBJ; what stands still may be DAE"
         )
     try:
         triangles = read(path.read_bytes())

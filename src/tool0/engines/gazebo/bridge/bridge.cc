@@ -36,12 +36,14 @@
 #include <gazebo/common/Events.hh>
 #include <gazebo/common/Plugin.hh>
 #include <gazebo/gazebo_config.h>
+#include <gazebo/msgs/msgs.hh>
 #include <gazebo/physics/ode/ODEJoint.hh>
 #include <gazebo/physics/ode/ODELink.hh>
 #include <gazebo/physics/ode/ODEPhysics.hh>
 #include <gazebo/physics/ode/ODESurfaceParams.hh>
 #include <gazebo/physics/ode/ode_inc.h>
 #include <gazebo/physics/physics.hh>
+#include <gazebo/transport/transport.hh>
 
 namespace tool0 {
 
@@ -58,6 +60,7 @@ constexpr double kIdleRate = 100.0;                   // [Hz] of a paused world'
 constexpr double kSlack = 0.02;                       // [rad] of an armature's stops
 constexpr double kSlip = 1e-7;                        // [m/s/N] of contacts; see Calm
 constexpr double kTeethErp = 0.2;                     // of an error, undone in a step
+constexpr int kRequest = 1 << 20;                     // Gazebo's own are below 10000
 
 enum Kind : std::uint32_t {
   kStep = 1,
@@ -230,6 +233,10 @@ class Bridge : public gazebo::SystemPlugin {
     world_->SetPaused(false);
     update_ = gazebo::event::Events::ConnectWorldUpdateBegin(
         [this](const gazebo::common::UpdateInfo&) { Serve(); });
+    node_.reset(new gazebo::transport::Node);
+    node_->Init(name);
+    requests_ = node_->Advertise<gazebo::msgs::Request>("~/request");
+    responses_ = node_->Subscribe("~/response", &Bridge::Hear, this);
     adopted_ = true;
   }
 
@@ -315,7 +322,10 @@ class Bridge : public gazebo::SystemPlugin {
     world_->SetSimTime(gazebo::common::Time(packet_.Take<double>() + dt_));
     for (Drive& drive : drives_) drive.position = packet_.Take<double>();
     for (const Drive& drive : drives_) Place(drive.child, packet_.TakePose());
-    for (const auto& object : objects_) Place(object, packet_.TakePose());
+    for (const auto& object : objects_) {
+      const auto pose = packet_.TakePose();
+      if (IsThere(object)) Place(object, pose);
+    }
     dJointGroupEmpty(teeth_);
     world_->Physics()->Reset();
     Begin();
@@ -398,11 +408,16 @@ class Bridge : public gazebo::SystemPlugin {
   void Objects() {
     Begin();
     for (const auto& object : objects_) {
-      const auto link = object->GetLinks().front();
+      const auto link = IsThere(object) ? object->GetLinks().front() : nullptr;
       packet_.Put(object->WorldPose());
-      packet_.Put(link->WorldLinearVel());
-      packet_.Put(link->WorldAngularVel());
+      packet_.Put(link ? link->WorldLinearVel() : Vector3d::Zero);
+      packet_.Put(link ? link->WorldAngularVel() : Vector3d::Zero);
     }
+  }
+
+  /// Returns whether nobody else deleted the object, which leaves it without links.
+  static bool IsThere(const gazebo::physics::ModelPtr& object) {
+    return !object->GetLinks().empty();
   }
 
   /// In: name of an object, pose, velocity of its origin [m/s], angular one [rad/s].
@@ -414,6 +429,7 @@ class Bridge : public gazebo::SystemPlugin {
     const auto linear = packet_.TakeVector(), angular = packet_.TakeVector();
     link->SetLinearVel(linear + angular.Cross(center));  // ODE's is the centre's
     link->SetAngularVel(angular);
+    world_->EnableAllModels();  // what slept on it would stay in the air
     Begin();
   }
 
@@ -447,23 +463,39 @@ class Bridge : public gazebo::SystemPlugin {
         "Gazebo did not take the model '" + name + "'");
   }
 
-  /// In: name.
+  /// In: name of a model, not the robot's.
+  ///
+  /// A model that goes tells everybody so by a request, and the world does what that
+  /// says, too: it removes what has the name by then.  It looks at requests now and then,
+  /// and does so when it looks for the second time; until then no other may come.
   void Delete() {
     const std::string name = packet_.TakeText();
-    const auto model = Model(name);
-    for (const Drive& drive : drives_)
-      if (drive.child->GetModel() == model)
-        throw std::runtime_error("'" + name + "' is the robot");
+    const auto is_it = [&name](const auto& object) { return object->GetName() == name; };
+    const auto gone = std::remove_if(objects_.begin(), objects_.end(), is_it);
+    if (gone == objects_.end()) Model(name);
+    objects_.erase(gone, objects_.end());
     world_->RemoveModel(name);
+    Ask(name);
     WaitUntil(
-        [this, name] {
-          if (world_->ModelByName(name)) return false;
-          const auto is_it = [&name](const auto& o) { return o->GetName() == name; };
-          objects_.erase(std::remove_if(objects_.begin(), objects_.end(), is_it),
-                         objects_.end());
-          return true;
+        [this, name, looks = 2]() mutable {
+          if (asked_) return false;
+          if (--looks > 0) Ask(name);
+          return looks == 0;
         },
         "Gazebo did not remove the model '" + name + "'");
+  }
+
+  /// Asks the world for something; it answers when it looks at requests.
+  void Ask(const std::string& name) {
+    gazebo::msgs::Request request;
+    request.set_id(asked_ = kRequest);
+    request.set_request("entity_info");
+    request.set_data(name);
+    requests_->Publish(request, true);
+  }
+
+  void Hear(ConstResponsePtr& response) {
+    if (response->id() == asked_) asked_ = 0;
   }
 
   gazebo::physics::ModelPtr Model(const std::string& name) const {
@@ -486,6 +518,7 @@ class Bridge : public gazebo::SystemPlugin {
       return false;
     }
     until_ = nullptr;
+    world_->EnableAllModels();  // now, and not when the world next looks at requests
     Begin();
     if (!happened) Fail(otherwise_);
     Send();
@@ -498,10 +531,12 @@ class Bridge : public gazebo::SystemPlugin {
     world_->SetSimTime(world_->SimTime() - gazebo::common::Time(dt_));
   }
 
-  /// Moves again; forces that plugins added in vain must not add up.
+  /// Moves again; forces that plugins added in vain must not add up.  What sleeps goes on
+  /// sleeping: how often this is called is a matter of wall time.
   void Resume() {
     for (const auto& model : world_->Models())
       for (const auto& link : model->GetLinks()) {
+        if (!link->GetEnabled()) continue;
         link->SetForce(Vector3d::Zero);
         link->SetTorque(Vector3d::Zero);
       }
@@ -566,6 +601,10 @@ class Bridge : public gazebo::SystemPlugin {
   std::string otherwise_;
   Clock::time_point deadline_;
   gazebo::event::ConnectionPtr created_, update_;
+  gazebo::transport::NodePtr node_;
+  gazebo::transport::PublisherPtr requests_;
+  gazebo::transport::SubscriberPtr responses_;
+  std::atomic<int> asked_{0};  // number of the request that is to be answered, or 0
 };
 
 GZ_REGISTER_SYSTEM_PLUGIN(Bridge)
