@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+import gc
 import warnings
 from collections.abc import Iterator
+from pathlib import Path
 from types import ModuleType
 
 import pytest
 from promised import require_ros
 from ros import Bringup, Ros
+
+HERE = Path(__file__).parent
+THEIRS = "rospy|rosgraph|actionlib|genpy|tf2_ros"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave ROS its old ways: its threads would end by what is an error to us."""
+    for item in items:
+        if item.path.is_relative_to(HERE):
+            for category in (f"DeprecationWarning:{THEIRS}", "ResourceWarning"):
+                item.add_marker(pytest.mark.filterwarnings(f"ignore::{category}"))
 
 
 @pytest.fixture(scope="session")
@@ -20,21 +33,31 @@ def ros() -> Iterator[Ros]:
 
 
 @pytest.fixture(scope="session")
-def rospy(ros: Ros) -> Iterator[ModuleType]:
-    """Make this process a node, in simulated time, with all messages importable."""
+def node(ros: Ros) -> Iterator[ModuleType]:
+    """Make this process a node, once, in simulated time and with all messages."""
     from tool0.ros1.messages import import_messages
 
     with pytest.MonkeyPatch.context() as patch, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # rospy's own
-        for name, value in ros.environment.items():
-            patch.setenv(name, value)
+        warnings.simplefilter("ignore")
+        set_environment(patch, ros)
         import_messages()
         import rospy
 
         ros.ask("setParam", "/use_sim_time", True)  # read by init_node alone
         rospy.init_node("test", anonymous=True, disable_signals=True)
-        yield rospy
-        rospy.signal_shutdown("the tests are over")
+    yield rospy
+    rospy.signal_shutdown("the tests are over")
+
+
+@pytest.fixture(scope="module")
+def rospy(ros: Ros, node: ModuleType) -> Iterator[ModuleType]:
+    """Return rospy, this process being a node under ``ros``."""
+    with pytest.MonkeyPatch.context() as patch:
+        set_environment(patch, ros)
+        yield node
+    with warnings.catch_warnings():  # sockets that it never closes, before other tests
+        warnings.simplefilter("ignore")
+        gc.collect()
 
 
 @pytest.fixture(scope="module")
@@ -51,3 +74,10 @@ def own_ros() -> Iterator[Ros]:
     require_ros()
     with Ros() as ros:
         yield ros
+
+
+def set_environment(patch: pytest.MonkeyPatch, ros: Ros) -> None:
+    """Let what this process asks of ROS be asked of ``ros``."""
+    for name, value in ros.environment.items():
+        if name.startswith("ROS_"):
+            patch.setenv(name, value)
