@@ -88,6 +88,7 @@ def generated_packages(packages: tuple[str, ...]) -> Path:
             new = Path(tempfile.mkdtemp(prefix="new-", dir=folder.parent))
             try:
                 generation.generate(packages, new)
+                _compile(new, folder)
                 new.rename(folder)
             except BaseException:
                 shutil.rmtree(new, ignore_errors=True)
@@ -95,12 +96,22 @@ def generated_packages(packages: tuple[str, ...]) -> Path:
     return folder
 
 
+def _compile(folder: Path, place: Path) -> None:
+    """Write the bytecode of what is to be at ``place``: importing is 5 times as fast.
+
+    Python would by itself, but not where PYTHONDONTWRITEBYTECODE is set.
+    """
+    from compileall import compile_dir
+
+    compile_dir(folder, quiet=2, stripdir=str(folder), prependdir=str(place))
+
+
 def _key(packages: tuple[str, ...]) -> str:
     """Return a name for all that the outcome depends on."""
     generator = importlib.util.find_spec("genpy.generator")
     if generator is None or generator.origin is None:
         raise RosUnavailableError(f"ROS 1 needs genpy, which is not here; {SET_UP}")
-    files = [Path(generator.origin), Path(generation.__file__)]
+    files = [Path(generator.origin), Path(generation.__file__), Path(__file__)]
     for package in packages:
         files += generation.definition_files(package)
     digest = hashlib.sha256(f"{sys.version_info[:2]} {packages}".encode())

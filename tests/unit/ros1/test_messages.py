@@ -60,6 +60,17 @@ def test_a_second_start_finds_what_the_first_made(tmp_path: Path) -> None:
     assert [(path, path.stat().st_ino) for path in made(tmp_path / "cache")] == before
 
 
+def test_what_is_made_is_compiled_where_it_is_read_from(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    program = "from control_msgs.msg import _JointTolerance as module\n"
+    program += "from pathlib import Path; print(Path(module.__cached__).is_file())\n"
+    program += "code = module.JointTolerance.serialize.__code__\n"
+    program += "print(code.co_filename == module.__file__)"
+    assert run(IMPORT + program) == "True\nTrue\n"
+
+
 def test_several_at_once_make_one(tmp_path: Path) -> None:
     processes = [start(IMPORT + WHERE) for _ in range(3)]
     answers = [process.communicate(timeout=60) for process in processes]
