@@ -58,7 +58,7 @@ def build_app(source: PanelSource, hub: Hub, door: Door, static: Path) -> ASGIAp
 
     async def mesh(request: Request) -> Response:
         file = files.meshes.get(request.url.path)
-        if file is None:
+        if file is None or not file.is_file():
             return PlainTextResponse("there is no such mesh\n", 404)
         kind = _MIME.get(file.suffix.lower(), "application/octet-stream")
         response = FileResponse(file, media_type=kind, headers=_ASK_AGAIN)

@@ -158,6 +158,38 @@ def test_what_is_refused_leaves_everything_as_it_was(
     engine.spawn(cube("other", 6.0))
 
 
+def test_an_object_outlives_the_file_of_its_mesh(
+    skew_model: RobotModel, tmp_path: Path
+) -> None:
+    path = tmp_path / "part.obj"
+
+    def write(size: float) -> SceneObject:
+        corners = ("0 0 0", f"{size} 0 0", f"0 {size} 0", f"0 0 {size}")
+        faces = ("1 3 2", "1 2 4", "1 4 3", "2 3 4")
+        lines = [*(f"v {at}" for at in corners), *(f"f {face}" for face in faces)]
+        path.write_text("\n".join(lines))
+        mesh = Mesh(uri="part.obj", path=path)
+        return SceneObject(
+            name="part", geometry=mesh, pose=Pose(xyz=(8.0, 0.0, 1.0)), mass=1.0
+        )
+
+    def inertia(engine: MujocoEngine) -> float:
+        return float(engine.model.body("part").inertia.sum())
+
+    engine = engine_with(skew_model)
+    engine.spawn(write(0.1))
+    small = inertia(engine)
+    path.unlink()
+    engine.spawn(cube("cube"))
+    assert inertia(engine) == small
+    part = write(0.2)
+    engine.delete("cube")
+    assert inertia(engine) == small  # made of what the file was
+    engine.delete("part")
+    engine.spawn(part)
+    assert inertia(engine) == pytest.approx(4.0 * small)
+
+
 HERE = (1.0, 2.0, 3.0), (1.0, 0.0, 0.0, 0.0)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, final
 
 import mujoco
@@ -16,7 +16,7 @@ from tool0.description.scene import Scene, SceneObject
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.object_states import ObjectStates
 from tool0.engines.mujoco.objects import add_objects, compile_with, object_of
-from tool0.engines.mujoco.succession import carry_over
+from tool0.engines.mujoco.succession import carry_over, read_meshes
 from tool0.errors import ConfigError, DivergenceError, EngineError, ModelError
 from tool0.hardware.engine import ObjectState
 from tool0.hardware.joint_state import JointState
@@ -55,6 +55,7 @@ class MujocoEngine:
             raise ConfigError(f"the height of the ground must be finite, got {ground}")
         self._robot = model
         self._bare = build_spec(model, dt=dt, ground=ground)
+        self._mesh_files: Mapping[str, bytes] = {}
         self._joint_names = tuple(joint.name for joint in model.movable_joints)
         self._dt = dt
         self._steps = 0
@@ -152,8 +153,10 @@ class MujocoEngine:
         """Compile robot and scene, and look there from now on; or change nothing."""
         spec = self._bare.copy()
         add_objects(spec, self._robot, scene)
+        files = read_meshes(spec, self._mesh_files)
         model = compile_with(spec, scene)
         self.model, self.data = model, mujoco.MjData(model)
+        self._mesh_files = files
         self._scene = scene
         self._objects = ObjectStates(self.model, self.data, scene)
         # Views: the arrays of one MjData never move.  The robot's joints come first.

@@ -2,7 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
+
+
+def read_meshes(spec: Any, known: Mapping[str, bytes]) -> Mapping[str, bytes]:
+    """Give ``spec`` the contents of its mesh files, and return them for the next one.
+
+    A file may change or go while the object made of it stays.
+
+    Args:
+        spec: Not compiled yet.
+        known: What was read for the spec before it.
+    """
+    files = {}
+    for name in {mesh.file for mesh in spec.meshes}:
+        if name in known:
+            files[name] = known[name]
+        elif Path(name).is_file():  # otherwise MuJoCo says what is wrong
+            files[name] = Path(name).read_bytes()
+    spec.assets = files
+    return files
 
 
 def carry_over(old: Any, was: Any, new: Any, now: Any) -> None:
