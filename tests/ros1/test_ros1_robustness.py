@@ -1,0 +1,308 @@
+"""What goes wrong around a robot in ROS: the robot holds, it is said, others go on."""
+
+from __future__ import annotations
+
+import re
+import signal
+import socket
+import time
+from collections.abc import Callable
+from types import ModuleType
+from urllib.parse import urlsplit
+from xmlrpc.client import ServerProxy
+
+import pytest
+from processes import Watch, children, listening, program
+from ros import PATIENCE, Bringup, Ros, system_python, until
+
+CLIENT = """
+import sys, rospy, actionlib
+from control_msgs.msg import *
+from trajectory_msgs.msg import *
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+rospy.init_node("client", anonymous=True)
+CONTROLLER = "/eff_joint_traj_controller"
+JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
+          "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"]
+
+def positions():
+    message = rospy.wait_for_message("/joint_states", JointState, 20)
+    return dict(zip(message.name, message.position))
+
+def point(wrist, after, **other):
+    now = positions()
+    now["wrist_3_joint"] = wrist
+    return JointTrajectoryPoint(positions=[now[j] for j in JOINTS],
+        time_from_start=rospy.Duration(after), **other)
+
+def action():
+    client = actionlib.SimpleActionClient(CONTROLLER + "/follow_joint_trajectory",
+        FollowJointTrajectoryAction)
+    assert client.wait_for_server(rospy.Duration(20)) or client.wait_for_server()
+    return client
+
+def goal(wrist, after):
+    goal = FollowJointTrajectoryGoal()
+    goal.trajectory = JointTrajectory(joint_names=JOINTS, points=[point(wrist, after)])
+    return goal
+
+def publisher(kind=JointTrajectory):
+    publisher = rospy.Publisher(CONTROLLER + "/command", kind, queue_size=1)
+    end = rospy.get_time() + 20
+    while not publisher.get_num_connections() and rospy.get_time() < end:
+        rospy.sleep(0.01)
+    return publisher
+
+def send(message):
+    topic = publisher()
+    for _ in range(5):
+        topic.publish(message)
+        rospy.sleep(0.1)
+"""
+"""A person's script; what a test adds comes after it."""
+
+MOVES = """
+client = action()
+client.send_goal_and_wait(goal(float(sys.argv[1]), 0.5), rospy.Duration(20))
+print(client.get_state(), round(positions()["wrist_3_joint"], 2))
+"""
+SUCCEEDED, FAILED = 3, 2
+Wrist = Callable[[], float]
+
+
+def moves(ros: Ros, wrist: float) -> bool:
+    """Return whether a new client drives the robot."""
+    answer = ros.python(CLIENT + MOVES, str(wrist))
+    return answer.split() == [str(SUCCEEDED), str(wrist)]
+
+
+@pytest.fixture
+def wrist(rospy: ModuleType, bringup: Bringup) -> Callable[[], float]:
+    """Return what tells where the last joint of the module's robot is [rad]."""
+    from sensor_msgs.msg import JointState
+
+    def read() -> float:
+        message = rospy.wait_for_message("/joint_states", JointState, PATIENCE)
+        return float(message.position[message.name.index("wrist_3_joint")])
+
+    return read
+
+
+def test_a_master_that_goes_and_comes_back(own_ros: Ros) -> None:
+    bringup = own_ros.bring_up()
+    names = own_ros.services()
+    follower = own_ros.spawn("rostopic", "hz", "/joint_states")
+    until(lambda: n_subscribers(own_ros) >= 2, "it beside robot_state_publisher")
+    own_ros.stop()
+    bringup.wait_for("is gone")
+    assert follower.exit_status is None
+    own_ros.start()
+    bringup.wait_for("registered again")
+    assert own_ros.parameter("/robot_description")
+    assert own_ros.parameter("/eff_joint_traj_controller/type")
+    assert {name for name in names if "/rosout" not in name} <= until(
+        lambda: own_ros.services() if own_ros.services() >= _ours(names) else None,
+        "our services",
+    )
+    assert moves(own_ros, 0.3)
+    own_ros.run("rostopic", "echo", "-n1", "/tf")
+
+
+def _ours(names: set[str]) -> set[str]:
+    return {name for name in names if "/rosout" not in name}
+
+
+def test_a_client_that_dies_amid_its_goal(
+    ros: Ros, bringup: Bringup, wrist: Wrist
+) -> None:
+    client = ros.spawn(
+        *(system_python(), "-c"),
+        CLIENT + "client = action()\nclient.send_goal(goal(0.4, 2.0))\nrospy.spin()",
+    )
+    until(lambda: wrist() > 0.02, "the wrist moving")
+    client.close()
+    until(lambda: abs(wrist() - 0.4) < 0.02, "the goal reached nevertheless")
+    assert moves(ros, 0.1)
+
+
+def test_a_subscriber_that_stalls_delays_nobody(ros: Ros, bringup: Bringup) -> None:
+    script = CLIENT + (
+        "import os, signal\n"
+        "rospy.Subscriber('/joint_states', JointState, lambda m: None)\n"
+        "positions()\nos.kill(os.getpid(), signal.SIGSTOP)\n"
+    )
+    ros.spawn(system_python(), "-c", script)
+    until(lambda: n_subscribers(ros) >= 2, "a subscriber beside the publisher of /tf")
+    rate = ros.outcome("rostopic", "hz", "-w", "500", "/joint_states", patience=6.0)
+    rates = [float(r) for r in re.findall(r"average rate: ([\d.]+)", rate.stdout)]
+    assert rates[-1] == pytest.approx(125.0, abs=1.0)
+    assert moves(ros, 0.2)
+
+
+def n_subscribers(ros: Ros) -> int:
+    _, subscribers, _ = ros.ask("getSystemState")
+    return len(dict(subscribers).get("/joint_states", ()))
+
+
+WRONG = {
+    "NaN": (
+        "p = point(float('nan'), 1.0)\n"
+        "send(JointTrajectory(joint_names=JOINTS, points=[p]))",
+        "nan",
+    ),
+    "an unknown joint": (
+        "send(JointTrajectory(\n"
+        "    joint_names=JOINTS[:5] + ['wrist_4_joint'], points=[point(0.1, 1.0)]))",
+        "wrist_4_joint",
+    ),
+    "too few positions": (
+        "p = point(0.1, 1.0)\np.positions = p.positions[:3]\n"
+        "send(JointTrajectory(joint_names=JOINTS, points=[p]))",
+        "3 positions",
+    ),
+    "times that go back": (
+        "p = [point(0.1, 1.0), point(0.1, 0.5)]\n"
+        "send(JointTrajectory(joint_names=JOINTS, points=p))",
+        "strictly increasing",
+    ),
+    "a position beyond the limits": (
+        "send(\n    JointTrajectory(joint_names=JOINTS, points=[point(99.0, 1.0)]))",
+        "beyond its limits",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_messages_that_make_no_sense(
+    ros: Ros, bringup: Bringup, wrist: Wrist, what: str
+) -> None:
+    script, words = WRONG[what]
+    before = wrist()
+    ros.python(CLIENT + script)
+    bringup.wait_for(words)
+    assert wrist() == pytest.approx(before, abs=1e-3)
+
+
+def test_garbage_on_our_ports(ros: Ros, bringup: Bringup) -> None:
+    address = ros.address_of("/gazebo")
+    assert address is not None
+    with ServerProxy(address) as node:
+        _, _, (protocol, host, port) = node.requestTopic(
+            "/test", "/joint_states", [["TCPROS"]]
+        )
+    assert protocol == "TCPROS"
+    targets = [(host, port), (urlsplit(address).hostname, urlsplit(address).port)]
+    for target in targets:
+        for garbage in (
+            b"",
+            b"\xff" * 4096,
+            b"\x04\x00\x00\x00abcd",
+            b"GET / HTTP/1.1",
+        ):
+            with socket.create_connection(target) as peer:
+                peer.sendall(garbage)
+    assert moves(ros, 0.25)
+
+
+def test_another_type_on_our_topic(ros: Ros, bringup: Bringup, wrist: Wrist) -> None:
+    before = wrist()
+    ros.python(
+        CLIENT + "p = rospy.Publisher(CONTROLLER + '/command', Float64, queue_size=1)\n"
+        "rospy.sleep(0.3)\np.publish(1.0)\nrospy.sleep(0.3)"
+    )
+    assert wrist() == pytest.approx(before, abs=1e-3)
+    assert moves(ros, 0.15)
+
+
+def test_a_hundred_thousand_points(ros: Ros, bringup: Bringup, wrist: Wrist) -> None:
+    script = CLIENT + (
+        "first = point(0.35, 0.5).positions\n"
+        "points = [JointTrajectoryPoint(positions=first,\n"
+        "    time_from_start=rospy.Duration(1.0 + 0.001 * i)) for i in range(100000)]\n"
+        "huge = goal(0.0, 1.0)\nhuge.trajectory.points = points\n"
+        "client = action()\nclient.send_goal(huge)\n"
+        "while client.get_state() == 0: rospy.sleep(0.05)\n"
+        "print(client.get_state())\n"
+    )
+    assert int(ros.python(script, patience=90.0)) == 1  # ACTIVE
+    until(lambda: abs(wrist() - 0.35) < 0.02, "its first point reached")
+    assert moves(ros, 0.1)  # and so it is preempted
+
+
+def test_what_we_start_ends_with_us_when_we_are_killed(own_ros: Ros) -> None:
+    own_ros.stop()
+    bringup = own_ros.bring_up("--roscore")
+    started = _descendants(bringup.process.pid)
+    assert len(started) >= 5  # a leash, roscore and its two, robot_state_publisher's
+    watch = Watch(started)
+    bringup.process.kill()
+    assert watch.all_ended(PATIENCE)
+    until(lambda: not own_ros.is_up, "the master's end")
+
+
+def test_a_roscore_of_ours_ends_with_us(own_ros: Ros) -> None:
+    own_ros.stop()
+    bringup = own_ros.bring_up("--roscore")
+    assert own_ros.is_up
+    assert bringup.end(signal.SIGTERM) == 0
+    assert not own_ros.is_up
+
+
+def _descendants(parent: int) -> list[int]:
+    return [pid for child in children(parent) for pid in (child, *_descendants(child))]
+
+
+def test_what_is_ours_listens_on_this_machine_alone(own_ros: Ros) -> None:
+    own_ros.stop()
+    bringup = own_ros.bring_up("--roscore")
+    pids = [bringup.process.pid, *_descendants(bringup.process.pid)]
+    in_python = [pid for pid in pids if program(pid).startswith("python")]
+    assert len(in_python) >= 5  # roscpp's nodes have no such choice
+    found = {
+        address for pid in in_python for address in listening(pid).get("tcp", set())
+    }
+    assert found == {"0100007F"}
+
+
+def test_without_a_master_it_says_so(own_ros: Ros) -> None:
+    own_ros.stop()
+    bringup = own_ros.bring_up(wait=False)
+    assert bringup.wait_for_end() == FAILED
+    assert f"no ROS master answers at {own_ros.uri}" in bringup.text
+    assert "--roscore" in bringup.text
+
+
+def test_a_second_robot_needs_a_namespace(ros: Ros, bringup: Bringup) -> None:
+    other = ros.bring_up("--name", "second", wait=False)
+    assert other.wait_for_end() == FAILED
+    assert "a node /gazebo runs already" in other.text
+    assert "--ns" in other.text
+    assert moves(ros, 0.2)
+
+
+def test_two_robots_under_one_master(own_ros: Ros) -> None:
+    first = own_ros.bring_up()
+    time.sleep(1.0)  # so that their times differ
+    second = own_ros.bring_up("--ns", "left/arm", "--name", "second")
+    publishers = own_ros.publishers()
+    assert publishers["/clock"] == ["/gazebo"]
+    assert publishers["/left/arm/joint_states"] == ["/left/arm/gazebo"]
+    assert "/left/arm/controller_manager/list_controllers" in own_ros.services()
+    assert own_ros.parameter("/left/arm/robot_description")
+    script = CLIENT + (
+        "other = rospy.wait_for_message('/left/arm/joint_states', JointState, 20)\n"
+        "print(abs((other.header.stamp - rospy.Time.now()).to_sec()) < 0.2)"
+    )
+    assert own_ros.python(script).strip() == "True"
+    assert first.end() == 0
+    second.wait_for("/clock is ours now")
+    own_ros.run("rostopic", "echo", "-n1", "/clock")
+    own_ros.run("rosservice", "call", "/left/arm/controller_manager/list_controllers")
+
+
+def test_rosnode_kill_ends_the_bringup(own_ros: Ros) -> None:
+    bringup = own_ros.bring_up()
+    own_ros.run("rosnode", "kill", "/gazebo")
+    assert bringup.wait_for_end() == 0
+    assert "the ROS node was ended from outside" in bringup.text
