@@ -20,6 +20,32 @@ from tool0.errors import ModelError
 from tool0.hardware.bodies import MovingBody, moving_bodies
 
 TWO_ROBOTS = Path("tests/data/description/two_robots.urdf.xacro")
+WHEEL = """\
+<robot name="cart">
+  <link name="world"/>
+  <link name="wheel">
+    <inertial>
+      <mass value="1"/>
+      <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>
+    </inertial>
+  </link>
+  <joint name="axle" type="continuous">
+    <parent link="world"/>
+    <child link="wheel"/>
+    <limit effort="1" velocity="2"/>
+  </joint>
+  <transmission name="drive">
+    <type>transmission_interface/SimpleTransmission</type>
+    <joint name="axle">
+      <hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface>
+    </joint>
+    <actuator name="motor">
+      <mechanicalReduction>10</mechanicalReduction>
+      <rotorInertia>1e-4</rotorInertia>
+    </actuator>
+  </transmission>
+</robot>
+"""
 
 
 def held(model: RobotModel) -> tuple[tuple[MovingBody, ...], tuple[Coupling, ...]]:
@@ -116,17 +142,34 @@ def test_an_offset_is_refused() -> None:
         held(changed("right_finger_joint", mimic=replace(mimic, offset=0.1)))
 
 
-def test_the_stops_of_mimic_joints_alone_are_set_back() -> None:
+def test_the_stops_of_mimic_joints_and_of_armatures_alone_are_set_back() -> None:
     model = assemble().model
+    armatures = {t.joint for t in model.transmissions if t.armature > 0.0}
+    mimics = {joint.name for joint in model.movable_joints if joint.mimic}
+    assert len(armatures) == 1
+    assert len(mimics) == 5
+    assert not armatures & mimics
+    seen = set()
     for joint in urdf_of().iterfind("joint"):
-        limit = joint.find("limit")
+        limit, name = joint.find("limit"), joint.get("name", "")
         if limit is not None:
-            own = model.joint(joint.get("name", ""))
-            back = STOP_SLACK if own.mimic else 0.0
+            own = model.joint(name)
+            back = STOP_SLACK if name in armatures | mimics else 0.0
             stops = float(limit.get("lower", "")), float(limit.get("upper", ""))
             assert stops == pytest.approx(
-                (own.limits.lower - back, own.limits.upper + back)
+                (own.limits.lower - back, own.limits.upper + back), abs=1e-12
             )
+            seen.add(name)
+    assert seen == {joint.name for joint in model.movable_joints}
+
+
+def test_a_joint_without_stops_gets_none(tmp_path: Path) -> None:
+    path = tmp_path / "wheel.urdf"
+    path.write_text(WHEEL)
+    model = load_robot(path).model
+    assert model.transmissions[0].armature > 0.0
+    (limit,) = urdf_of(path).iter("limit")
+    assert limit.attrib == {"effort": "1", "velocity": "2"}
 
 
 def test_a_robot_without_a_world_is_fixed_to_it(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 Gazebo's own libsdformat converts it, so that what a Gazebo user would get is what
 runs.  Five things are settled before: where meshes are, that the robot is fixed to the
-world, what holds the mimic joints, that their stops stay out of the way, and colours.
+world, what holds the mimic joints, which stops stay out of the way, and colours.
 """
 
 from __future__ import annotations
@@ -18,10 +18,11 @@ from tool0.engines.gazebo.couplings import WORLD, Coupling, gearbox
 from tool0.hardware.bodies import Matrix, MovingBody
 
 STOP_SLACK = 0.02
-"""By how much the stops of mimic joints are set back [rad].
+"""By how much the stops of mimic joints, and of those with an armature, are set back.
 
-Where their master's stop holds, theirs hold already.  ODE's direct solver gives up on
-rows that say the same, and undamped fingers then hammer at 6 rad/s.
+[rad | m].  Where a master's stop holds, those of its mimics hold already: ODE's direct
+solver gives up on rows that say the same, and undamped fingers then hammer at 6 rad/s.
+And at a stop Gazebo takes away a joint's damper, which is what makes an armature.
 """
 
 
@@ -42,9 +43,10 @@ def gazebo_urdf(
         ET.SubElement(joint, "child", link=model.root)
     paint(robot, model)
     links = {bodies[c.joint].joint.child: c for c in couplings}
+    loose = _joints_with_slack(model)
     for joint in robot.iterfind("joint"):
-        moved, limit = joint.find("child"), joint.find("limit")
-        if moved is not None and moved.get("link") in links and limit is not None:
+        limit = joint.find("limit")
+        if joint.get("name") in loose and limit is not None:
             for side, back in (("lower", -STOP_SLACK), ("upper", STOP_SLACK)):
                 limit.set(side, repr(float(limit.get(side, "0")) + back))
     geared = set()
@@ -60,6 +62,20 @@ def gazebo_urdf(
             extension = ET.SubElement(robot, "gazebo")
             extension.append(gearbox(model, bodies, coupling))
     return ET.tostring(robot, encoding="unicode")
+
+
+def _joints_with_slack(model: RobotModel) -> set[str]:
+    """Return the joints that have stops, which are to stay out of the way."""
+    transmissions = model.transmission_by_joint
+    return {
+        joint.name
+        for joint in model.movable_joints
+        if joint.type is not JointType.CONTINUOUS
+        and (
+            joint.mimic is not None
+            or (joint.name in transmissions and transmissions[joint.name].armature)
+        )
+    }
 
 
 def body_poses(bodies: tuple[MovingBody, ...], position: list[float]) -> list[Matrix]:

@@ -57,7 +57,6 @@ constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or 
 constexpr auto kAwake = std::chrono::microseconds(60);  // after an answer
 constexpr int kIdleAfter = 20;                        // [ms] without a request
 constexpr double kIdleRate = 100.0;                   // [Hz] of a paused world's loop
-constexpr double kSlack = 0.02;                       // [rad] of an armature's stops
 constexpr double kSlip = 1e-7;                        // [m/s/N] of contacts; see Calm
 constexpr double kTeethErp = 0.2;                     // of an error, undone in a step
 constexpr int kRequest = 1 << 20;                     // Gazebo's own are below 10000
@@ -399,8 +398,6 @@ class Bridge : public gazebo::SystemPlugin {
     joint->SetEffortLimit(0, -1.0);
     joint->SetVelocityLimit(0, -1.0);
     joint->SetDamping(0, joint->GetDamping(0) + rate);
-    joint->SetLowerLimit(0, joint->LowerLimit(0) - kSlack);
-    joint->SetUpperLimit(0, joint->UpperLimit(0) + kSlack);
   }
 
   /// Out: of each object, in the order of their coming, its pose in the world [m,
