@@ -8,6 +8,10 @@ from typing import final
 _ROUNDING = 1e-9
 """[s], by which sums of periods differ from multiples of the tick."""
 
+_PAUSE = 0.5
+"""After so long without being asked [s] there is nothing to catch up with: whoever
+publishes did not run.  ros_control forgets at every start."""
+
 
 @final
 class PublishRate:
@@ -16,13 +20,17 @@ class PublishRate:
     def __init__(self, rate: float) -> None:
         """Take a rate [Hz]; 0 or less is never."""
         self._period = 1.0 / rate if rate > 0.0 else math.inf
-        self._last = -math.inf
+        self._last = self._asked = -math.inf
 
     def is_due(self, time: float) -> bool:
-        """Return whether to publish at ``time`` [s]; the first time always."""
-        if not math.isfinite(self._period):
+        """Return whether to publish at ``time`` [s]; the first time always.
+
+        An instant is published once, though snapshots may tell it again.
+        """
+        if not math.isfinite(self._period) or time == self._asked:
             return False
-        if time < self._last or self._last == -math.inf:
+        pause, self._asked = time - self._asked, time
+        if pause < 0.0 or pause > max(_PAUSE, self._period):
             self._last = time
             return True
         if time < self._last + self._period - _ROUNDING:

@@ -65,7 +65,7 @@ class ActionEdge:
         """Tell how goals are and how they go, if it is time to [s]."""
         if self._status_rate.is_due(time):
             self._server.publish_status()
-        if self._active and self._rate.is_due(time):
+        if self._rate.is_due(time) and self._active:
             message = feedback()
             for goal in tuple(self._active):
                 goal.publish_feedback(message)

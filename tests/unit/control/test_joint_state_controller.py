@@ -75,3 +75,19 @@ def test_is_due_again_when_time_starts_anew() -> None:
     assert gate.is_due(10.0)
     assert gate.is_due(0.0)
     assert not gate.is_due(0.5)
+
+
+def test_one_instant_is_due_once_however_often_it_is_told() -> None:
+    gate = PublishRate(125.0)
+    due = [gate.is_due(time) for time in (0.0, 0.032, 0.032, 0.04, 0.04, 0.048)]
+    assert due == [True, True, False, True, False, True]
+
+
+def test_what_was_missed_is_caught_up_unless_nothing_ran() -> None:
+    def due(start: float) -> int:
+        gate = PublishRate(10.0)
+        gate.is_due(0.0)
+        return sum(gate.is_due(start + 0.008 * k) for k in range(25))
+
+    assert due(0.4) == 3 + 2  # 0.2 s are two periods
+    assert due(60.0) == 1 + 1
