@@ -1,0 +1,360 @@
+"""A trajectory controller by its clients: actionlib, the topics, query_state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from types import ModuleType
+
+import numpy as np
+import pytest
+from promised import require_engine
+from ros import Bringup, Ros, until
+from ros_client import (
+    Message,
+    Topic,
+    arm_client,
+    at,
+    call,
+    follow_goal,
+    listening,
+    outcome,
+    publishing,
+    trajectory,
+)
+from ur5_rig import ARM, ARM_JOINTS, AWAY, HOME
+
+NEAR = tuple(q + 0.2 for q in HOME)
+SHIFT = np.subtract(NEAR, HOME)
+
+
+@pytest.fixture(scope="module", params=["mujoco", "gazebo"])
+def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
+    require_engine(request.param)
+    bringup = ros.bring_up("--engine", request.param)
+    yield bringup
+    bringup.close()
+
+
+@pytest.fixture(scope="module")
+def client(rospy: ModuleType, bringup: Bringup) -> Iterator[Message]:
+    client = arm_client()
+    yield client
+    client.stop_tracking_goal()
+
+
+@pytest.fixture(scope="module")
+def states(rospy: ModuleType, bringup: Bringup) -> Iterator[Topic]:
+    from control_msgs.msg import JointTrajectoryControllerState
+
+    with listening(f"/{ARM}/state", JointTrajectoryControllerState) as states:
+        yield states
+
+
+@pytest.fixture
+def at_home(client: Message, states: Topic) -> None:
+    """Have the arm at HOME, at rest."""
+    duration = 0.5 + distance(states, HOME)  # at 1.5 rad/s at most
+    client.send_goal(follow_goal(trajectory([(duration, HOME)])))
+    status, _ = outcome(client)
+    assert status == SUCCEEDED
+    assert distance(states, HOME) < 0.05
+
+
+SUCCEEDED, PREEMPTED, ABORTED, REJECTED = 3, 2, 4, 5
+"""Of actionlib_msgs/GoalStatus."""
+
+
+def distance(states: Topic, place: Sequence[float]) -> float:
+    (now,) = states.next()
+    return float(np.abs(np.subtract(now.actual.positions, place)).max())
+
+
+def come_to_rest(states: Topic) -> Message:
+    """Wait until nothing is wanted to move and nothing does; return that state."""
+    since = len(states.messages)
+    return states.wait_for(
+        lambda state: (
+            max(map(abs, state.desired.velocities)) == 0.0
+            and max(map(abs, state.actual.velocities)) < 0.02
+        ),
+        since=since,
+    )
+
+
+def test_a_goal_succeeds_and_the_arm_is_there(
+    client: Message, at_home: None, states: Topic
+) -> None:
+    heard: list[Message] = []
+    client.send_goal(
+        follow_goal(trajectory([(0.6, NEAR), (1.2, HOME), (2.0, NEAR)])),
+        feedback_cb=heard.append,
+    )
+    status, result = outcome(client)
+    assert (status, result.error_code, result.error_string) == (SUCCEEDED, 0, "")
+    assert distance(states, NEAR) < 0.02
+    # The feedback, at action_monitor_rate of the controller's YAML: 10 Hz.
+    stamps = [at(one.header.stamp) for one in heard]
+    assert len(stamps) / 2.0 == pytest.approx(10.0, abs=1.5)
+    assert np.median(np.diff(stamps)) == pytest.approx(0.1, abs=0.009)
+    for one in heard:
+        assert tuple(one.joint_names) == ARM_JOINTS
+        for point in (one.desired, one.actual, one.error):
+            assert len(point.positions) == len(point.velocities) == 6
+        np.testing.assert_allclose(
+            np.subtract(one.desired.positions, one.actual.positions),
+            one.error.positions,
+            atol=1e-12,
+        )
+        assert len(one.desired.accelerations) == 6
+    assert max(at(one.actual.time_from_start) for one in heard) > 1.5
+
+
+def test_the_gripper_s_feedback_comes_at_its_20_hz(
+    rospy: ModuleType, bringup: Bringup
+) -> None:
+    client = arm_client("gripper_controller")
+    heard: list[Message] = []
+    goal = trajectory([(1.0, [0.4])], ["finger_joint"])
+    client.send_goal(follow_goal(goal), feedback_cb=heard.append)
+    assert outcome(client)[0] == SUCCEEDED
+    gaps = np.diff([at(one.header.stamp) for one in heard])
+    assert len(heard) >= 18
+    assert np.mean(gaps) == pytest.approx(0.05, rel=0.1)
+
+
+def test_the_state_topic_tells_what_is_wanted_and_what_is(
+    client: Message, at_home: None, states: Topic
+) -> None:
+    since = len(states.messages)
+    client.send_goal(follow_goal(trajectory([(1.0, NEAR)])))
+    outcome(client)
+    told = states.messages[since:]
+    stamps = np.array([at(one.header.stamp) for one in told])
+    assert len(told) / (stamps[-1] - stamps[0]) == pytest.approx(125.0, rel=0.03)
+    wanted = np.array([one.desired.positions for one in told])
+    speeds = np.array([one.desired.velocities for one in told])
+    slope = np.diff(wanted, axis=0) / np.diff(stamps)[:, np.newaxis]
+    middle = (speeds[1:] + speeds[:-1]) / 2
+    assert np.abs(slope - middle).max() < 0.02  # [rad/s]
+    assert np.abs(speeds).max() == pytest.approx(1.5 * 0.2, rel=0.02)  # of a cubic
+
+
+def test_a_second_goal_preempts_the_first(
+    client: Message, at_home: None, states: Topic
+) -> None:
+    ended: list[tuple[int, Message]] = []
+    client.send_goal(follow_goal(trajectory([(3.0, AWAY)])))
+    until(lambda: client.get_state() == 1, "an active goal")
+    first = client.gh
+    other = arm_client()
+    other.send_goal(
+        follow_goal(trajectory([(0.8, HOME)])),
+        done_cb=lambda status, result: ended.append((status, result)),
+    )
+    status, result = outcome(client)
+    assert client.gh is first
+    assert (status, result.error_code) == (PREEMPTED, 0)
+    assert outcome(other)[0] == SUCCEEDED
+    assert until(lambda: ended, "the callback")[0][0] == SUCCEEDED
+    assert distance(states, HOME) < 0.02
+
+
+def test_a_cancel_stops_the_arm(client: Message, at_home: None, states: Topic) -> None:
+    client.send_goal(follow_goal(trajectory([(2.0, AWAY)])))
+    states.wait_for(
+        lambda state: max(map(abs, state.actual.velocities)) > 0.2,
+        since=len(states.messages),
+    )
+    client.cancel_goal()
+    status, _ = outcome(client)
+    assert status == PREEMPTED
+    rest = come_to_rest(states)
+    stayed = states.next(25)[-1]
+    for place in (HOME, AWAY):
+        assert np.abs(np.subtract(rest.actual.positions, place)).max() > 0.05
+    np.testing.assert_allclose(
+        stayed.actual.positions, rest.actual.positions, atol=5e-3
+    )
+
+
+def test_a_violated_path_tolerance_aborts_with_4(
+    client: Message, at_home: None, states: Topic
+) -> None:
+    far = (1.5, *HOME[1:])
+    client.send_goal(follow_goal(trajectory([(0.2, far)])))  # 11 rad/s; it can do 3.15
+    status, result = outcome(client)
+    assert (status, result.error_code) == (ABORTED, -4)
+    assert "shoulder_pan_joint path error" in result.error_string
+    come_to_rest(states)
+
+
+def test_tolerances_of_the_goal_replace_the_controller_s(
+    client: Message, at_home: None, states: Topic
+) -> None:
+    from control_msgs.msg import JointTolerance
+
+    goal = follow_goal(
+        trajectory([(0.8, NEAR)]),
+        path_tolerance=[JointTolerance(name="elbow_joint", position=1e-5)],
+    )
+    client.send_goal(goal)
+    status, result = outcome(client)
+    assert (status, result.error_code) == (ABORTED, -4)
+    assert "elbow_joint path error" in result.error_string
+    come_to_rest(states)
+
+
+def test_a_violated_goal_tolerance_aborts_with_5(
+    rospy: ModuleType, client: Message, at_home: None, states: Topic
+) -> None:
+    from control_msgs.msg import JointTolerance
+
+    goal = follow_goal(
+        trajectory([(0.8, NEAR)]),
+        goal_tolerance=[JointTolerance(name="elbow_joint", position=1e-9)],
+        goal_time_tolerance=rospy.Duration(0.1),
+    )
+    client.send_goal(goal)
+    status, result = outcome(client)
+    assert (status, result.error_code) == (ABORTED, -5)
+    assert "elbow_joint goal error" in result.error_string
+    come_to_rest(states)
+
+
+INVALID = {
+    "an unknown joint": (
+        -2,
+        lambda: trajectory([(1.0, HOME)], (*ARM_JOINTS[:5], "wrist_4_joint")),
+    ),
+    "a joint too few": (-2, lambda: trajectory([(1.0, HOME[:5])], ARM_JOINTS[:5])),
+    "no joints": (-2, lambda: trajectory([(1.0, ())], ())),
+    "a number too few": (-1, lambda: trajectory([(1.0, HOME[:5])])),
+    "not a number": (-1, lambda: trajectory([(1.0, (*HOME[:5], math.nan))])),
+    "infinity": (-1, lambda: trajectory([(1.0, (math.inf, *HOME[1:]))])),
+    "times that go back": (-1, lambda: trajectory([(1.0, NEAR), (0.5, HOME)])),
+    "beyond the limits": (-1, lambda: trajectory([(1.0, (7.0, *HOME[1:]))])),
+}
+
+
+@pytest.mark.parametrize("what", INVALID)
+def test_what_is_invalid_is_rejected_and_what_runs_goes_on(
+    client: Message, at_home: None, bringup: Bringup, what: str
+) -> None:
+    code, make = INVALID[what]
+    other = arm_client()
+    other.send_goal(follow_goal(trajectory([(0.5, NEAR)])))
+    until(lambda: other.get_state() == 1, "an active goal")
+    client.send_goal(follow_goal(make()))
+    status, result = outcome(client)
+    assert (status, result.error_code) == (REJECTED, code)
+    assert result.error_string == client.get_goal_status_text() != ""
+    bringup.wait_for("follow_joint_trajectory")
+    assert outcome(other)[0] == SUCCEEDED
+
+
+def test_points_in_the_past_are_dropped_and_all_of_them_rejected(
+    rospy: ModuleType, client: Message, at_home: None
+) -> None:
+    past = rospy.Time.now() - rospy.Duration(0.5)
+    client.send_goal(follow_goal(trajectory([(0.2, NEAR), (1.5, HOME)], stamp=past)))
+    assert outcome(client)[0] == SUCCEEDED
+    client.send_goal(follow_goal(trajectory([(0.2, NEAR)], stamp=past)))
+    status, result = outcome(client)
+    assert (status, result.error_code) == (REJECTED, -1)
+    assert "Dropping all 1 trajectory point(s)" in result.error_string
+
+
+def test_a_stamp_in_the_future_is_waited_for(
+    rospy: ModuleType, client: Message, at_home: None, states: Topic
+) -> None:
+    start = rospy.Time.now() + rospy.Duration(0.6)
+    client.send_goal(follow_goal(trajectory([(0.6, NEAR)], stamp=start)))
+    since = len(states.messages)
+    assert outcome(client)[0] == SUCCEEDED
+    moving = [
+        at(state.header.stamp)
+        for state in states.messages[since:]
+        if max(map(abs, state.desired.velocities)) > 0.0
+    ]
+    assert moving[0] == pytest.approx(start.to_sec(), abs=0.017)
+    assert moving[-1] == pytest.approx(start.to_sec() + 0.6, abs=0.017)
+
+
+def test_query_state_tells_where_the_arm_is_to_be(
+    rospy: ModuleType, client: Message, at_home: None
+) -> None:
+    from control_msgs.srv import QueryTrajectoryState
+
+    def query(time: Message) -> Message:
+        return call(f"/{ARM}/query_state", QueryTrajectoryState, time)
+
+    start = rospy.Time.now() + rospy.Duration(0.2)
+    client.send_goal(follow_goal(trajectory([(1.0, NEAR)], stamp=start)))
+    until(lambda: client.get_state() == 1, "an active goal")
+    answer = query(start + rospy.Duration(0.5))
+    assert tuple(answer.name) == ARM_JOINTS
+    np.testing.assert_allclose(answer.position, HOME + SHIFT / 2, atol=2e-3)
+    np.testing.assert_allclose(answer.velocity, 1.5 * SHIFT, atol=2e-3)
+    assert len(answer.acceleration) == 6
+    after = query(start + rospy.Duration(60))
+    np.testing.assert_allclose(after.position, NEAR)
+    np.testing.assert_allclose(after.velocity, np.zeros(6))
+    now = query(rospy.Time.now())
+    assert np.abs(np.subtract(now.position, HOME)).max() <= 0.2
+    for past in (rospy.Time(0, 1), rospy.Time()):
+        with pytest.raises(rospy.ServiceException, match="query"):
+            query(past)
+    assert outcome(client)[0] == SUCCEEDED
+
+
+def test_a_trajectory_on_the_topic_moves_the_arm_and_preempts_goals(
+    client: Message, at_home: None, states: Topic, bringup: Bringup
+) -> None:
+    from trajectory_msgs.msg import JointTrajectory
+
+    with publishing(f"/{ARM}/command", JointTrajectory) as command:
+        client.send_goal(follow_goal(trajectory([(3.0, AWAY)])))
+        until(lambda: client.get_state() == 1, "an active goal")
+        joints = tuple(reversed(ARM_JOINTS))
+        command(trajectory([(0.6, tuple(reversed(NEAR)))], joints))
+        assert outcome(client)[0] == PREEMPTED
+        until(lambda: distance(states, NEAR) < 0.01, "where the topic said")
+        command(trajectory([(0.6, (*HOME[:5], math.nan))]))
+        bringup.wait_for(f"/{ARM}/command: point 0 has positions nan")
+        command(trajectory([(5.0, AWAY)]))
+        states.wait_for(
+            lambda state: max(map(abs, state.actual.velocities)) > 0.05,
+            since=len(states.messages),
+        )
+        command(trajectory([], ()))  # stop
+        come_to_rest(states)
+        assert distance(states, AWAY) > 0.1
+
+
+def test_a_stopped_controller_rejects_goals_even_of_clients_that_come_later(
+    rospy: ModuleType, client: Message, bringup: Bringup
+) -> None:
+    from control_msgs.srv import QueryTrajectoryState
+    from controller_manager_msgs.srv import SwitchController
+
+    def switch(start: list[str], stop: list[str]) -> None:
+        name = "/controller_manager/switch_controller"
+        assert call(name, SwitchController, start, stop, 2, False, 0.0).ok
+
+    client.send_goal(follow_goal(trajectory([(5.0, AWAY)])))
+    until(lambda: client.get_state() == 1, "an active goal")
+    switch([], [ARM])
+    try:
+        assert outcome(client)[0] == PREEMPTED
+        late = arm_client()
+        late.send_goal(follow_goal(trajectory([(1.0, HOME)])))
+        status, result = outcome(late)
+        assert (status, result.error_code) == (REJECTED, -1)
+        assert "not running" in result.error_string
+        with pytest.raises(rospy.ServiceException, match="not running"):
+            call(f"/{ARM}/query_state", QueryTrajectoryState, rospy.Time.now())
+    finally:
+        switch([ARM], [])
+    client.send_goal(follow_goal(trajectory([(1.0, HOME)])))
+    assert outcome(client)[0] == SUCCEEDED
