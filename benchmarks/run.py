@@ -9,8 +9,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from benchmarks import gazebo, golden, panel, process, rest, tick
+from benchmarks import gazebo, golden, panel, process, rest, ros1, tick
 from tool0.engines.gazebo.readiness import readiness
+from tool0.ros1.readiness import readiness as ros1_readiness
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,10 @@ def figures() -> Iterator[Figure]:
         velocity = rest.rms_velocity(opening, "mujoco")
         yield Figure(f"gripper at rest, {name}: rms [rad/s]", velocity, 1e-4, 1e-6)
     yield from _panel_figures()
+    if (why := ros1_readiness().why_not(["rospy", "roscore"])) is None:
+        yield from _ros1_figures()
+    else:
+        print(f"no ROS 1 can run here, so none is measured: {why}")
     found = readiness()
     if found.can_run:
         yield from _gazebo_figures()
@@ -87,6 +92,14 @@ def _gazebo_figures() -> Iterator[Figure]:
     mimic = rest.mimic_error("gazebo")
     yield Figure("Gazebo: mimic error at 0.8 rad/s [rad]", mimic.moving, 3e-4, 1e-4)
     yield Figure("Gazebo: mimic error at rest [rad]", mimic.at_rest, 1e-5, 1e-6)
+
+
+def _ros1_figures() -> Iterator[Figure]:
+    delay = ros1.latency()
+    yield Figure("ROS 1: command → effort, p50 [ms]", 1e3 * delay.p50, 5.0, 1.5)
+    yield Figure("ROS 1: command → effort, p99 [ms]", 1e3 * delay.p99, 50.0, 10.0)
+    ratio = delay.p50 / delay.plain_p50
+    yield Figure("ROS 1: command → effort ÷ rospy alone, p50", ratio, 5.0, 2.0)
 
 
 def _panel_figures() -> Iterator[Figure]:

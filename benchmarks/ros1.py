@@ -1,0 +1,166 @@
+"""How long a command on a ROS topic takes to become effort, beside rospy alone.
+
+Three processes, as in life: the robot in ROS, a client that commands it, and a plain
+node of rospy that hears the same messages on another topic.  Clocks are monotonic ones,
+which all processes of a machine share.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import statistics
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import tool0
+
+COMMANDS = 200
+JOINT = "shoulder_pan_joint"
+STEP = 0.1
+"""By how much it is sent to and fro [rad]."""
+JUMP = 0.5
+"""Change of effort within a tick that only a command makes [N·m]."""
+PAUSE = 0.1
+"""Between commands [s]."""
+
+
+@dataclass(frozen=True)
+class Latency:
+    """From before ``publish`` in the client [s]."""
+
+    p50: float
+    p99: float
+    plain_p50: float
+    """Until a node that does nothing else has the message."""
+
+
+def latency() -> Latency:
+    """Measure it, in processes of its own: rospy allows one node in each."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    environment = {
+        **os.environ,
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_IP": "127.0.0.1",
+    }
+    answer = subprocess.run(
+        [sys.executable, __file__, "robot"],
+        env=environment,
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    sent, effort, heard = json.loads(answer.stdout)
+    ours = _delays(sent, effort)
+    return Latency(
+        p50=statistics.median(ours),
+        p99=statistics.quantiles(ours, n=100)[98],
+        plain_p50=statistics.median(_delays(sent, heard)),
+    )
+
+
+def _delays(sent: Sequence[float], seen: Sequence[float]) -> list[float]:
+    """Return from each sending to what was seen next, if it was before the next one."""
+    found = []
+    for start in sent:
+        after = min((when for when in seen if when > start), default=None)
+        if after is not None and after - start < PAUSE:
+            found.append(after - start)
+    if len(found) < 0.9 * len(sent):
+        raise RuntimeError(f"only {len(found)} of {len(sent)} commands were seen")
+    return found
+
+
+def _robot() -> None:
+    """Be the robot; print when the client sent, when effort jumped, what was heard."""
+    from tool0.ros1.edge import Ros1
+    from tool0.ros1.options import Ros1Options
+
+    with tool0.bringup() as robot:
+        index = robot.snapshot.joint_names.index(JOINT)
+        jumps: list[float] = []
+        write, last = robot.engine.write, [0.0]
+
+        def watched(effort: Sequence[float]) -> None:
+            if abs(effort[index] - last[0]) > JUMP:
+                jumps.append(time.perf_counter())
+            last[0] = effort[index]
+            write(effort)
+
+        robot.engine.write = watched  # type: ignore[method-assign]
+        with Ros1(robot, Ros1Options(roscore=True)):
+            listener = _start("listener")
+            client = _start("client")
+            sent = json.loads(client.communicate()[0])
+            heard = json.loads(listener.communicate("over")[0])
+    print(json.dumps([sent, jumps, heard]))
+
+
+def _start(role: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, __file__, role],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+def _listener() -> None:
+    """Note when messages come, until standard input ends."""
+    import rospy
+    from trajectory_msgs.msg import JointTrajectory
+
+    heard: list[float] = []
+    rospy.init_node("listener")
+    rospy.Subscriber(
+        "/plain", JointTrajectory, lambda _: heard.append(time.perf_counter())
+    )
+    sys.stdin.read()
+    print(json.dumps(heard))
+
+
+def _client() -> None:
+    """Send the joint to and fro, on the controller's topic and on the plain one."""
+    import rospy
+    from sensor_msgs.msg import JointState
+    from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+    rospy.init_node("client")
+    controller = "/eff_joint_traj_controller"
+    topics = [
+        rospy.Publisher(name, JointTrajectory, queue_size=1)
+        for name in (f"{controller}/command", "/plain")
+    ]
+    joints = rospy.get_param(f"{controller}/joints")
+    state = rospy.wait_for_message("/joint_states", JointState)
+    position = dict(zip(state.name, state.position, strict=True))
+    pause = threading.Event()
+    while not all(topic.get_num_connections() for topic in topics):
+        pause.wait(0.01)
+    sent = []
+    for k in range(COMMANDS):
+        goal = {**position, JOINT: position[JOINT] + (STEP if k % 2 == 0 else 0.0)}
+        point = JointTrajectoryPoint(
+            positions=[goal[joint] for joint in joints],
+            time_from_start=rospy.Duration(0.5),
+        )
+        message = JointTrajectory(joint_names=joints, points=[point])
+        sent.append(time.perf_counter())
+        for topic in topics:
+            topic.publish(message)
+        pause.wait(PAUSE)
+    print(json.dumps(sent))
+
+
+if __name__ == "__main__":
+    from tool0.ros1.messages import import_messages
+
+    import_messages()
+    {"robot": _robot, "listener": _listener, "client": _client}[sys.argv[1]]()
