@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import os
-import shutil
 from pathlib import Path
 from typing import Any, Protocol, final
 
@@ -13,6 +12,7 @@ from tool0.description.kinematics import Transform, joint_transform
 from tool0.description.model import Joint
 from tool0.ros1.child import Child
 from tool0.ros1.node import Part, RosNode
+from tool0.ros1.packages import find_node
 from tool0.runtime.bus import Snapshot
 from tool0.runtime.robot import Robot
 
@@ -20,21 +20,6 @@ logger = logging.getLogger(__name__)
 
 NAME = "robot_state_publisher"
 _WATCH_RATE = 1.0  # [Hz] of simulated time
-
-
-def state_publisher() -> Path | None:
-    """Return the program of that name, in the sourced workspaces or Debian's place."""
-    folders = [
-        Path(prefix) / "lib" / NAME
-        for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
-        if prefix
-    ]
-    folders.append(Path("/usr/lib") / NAME)
-    for folder in folders:
-        found = shutil.which(NAME, path=str(folder))
-        if found is not None:
-            return Path(found)
-    return None
 
 
 class Transforms(Part, Protocol):
@@ -46,7 +31,7 @@ class Transforms(Part, Protocol):
 
 def transforms_of(node: RosNode, robot: Robot) -> Transforms:
     """Return what publishes the robot's frames."""
-    program = state_publisher()
+    program = find_node(f"{NAME}/{NAME}")
     if program is None:
         return OwnTransforms(node, robot)
     return TheirTransforms(node, robot, program)
