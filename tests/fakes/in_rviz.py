@@ -1,0 +1,93 @@
+"""RViz on a screen of our own, and how its picture is looked at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from string import Template
+
+import numpy as np
+from numpy.typing import NDArray
+from ros import Ros
+from screen import Pixels, Screen
+
+from tool0.ros1.child import Child
+
+Mask = NDArray[np.bool_]
+
+BACKGROUND = (215, 220, 226)
+"""Red, green, blue of what is behind everything."""
+_CONFIGURATION = Template("""\
+Panels: $panels
+Visualization Manager:
+  Class: ""
+  Displays:
+    - {Class: rviz/Grid, Name: Grid, Enabled: true, Color: 150; 155; 160}
+    - {Class: rviz/RobotModel, Name: RobotModel, Enabled: true,
+       Robot Description: robot_description}
+    - {Class: rviz/TF, Name: TF, Enabled: $tf, Show Names: false, Marker Scale: 0.3}
+  Global Options:
+    {Background Color: $background, Fixed Frame: world, Frame Rate: 30}
+  Tools:
+    - {Class: rviz/MoveCamera}
+  Views:
+    Current:
+      Class: rviz/Orbit
+      Distance: $distance
+      Focal Point: {X: 0.1, Y: 0.1, Z: 0.3}
+      Pitch: 0.3
+      Yaw: 0.9
+      Target Frame: <Fixed Frame>
+Window Geometry: {Width: $width, Height: $height, X: 0, Y: 0,
+  Hide Left Dock: $bare, Hide Right Dock: true}
+""")
+
+
+def start_rviz(
+    ros: Ros,
+    screen: Screen,
+    home: Path,
+    *,
+    size: tuple[int, int],
+    has_panel: bool = False,
+    distance: float = 1.8,
+) -> Child:
+    """Start RViz on the screen, as large as that; it keeps its settings in ``home``."""
+    file = home / "tool0.rviz"
+    width, height = size
+    text = _CONFIGURATION.substitute(
+        width=width,
+        height=height,
+        distance=distance,
+        tf=str(has_panel).lower(),
+        panels="[{Class: rviz/Displays, Name: Displays}]" if has_panel else "[]",
+        bare=str(not has_panel).lower(),
+        background="; ".join(map(str, BACKGROUND)),
+    )
+    file.write_text(text, encoding="utf-8")
+    return ros.spawn(
+        *("env", f"HOME={home}", f"XDG_RUNTIME_DIR={home}", f"DISPLAY={screen.name}"),
+        "LIBGL_ALWAYS_SOFTWARE=1",
+        *("rviz", "--display-config", str(file), "--splash-screen", ""),
+    )
+
+
+def view(pixels: Pixels) -> Pixels:
+    """Return the part of the screen that shows the world, without the tool bars."""
+    is_background = (pixels == BACKGROUND).all(axis=2)
+    rows = np.flatnonzero(is_background.mean(axis=1) > 0.2)
+    if not len(rows):
+        return pixels[:0, :0]
+    columns = np.flatnonzero(is_background[rows].mean(axis=0) > 0.2)
+    return pixels[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
+
+
+def blue(pixels: Pixels) -> Mask:
+    """Return where the caps of the UR's joints are."""
+    red, green, blue = np.moveaxis(pixels.astype(int), 2, 0)
+    bluer = blue - red
+    return (bluer > 30) & (bluer < 100) & (green - red > 10) & (blue > green)
+
+
+def black(pixels: Pixels) -> Mask:
+    """Return where the gripper is, and a few rings of the arm."""
+    return pixels.max(axis=2, initial=0) < 60
