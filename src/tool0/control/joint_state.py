@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import final
 
 from tool0.control.parameters import Robot
-from tool0.control.publish_rate import PublishRate
 from tool0.description.model import Interface
 from tool0.description.yaml_tree import Entry
 from tool0.description.yaml_values import Namespace
@@ -24,6 +23,17 @@ class ExtraJoint:
     position: float = 0.0
     velocity: float = 0.0
     effort: float = 0.0
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedJointState:
+    """The joints of a sensor_msgs/JointState, in its order."""
+
+    names: tuple[str, ...]
+    position: tuple[float, ...]
+    velocity: tuple[float, ...]
+    effort: tuple[float, ...]
 
 
 @final
@@ -50,35 +60,38 @@ class JointStateSpec:
         return None
 
     def start(self, indices: Sequence[int], state: JointState) -> JointStateController:
-        """Return a controller that has not published yet."""
-        del state
-        return JointStateController(self, indices)
+        """Return a controller; joints and their state are no matter of it."""
+        del indices, state
+        return JointStateController()
 
+    def message(
+        self,
+        joint_names: Sequence[str],
+        position: Sequence[float],
+        velocity: Sequence[float],
+        effort: Sequence[float],
+    ) -> PublishedJointState:
+        """Return what to publish; extra joints keep the values of their YAML.
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedJointState:
-    """sensor_msgs/JointState."""
-
-    time: float
-    names: tuple[str, ...]
-    position: tuple[float, ...]
-    velocity: tuple[float, ...]
-    effort: tuple[float, ...]
+        Args:
+            joint_names: The joints of the other three, all of shape (n_joints,).
+            position: [rad | m]
+            velocity: [rad/s | m/s]
+            effort: [N·m | N]
+        """
+        picked = [joint_names.index(name) for name in self.joints]
+        extra = self.extra_joints
+        return PublishedJointState(
+            names=(*self.joints, *(joint.name for joint in extra)),
+            position=(*(position[i] for i in picked), *(j.position for j in extra)),
+            velocity=(*(velocity[i] for i in picked), *(j.velocity for j in extra)),
+            effort=(*(effort[i] for i in picked), *(j.effort for j in extra)),
+        )
 
 
 @final
 class JointStateController:
-    """Costs the tick nothing: the edges ask ``is_due``, and then for ``message``."""
-
-    def __init__(self, spec: JointStateSpec, indices: Sequence[int]) -> None:
-        self.spec = spec
-        self._indices = tuple(indices)
-        self._rate = PublishRate(spec.publish_rate)
-        self.joint_names = spec.joints + tuple(j.name for j in spec.extra_joints)
-        """Read and extra joints, in the order of the messages."""
-        self.publish_rate = spec.publish_rate
-        """[Hz]"""
+    """Does nothing in the tick: what it publishes is made of what everybody sees."""
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return no command."""
@@ -89,31 +102,6 @@ class JointStateController:
 
     def stop(self) -> None:
         """Do nothing: there is no goal to end."""
-
-    def is_due(self, time: float) -> bool:
-        """Return whether to publish at ``time`` [s], once per period."""
-        return self._rate.is_due(time)
-
-    def message(self, state: JointState) -> PublishedJointState:
-        """Return what to publish; extra joints keep the values of their YAML."""
-        extra = self.spec.extra_joints
-        pick = self._indices
-        return PublishedJointState(
-            time=state.time,
-            names=self.joint_names,
-            position=(
-                *(state.position[i] for i in pick),
-                *(joint.position for joint in extra),
-            ),
-            velocity=(
-                *(state.velocity[i] for i in pick),
-                *(joint.velocity for joint in extra),
-            ),
-            effort=(
-                *(state.effort[i] for i in pick),
-                *(joint.effort for joint in extra),
-            ),
-        )
 
 
 def parse(parameters: Namespace, robot: Robot) -> JointStateSpec:

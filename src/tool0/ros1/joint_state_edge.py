@@ -25,26 +25,22 @@ class JointStateEdge:
         self._spec = spec
         self._message = JointState
         self._rate = PublishRate(spec.publish_rate)
-        self._names = (*spec.joints, *(joint.name for joint in spec.extra_joints))
         self._publisher = node.publisher("joint_states", JointState, queue_size=10)
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish the joints, if it is time to."""
         if not self._rate.is_due(snapshot.time):
             return
-        extra = self._spec.extra_joints
-        indices = [snapshot.joint_names.index(name) for name in self._spec.joints]
-
-        def pick(values: tuple[float, ...]) -> list[float]:
-            return [values[i] for i in indices]
-
+        joints = self._spec.message(
+            snapshot.joint_names, snapshot.position, snapshot.velocity, snapshot.effort
+        )
         self._publisher.publish(
             self._message(
                 header=self._node.header(snapshot.time),
-                name=self._names,
-                position=(*pick(snapshot.position), *(j.position for j in extra)),
-                velocity=(*pick(snapshot.velocity), *(j.velocity for j in extra)),
-                effort=(*pick(snapshot.effort), *(j.effort for j in extra)),
+                name=joints.names,
+                position=joints.position,
+                velocity=joints.velocity,
+                effort=joints.effort,
             )
         )
 

@@ -3,6 +3,7 @@ from itertools import pairwise
 import pytest
 from toy_robot import DT, ToyRobot
 
+from tool0.control.joint_state import PublishedJointState
 from tool0.control.publish_rate import PublishRate
 from tool0.errors import ConfigError
 
@@ -11,36 +12,43 @@ TYPE = "type: joint_state_controller/JointStateController"
 
 def controller(options: str):
     robot = ToyRobot(f"js: {{{TYPE}, {options}}}")
-    return robot, robot.start("js")
+    robot.start("js")
+    return robot
+
+
+def message(robot: ToyRobot) -> PublishedJointState:
+    state, names = robot.state, robot.hardware.joint_names
+    spec = robot.manager.spec("js")
+    return spec.message(names, state.position, state.velocity, state.effort)
 
 
 def test_publishes_the_joints_with_a_transmission_and_claims_none() -> None:
-    robot, js = controller("publish_rate: 125")
+    robot = controller("publish_rate: 125")
     robot.position = [9.0, 1.0, 2.0, 3.0]
-    message = js.message(robot.state)
-    assert message.names == ("hip", "slide", "wheel")
-    assert message.position == (1.0, 2.0, 3.0)
+    published = message(robot)
+    assert published.names == ("hip", "slide", "wheel")
+    assert published.position == (1.0, 2.0, 3.0)
     assert robot.manager.status("js").claimed == ()
     robot.tick()
     assert robot.hardware.command == [0.0] * 4
 
 
 def test_joints_choose_and_order() -> None:
-    robot, js = controller("publish_rate: 125, joints: [wheel, idle]")
+    robot = controller("publish_rate: 125, joints: [wheel, idle]")
     robot.velocity = [9.0, 1.0, 2.0, 3.0]
-    assert js.message(robot.state).velocity == (3.0, 9.0)
+    assert message(robot).velocity == (3.0, 9.0)
 
 
 def test_extra_joints_follow_and_keep_their_values_even_as_integers() -> None:
-    robot, js = controller(
+    robot = controller(
         "publish_rate: 1, extra_joints: [{name: x, position: 1, effort: 2.5},"
         " {name: hip, position: 7}]"
     )
-    message = js.message(robot.state)
-    assert message.names == ("hip", "slide", "wheel", "x")
-    assert message.position[-1] == 1.0
-    assert message.velocity[-1] == 0.0
-    assert message.effort[-1] == 2.5
+    published = message(robot)
+    assert published.names == ("hip", "slide", "wheel", "x")
+    assert published.position[-1] == 1.0
+    assert published.velocity[-1] == 0.0
+    assert published.effort[-1] == 2.5
 
 
 def test_the_publish_rate_is_required() -> None:
