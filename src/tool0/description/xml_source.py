@@ -16,6 +16,9 @@ from xml.parsers import expat
 
 from tool0.errors import DescriptionError, SourceLocation
 
+MAX_DEPTH = 500
+"""Of elements in elements; minidom climbs to the top for each that is added."""
+
 
 @final
 class LocatedElement(Element):
@@ -199,6 +202,12 @@ class _Builder:
             raise DescriptionError(
                 f"<{name}> has an undeclared prefix; declare it in <robot>: "
                 f'xmlns:{prefix}="http://www.ros.org/wiki/xacro"',
+                element.location,
+            )
+        if len(self._around) >= MAX_DEPTH:
+            raise DescriptionError(
+                f"<{name}> is the {MAX_DEPTH + 1}th element inside one another, and "
+                f"{MAX_DEPTH} is the most; close those before it",
                 element.location,
             )
         parent = self._around[-1] if self._around else self._document

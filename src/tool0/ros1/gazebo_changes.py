@@ -12,6 +12,9 @@ from tool0.ros1.gazebo_messages import to_motion, to_transform
 from tool0.ros1.gazebo_world import GROUND, GazeboWorld, WorldView
 from tool0.runtime.robot import Robot
 
+LONGEST_NAME = 60
+"""[characters] Gazebo's engine makes it a file's name."""
+
 
 @final
 class GazeboChanges:
@@ -24,6 +27,11 @@ class GazeboChanges:
         view, name = self._world.now(), request.model_name
         if view.model(name) is not None:
             raise ControlError(f"Failure - model name {name} already exist.")
+        if name in self._world.reserved or len(name) > LONGEST_NAME:
+            raise ControlError(
+                f"Failure - '{name[:LONGEST_NAME]}' is the name of a part of Gazebo's "
+                f"world, or longer than {LONGEST_NAME} characters; choose another"
+            )
         T_world_frame = view.frame(request.reference_frame).pose
         asked = to_transform(request.initial_pose)
         made_of = read_rigid_model(request.model_xml)

@@ -18,6 +18,7 @@ from tool0.runtime.robot import Robot
 ROBOT = "robot"
 """What the launch files of ur_gazebo call the robot's model."""
 GROUND = "ground_plane"
+_GAZEBOS_OWN = ("collision", "link", "sun", "visual")
 _BETWEEN = "::"
 _WORLD = ("", "world", "map", "/map")
 _STILL = FrameMotion()
@@ -34,6 +35,8 @@ class GazeboWorld:
         self.has_ground = robot.ground is not None
         self.robot_names = (ROBOT, model.name)
         self.robot_links = lumped_links(model)
+        self.reserved = {*_GAZEBOS_OWN, *model.joint_by_name}
+        """Names that Gazebo gives to no second thing, of whatever kind."""
         self._made_of: dict[str, tuple[SceneObject, RigidModel]] = {}
 
     def remember(self, item: SceneObject, model: RigidModel) -> None:
