@@ -31,7 +31,7 @@ struct Joint {
 int hold_socket = -1;
 std::uint32_t left;
 std::vector<Joint> joints;
-std::vector<double> state;  // time, positions, velocities
+std::vector<double> state;  // positions, velocities
 Clock::time_point start;
 
 template <typename F>
@@ -45,8 +45,8 @@ ssize_t NextStep(char* packet) {
   for (std::size_t i = 0; i < n; ++i) {
     const Joint& joint = joints[i];
     const double effort = joint.effort +
-                          joint.stiffness * (joint.position - state[1 + i]) -
-                          joint.damping * state[1 + n + i];
+                          joint.stiffness * (joint.position - state[i]) -
+                          joint.damping * state[n + i];
     std::memcpy(packet + 4 + 8 * i, &effort, 8);
   }
   return 4 + 8 * n;
@@ -58,8 +58,8 @@ void Begin(int socket, const char* packet) {
   std::memcpy(&n, packet + 8, 4);
   joints.resize(n);
   std::memcpy(joints.data(), packet + 12, n * sizeof(Joint));
-  state.assign(1 + 2 * n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) state[1 + i] = joints[i].position;
+  state.assign(2 * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) state[i] = joints[i].position;
   hold_socket = socket;
   start = Clock::now();
 }

@@ -28,7 +28,7 @@ from tool0.engines.gazebo.models import Models
 from tool0.engines.gazebo.plugin import bridge_libraries
 from tool0.engines.gazebo.server import Server
 from tool0.engines.gazebo.window import require_window
-from tool0.engines.gazebo.world import check_model, check_world, empty_world
+from tool0.engines.gazebo.world import EMPTY_WORLD, check_model, check_world
 from tool0.errors import (
     ConfigError,
     DivergenceError,
@@ -89,7 +89,7 @@ class GazeboEngine:
         n = len(self._joint_names)
         self._effort = [0.0] * n
         self._pack_step = struct.Struct(f"=I{n}d").pack
-        self._unpack_state = struct.Struct(f"={1 + 2 * n}d").unpack_from
+        self._unpack_state = struct.Struct(f"={2 * n}d").unpack_from
         self._stepped = False
         at_zero = body_poses(self._bodies, [0.0] * n)
         held = couplings(model, self._bodies, at_zero)
@@ -144,10 +144,8 @@ class GazeboEngine:
         values, n = self._numbers, len(self._joint_names)
         time = self._steps * self._dt
         if not math.isfinite(sum(values)):
-            raise self._divergence(values[1:], time)
-        return JointState(
-            time, list(values[1 : n + 1]), list(values[n + 1 :]), self._effort
-        )
+            raise self._divergence(values, time)
+        return JointState(time, list(values[:n]), list(values[n:]), self._effort)
 
     def write(self, effort: Sequence[float]) -> None:
         """Hold ``effort`` [N·m | N] until the next call, or raise DivergenceError."""
@@ -232,7 +230,7 @@ class GazeboEngine:
             world = self._world
             if world is None:
                 world = self.server.folder / "empty.world"
-                world.write_text(empty_world(ground=True))
+                world.write_text(EMPTY_WORLD)
             self.server.start(world.resolve(), seen=gui)
             peer, version = listener.accept(self._dt, self.server.check, START_PATIENCE)
         finally:

@@ -199,8 +199,7 @@ class Models:
             text(model.name),
             struct.pack("=I", len(names)),
             *(
-                text(name)
-                + numbers([_armature(transmissions.get(name)), 0.0])  # at zero now
+                text(name) + numbers([_armature(transmissions.get(name))])
                 for name in names
             ),
             struct.pack("=I", len(gears)),

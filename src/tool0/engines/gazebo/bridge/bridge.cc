@@ -51,7 +51,7 @@ using ignition::math::Pose3d;
 using ignition::math::Vector3d;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 constexpr std::size_t kLargest = 1 << 16;             // [bytes] of a packet
 constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or go
 constexpr auto kAwake = std::chrono::microseconds(60);  // after an answer
@@ -307,9 +307,8 @@ class Bridge : public gazebo::SystemPlugin {
     for (const Gear& gear : gears_) gear.Mesh(world->GetWorldId(), teeth_, dt_);
   }
 
-  /// Time [s], then position [rad | m] of each joint, then velocity.
+  /// Position [rad | m] of each joint, then velocity.
   void PutState() {
-    packet_.Put((world_->SimTime() - dt_).Double());
     for (Drive& drive : drives_) drive.Measure(), packet_.Put(drive.position);
     for (const Drive& drive : drives_) packet_.Put(drive.velocity);
   }
@@ -339,9 +338,9 @@ class Bridge : public gazebo::SystemPlugin {
       link->ResetPhysicsStates();
   }
 
-  /// In: name of the robot; n; of each joint its name, armature [kg·m²] and position
-  /// [rad | m] now; g; of each gear the numbers of its second and first joint, and its
-  /// multiplier.
+  /// In: name of the robot, with all joints at zero; n; of each joint its name and
+  /// armature [kg·m²]; g; of each gear the numbers of its second and first joint, and
+  /// its multiplier.
   void Bind() {
     const auto robot = Model(packet_.TakeText());
     std::vector<Drive> drives;
@@ -353,8 +352,7 @@ class Bridge : public gazebo::SystemPlugin {
       const double armature = packet_.Take<double>();
       if (armature > 0.0) Damp(joint, armature / dt_);
       drives.push_back({joint, joint->GetChild(), armature / dt_,
-                        joint->HasType(gazebo::physics::Base::HINGE_JOINT),
-                        packet_.Take<double>(), 0.0});
+                        joint->HasType(gazebo::physics::Base::HINGE_JOINT), 0.0, 0.0});
     }
     std::vector<Gear> gears;
     for (auto g = packet_.Take<std::uint32_t>(); g > 0; --g) {
