@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Protocol
 
 import tool0
@@ -45,3 +49,27 @@ def gz(engine: GazeboEngine, *arguments: str) -> str:
         # Its threads outlive what they use: now and then it aborts at its end.
         assert answer.returncode < 0, answer
     raise AssertionError(f"gz {arguments} always aborts")
+
+
+_PROGRAM = """
+import sys, tool0
+robot = tool0.bringup(engine="gazebo", gazebo_gui="gui" in sys.argv)
+print(robot.engine.server.folder, flush=True)
+input()
+"""
+
+
+@contextmanager
+def process_with_a_robot(*words: str) -> Iterator[tuple[subprocess.Popen[str], Path]]:
+    """Bring a robot up in a process of its own, with ``gui`` in Gazebo's window, too.
+
+    Yields the process and the folder of its gzserver.  Who asks ends the process.
+    """
+    with subprocess.Popen(
+        [sys.executable, "-c", _PROGRAM, *words],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout is not None
+        yield process, Path(process.stdout.readline().strip())

@@ -2,13 +2,11 @@
 
 import os
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
-from in_gazebo import PATIENCE, BringUp
+from in_gazebo import PATIENCE, BringUp, process_with_a_robot
 from processes import Watch, children, listening, program
 
 import tool0
@@ -135,23 +133,8 @@ def test_nobody_else_reaches_it(bring_up: BringUp) -> None:
         assert addresses == {"0100007F"}, protocol  # 127.0.0.1
 
 
-PROGRAM = """
-import tool0
-robot = tool0.bringup(engine="gazebo")
-print(robot.engine.server.folder, flush=True)
-input()
-"""
-
-
 def test_it_ends_with_a_process_that_is_killed(bring_up: BringUp) -> None:
-    with subprocess.Popen(
-        [sys.executable, "-c", PROGRAM],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as ours:
-        assert ours.stdout is not None
-        folder = Path(ours.stdout.readline().strip())
+    with process_with_a_robot() as (ours, folder):
         servers = [pid for pid in children(ours.pid) if "gzserver" in program(pid)]
         watch = Watch(servers)
         ours.kill()

@@ -3,15 +3,13 @@
 import logging
 import os
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from in_gazebo import PATIENCE, BringUp
+from in_gazebo import PATIENCE, BringUp, process_with_a_robot
 from processes import Watch, children, program
 from promised import absent
 from screen import Pixels, Screen, find_xvfb
@@ -109,23 +107,8 @@ def test_closing_the_window_leaves_the_robot_running(
     assert robot.snapshot.fault is None
 
 
-PROGRAM = """
-import tool0
-robot = tool0.bringup(engine="gazebo", gazebo_gui=True)
-print("up", flush=True)
-input()
-"""
-
-
 def test_it_ends_with_a_process_that_is_killed(screen: Screen) -> None:
-    with subprocess.Popen(
-        [sys.executable, "-c", PROGRAM],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as ours:
-        assert ours.stdout is not None
-        assert ours.stdout.readline() == "up\n"
+    with process_with_a_robot("gui") as (ours, _):
         assert screen.wait_for(lambda pixels: bool(pixels.any()), PATIENCE) is not None
         theirs = children(ours.pid)
         assert {program(pid)[:8] for pid in theirs} == {"gzserver", "gzclient"}
