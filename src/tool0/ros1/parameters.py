@@ -8,6 +8,7 @@ from typing import Any
 import yaml
 
 from tool0.errors import RosUnavailableError
+from tool0.ros1.meshes import with_found_meshes
 from tool0.ros1.node import RosNode
 from tool0.runtime.robot import Robot
 
@@ -17,9 +18,26 @@ logger = logging.getLogger(__name__)
 def upload(node: RosNode, robot: Robot) -> None:
     """Set robot_description, the controllers' YAML, and that time is simulated."""
     node.master.call("setParam", "/use_sim_time", True)
-    node.master.call("setParam", node.name("robot_description"), robot.description.urdf)
+    urdf = with_found_meshes(robot.description.urdf)
+    node.master.call("setParam", node.name("robot_description"), urdf)
     for name, value in robot.parameters.items():
-        node.master.call("setParam", node.name(name), value)
+        if (storable := _storable(value)) is not None:
+            node.master.call("setParam", node.name(name), storable)
+
+
+def _storable(value: object) -> object:
+    """Return ``value`` as XML-RPC can carry it: no null, and integers of 32 bits."""
+    match value:
+        case dict():
+            items = ((str(name), _storable(item)) for name, item in value.items())
+            return {name: item for name, item in items if item is not None}
+        case list():
+            return [item for item in map(_storable, value) if item is not None]
+        case bool():
+            return value
+        case int() if not -(2**31) <= value < 2**31:
+            return float(value)
+    return value
 
 
 def controller_yaml(node: RosNode, name: str) -> str | None:
