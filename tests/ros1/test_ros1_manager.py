@@ -1,0 +1,255 @@
+"""controller_manager's services, by rosservice and by what its command line calls."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+import yaml
+from promised import require_engine
+from ros import Bringup, Ros, until
+from ros_client import arm_client, call, follow_goal, listening, outcome, trajectory
+from ur5_rig import ARM, GRIPPER
+
+MANAGER = "/controller_manager"
+GROUP = "joint_group_eff_controller"
+OWN = "own_controller"
+OWN_YAML = """
+own_controller:
+  type: effort_controllers/JointTrajectoryController
+  joints: [wrist_3_joint]
+  gains:
+    wrist_3_joint: {p: 10, i: 0, d: 0.1, i_clamp: 1}
+  state_publish_rate: 25
+"""
+LOADED = ["joint_state_controller", ARM, GRIPPER, GROUP]
+
+
+@pytest.fixture(scope="module", params=["mujoco"])
+def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
+    require_engine(request.param)
+    bringup = ros.bring_up("--engine", request.param)
+    yield bringup
+    bringup.close()
+
+
+def rosservice(ros: Ros, service: str, **arguments: object) -> Any:
+    """Return what ``rosservice call`` prints, read as the YAML that it is."""
+    return yaml.safe_load(
+        ros.run(
+            *("rosservice", "call", f"{MANAGER}/{service}", json.dumps(arguments)),
+        )
+    )
+
+
+def states(rospy: ModuleType) -> dict[str, str]:
+    from controller_manager_msgs.srv import ListControllers
+
+    answer = call(f"{MANAGER}/list_controllers", ListControllers)
+    return {one.name: one.state for one in answer.controller}
+
+
+def switch(
+    rospy: ModuleType, start: list[str], stop: list[str], strictness: int = 2
+) -> bool:
+    from controller_manager_msgs.srv import SwitchController
+
+    ok: bool = call(
+        f"{MANAGER}/switch_controller",
+        SwitchController,
+        *(start, stop, strictness, False, 0.0),
+    ).ok
+    return ok
+
+
+def load(rospy: ModuleType, name: str) -> bool:
+    from controller_manager_msgs.srv import LoadController
+
+    ok: bool = call(f"{MANAGER}/load_controller", LoadController, name).ok
+    return ok
+
+
+def unload(rospy: ModuleType, name: str) -> bool:
+    from controller_manager_msgs.srv import UnloadController
+
+    ok: bool = call(f"{MANAGER}/unload_controller", UnloadController, name).ok
+    return ok
+
+
+def test_all_six_services_by_rosservice(
+    ros: Ros, rospy: ModuleType, bringup: Bringup
+) -> None:
+    listed = rosservice(ros, "list_controllers")["controller"]
+    assert [one["name"] for one in listed] == LOADED
+    assert listed[1]["claimed_resources"][0]["hardware_interface"] == (
+        "hardware_interface::EffortJointInterface"
+    )
+    types = rosservice(ros, "list_controller_types")
+    assert "effort_controllers/JointTrajectoryController" in types["types"]
+    assert len(types["base_classes"]) == len(types["types"])
+    stopped = rosservice(
+        ros, "switch_controller", stop_controllers=[GRIPPER], strictness=2
+    )
+    assert stopped == {"ok": True}
+    assert states(rospy)[GRIPPER] == "stopped"
+    assert rosservice(ros, "unload_controller", name=GRIPPER) == {"ok": True}
+    assert GRIPPER not in states(rospy)
+    assert rosservice(ros, "load_controller", name=GRIPPER) == {"ok": True}
+    assert states(rospy)[GRIPPER] == "initialized"
+    started = rosservice(
+        ros, "switch_controller", start_controllers=[GRIPPER], strictness=2
+    )
+    assert started == {"ok": True}
+    kept = rosservice(ros, "reload_controller_libraries", force_kill=False)
+    assert kept == {"ok": False}
+    assert states(rospy)[GRIPPER] == "running"
+
+
+def test_what_cannot_be_done_is_refused_and_changes_nothing(
+    rospy: ModuleType, bringup: Bringup
+) -> None:
+    before = states(rospy)
+    assert before[ARM] == "running"
+    assert not load(rospy, ARM)
+    bringup.wait_for(f"A controller named '{ARM}' was already loaded")
+    assert not load(rospy, "arm_controller")
+    bringup.wait_for("arm_controller")
+    assert not unload(rospy, ARM)
+    bringup.wait_for("still running")
+    assert not unload(rospy, "arm_controller")
+    for start, stop in (
+        ([GROUP], []),  # its joints are the arm's
+        (["arm_controller"], [ARM]),
+        ([ARM], []),  # runs
+        ([], [GROUP]),  # does not run
+        ([ARM], [ARM]),
+    ):
+        assert not switch(rospy, start, stop)
+    assert states(rospy) == before
+
+
+def test_best_effort_does_the_rest(rospy: ModuleType, bringup: Bringup) -> None:
+    best_effort = 1
+    assert switch(rospy, ["arm_controller", ARM], [GRIPPER, GROUP], best_effort)
+    assert states(rospy)[GRIPPER] == "stopped"
+    assert states(rospy)[ARM] == "running"
+    assert switch(rospy, [GRIPPER], [], 0)  # 0 counts as best effort
+    assert states(rospy)[GRIPPER] == "running"
+    assert not switch(rospy, [GROUP], [], best_effort)  # a conflict is one in any case
+
+
+def test_a_controller_that_is_unloaded_takes_its_names_along(
+    ros: Ros, rospy: ModuleType, bringup: Bringup
+) -> None:
+    query, state = f"/{GRIPPER}/query_state", f"/{GRIPPER}/state"
+    assert query in ros.services()
+    assert state in ros.publishers()
+    assert switch(rospy, [], [GRIPPER])
+    assert query in ros.services()
+    assert unload(rospy, GRIPPER)
+    assert query not in ros.services()
+    assert not [name for name in ros.publishers() if name.startswith(f"/{GRIPPER}/")]
+    assert load(rospy, GRIPPER)
+    assert switch(rospy, [GRIPPER], [])
+    client = arm_client(GRIPPER)
+    client.send_goal(follow_goal(trajectory([(0.5, [0.3])], ["finger_joint"])))
+    assert outcome(client)[0] == 3
+
+
+def test_a_controller_of_the_parameter_server_is_loaded_and_runs(
+    ros: Ros, rospy: ModuleType, bringup: Bringup, tmp_path: Path
+) -> None:
+    """As ``rosparam load`` and the spawner do, to the end that Ctrl-C makes of it."""
+    from control_msgs.msg import JointTrajectoryControllerState
+
+    file = tmp_path / "own.yaml"
+    file.write_text(OWN_YAML, encoding="utf-8")
+    assert not load(rospy, OWN)
+    ros.run("rosparam", "load", str(file))
+    for service in ("load", "switch", "unload"):
+        rospy.wait_for_service(f"{MANAGER}/{service}_controller", timeout=30)
+    assert load(rospy, OWN)
+    assert not switch(rospy, [OWN], [])  # the arm's controller has its joint
+    assert switch(rospy, [OWN], [ARM])
+    with listening(f"/{OWN}/state", JointTrajectoryControllerState) as topic:
+        assert topic.next(3)[0].joint_names == ["wrist_3_joint"]
+        client = arm_client(OWN)
+        client.send_goal(follow_goal(trajectory([(0.5, [0.4])], ["wrist_3_joint"])))
+        assert outcome(client)[0] == 3
+        assert topic.next()[0].actual.positions[0] == pytest.approx(0.4, abs=0.02)
+    assert switch(rospy, [], [OWN])
+    assert unload(rospy, OWN)
+    assert switch(rospy, [ARM], [])
+    # Another run, with other parameters.
+    ros.run("rosparam", "set", f"/{OWN}/joints", "[wrist_2_joint]")
+    assert not load(rospy, OWN)
+    bringup.wait_for("gains/wrist_2_joint")
+    ros.run("rosparam", "delete", f"/{OWN}")
+
+
+def test_libraries_are_reloaded_if_controllers_may_be_killed(
+    rospy: ModuleType, bringup: Bringup
+) -> None:
+    """As ``controller_manager reload-libraries --restore`` does."""
+    from controller_manager_msgs.srv import (
+        ReloadControllerLibraries,
+        SwitchController,
+    )
+
+    service = f"{MANAGER}/reload_controller_libraries"
+    before = states(rospy)
+    assert not call(service, ReloadControllerLibraries, False).ok
+    assert states(rospy) == before
+    assert call(service, ReloadControllerLibraries, True).ok
+    assert states(rospy) == {}
+    assert call(service, ReloadControllerLibraries, False).ok  # nothing is loaded
+    for name in before:
+        assert load(rospy, name)
+    running = [name for name, state in before.items() if state == "running"]
+    assert call(
+        f"{MANAGER}/switch_controller",
+        SwitchController,
+        start_controllers=running,
+        stop_controllers=[],
+        strictness=1,
+    ).ok
+    assert states(rospy) == before
+
+
+def test_a_group_takes_numbers_on_its_topic(
+    ros: Ros, rospy: ModuleType, bringup: Bringup
+) -> None:
+    from ros_client import publishing
+    from sensor_msgs.msg import JointState
+    from std_msgs.msg import Float64MultiArray
+
+    assert switch(rospy, [GROUP], [ARM])
+    try:
+        with (
+            listening("/joint_states", JointState) as heard,
+            publishing(f"/{GROUP}/command", Float64MultiArray) as command,
+        ):
+            wrist = heard.next()[0].name.index("wrist_3_joint")
+
+            def effort() -> float:
+                value: float = heard.next()[0].effort[wrist]
+                return value
+
+            # Gravity is carried only as long as the arm waits for its first command.
+            assert max(map(abs, heard.next()[0].velocity)) < 0.01
+            command(Float64MultiArray(data=[0.0, -20.0, -20.0, -2.0, 0.0, 0.3]))
+            until(lambda: effort() == pytest.approx(0.3), "the effort commanded")
+            command(Float64MultiArray(data=[0.0, 0.0, 0.0, 0.0, 0.1]))
+            bringup.wait_for("Dimension of command (5) does not match number of joints")
+            command(Float64MultiArray(data=[float("nan")] * 6))
+            bringup.wait_for("nan")
+            assert effort() == pytest.approx(0.3)
+            command(Float64MultiArray(data=[0.0, -20.0, -20.0, -2.0, 0.0, -0.3]))
+            until(lambda: effort() == pytest.approx(-0.3), "the effort commanded")
+    finally:
+        assert switch(rospy, [ARM], [GROUP])
+    assert states(rospy)[GROUP] == "stopped"
