@@ -15,6 +15,8 @@ from ros import Bringup, Ros
 from ros_client import listening
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, HOME
 
+from tool0.ros1.meshes import with_found_meshes
+
 JOINTS = (
     "elbow_joint",
     "finger_joint",
@@ -33,9 +35,6 @@ def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
     bringup = ros.bring_up("--engine", request.param)
     yield bringup
     bringup.close()
-
-
-from tool0.ros1.meshes import with_found_meshes
 
 
 def test_robot_description_is_what_describe_prints(ros: Ros, bringup: Bringup) -> None:
