@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tool0.cli import COMMANDS, FAILED, main
+from tool0.cli import COMMANDS, FAILED, OK, main
 from tool0.cli.quick import read_bringup
 
 ROOT = Path(__file__).parent.parent
@@ -46,6 +46,9 @@ def test_every_command_line_is_understood(
         assert main(line) == FAILED
         assert "/absent.gpg" in capsys.readouterr().err
         return
+    if command == "ros1":  # understood, it says what it would do, or why it cannot
+        assert main([*line, "--dry-run"]) in (OK, FAILED)
+        return
     # Nobody serves this name, so a line that is understood ends right there.
     assert main([command, *arguments, "--name", "readme-test"]) == FAILED
     assert "no bringup named 'readme-test'" in capsys.readouterr().err
@@ -57,7 +60,14 @@ def test_the_table_names_every_command() -> None:
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "docs/conventions.md", "docs/gazebo.md", "CHANGELOG.md"]
+    "page",
+    [
+        "README.md",
+        "docs/conventions.md",
+        "docs/gazebo.md",
+        "docs/ros1.md",
+        "CHANGELOG.md",
+    ],
 )
 def test_links_lead_somewhere(page: str) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")
