@@ -12,8 +12,10 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Sequence
+from bisect import bisect_right
+from collections.abc import Iterable, Sequence
 
+from tool0.control.point_survey import PointSurvey
 from tool0.control.tolerances import tolerance_numbers
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Joint, JointType
@@ -59,11 +61,16 @@ def check_names(
     return names
 
 
-def check_points(points: Sequence[TrajectoryPoint], names: tuple[str, ...]) -> None:
+def check_points(
+    points: Sequence[TrajectoryPoint],
+    names: tuple[str, ...],
+    survey: PointSurvey | None,
+) -> None:
     """Reject points whose times, counts or numbers make no trajectory."""
-    last = -math.inf
-    for number, point in enumerate(points):
-        time = point.time_from_start
+    known = survey.n_timed if survey else 0
+    last = points[known - 1].time_from_start if known else -math.inf
+    for number in range(known, len(points)):
+        time = points[number].time_from_start
         if not math.isfinite(time):
             raise GoalRejectedError(f"point {number} has time_from_start {time}")
         if not time > last:
@@ -73,8 +80,9 @@ def check_points(points: Sequence[TrajectoryPoint], names: tuple[str, ...]) -> N
                 f"the one before it at {last} s."
             )
         last = time
-    for number, point in enumerate(points):
-        _check_counts(number, point, names)
+    known = survey.n_sound if survey and survey.n_joints == len(names) else 0
+    for number in range(known, len(points)):
+        _check_counts(number, points[number], names)
 
 
 def _check_counts(number: int, point: TrajectoryPoint, names: tuple[str, ...]) -> None:
@@ -120,10 +128,10 @@ def points_ahead(
     start: there is no time to move there, ROS would jump.
     """
     earliest = max(start, now)
-    ahead = [
-        point for point in points if start + point.time_from_start > earliest + INSTANT
-    ]
-    n_dropped = len(points) - len(ahead)
+    n_dropped = bisect_right(
+        points, earliest + INSTANT, key=lambda point: start + point.time_from_start
+    )
+    ahead = points[n_dropped:]
     if not ahead:
         behind = earliest - (start + points[-1].time_from_start)
         raise GoalRejectedError(
@@ -141,23 +149,49 @@ def points_ahead(
     return ahead
 
 
-def check_limits(points: Sequence[TrajectoryPoint], joints: Sequence[Joint]) -> None:
-    """Reject positions that the joints cannot reach."""
-    for number, point in enumerate(points):
-        for joint, position in zip(joints, point.positions, strict=True):
-            check_position(joint, position, f"point {number}")
+def check_limits(
+    points: Sequence[TrajectoryPoint],
+    joints: Sequence[Joint],
+    survey: PointSurvey | None,
+) -> None:
+    """Reject positions that the joints cannot reach.
+
+    Args:
+        points: The last of the goal's points.
+        joints: Those of the points' numbers.
+        survey: What is known of all the goal's points, if anything is.
+    """
+    ranges = [_range(joint) for joint in joints]
+    numbers: Iterable[int] = range(len(points))
+    if survey is not None:
+        numbers = survey.beyond(ranges, len(points))
+    for number in numbers:
+        positions = points[number].positions
+        for joint, (lowest, highest), position in zip(
+            joints, ranges, positions, strict=True
+        ):
+            if not lowest <= position <= highest:
+                check_position(joint, position, f"point {number}")
 
 
 def check_position(joint: Joint, position: float, where: str) -> None:
     """Reject a position beyond the joint's limits; a continuous joint has none."""
     if joint.type is JointType.CONTINUOUS:
         return
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if not lower - ROUNDING <= position <= upper + ROUNDING:
+    lowest, highest = _range(joint)
+    if not lowest <= position <= highest:
+        lower, upper = joint.limits.lower, joint.limits.upper
         raise GoalRejectedError(
             f"{where} wants joint '{joint.name}' at {position:.6g}, "
             f"which is beyond its limits [{lower:.6g}, {upper:.6g}]"
         )
+
+
+def _range(joint: Joint) -> tuple[float, float]:
+    """Return the smallest and the largest position that is not rejected."""
+    if joint.type is JointType.CONTINUOUS:
+        return -math.inf, math.inf
+    return joint.limits.lower - ROUNDING, joint.limits.upper + ROUNDING
 
 
 def _invalid_joints(

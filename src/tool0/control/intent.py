@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 from tool0.control.angles import shortest_turn
-from tool0.control.playback import Track, active_index, sample_track
+from tool0.control.track import Track, active_piece, sample_track
 from tool0.control.trajectory import JointsMotion, TrajectoryState
 from tool0.description.model import Joint, JointType
 from tool0.hardware.joint_state import JointState
@@ -57,7 +57,7 @@ class TrajectoryIntent(NamedTuple):
         """Return desired, actual and error at the time of ``measured``."""
         time = self.measured.time
         motions = [sample_track(track, time) for track in self.tracks]
-        piece = self.tracks[0][active_index(self.tracks[0], time)]
+        piece, _ = active_piece(self.tracks[0], time)
         return _state(
             self.joint_models,
             self.pick,

@@ -12,12 +12,9 @@ from tool0.control.intent import TrajectoryIntent
 from tool0.control.joint_trajectory_spec import JointTrajectorySpec
 from tool0.control.merging import merged_tracks, planned_tracks, stopping_tracks
 from tool0.control.pid import PidBank
-from tool0.control.playback import (
-    Playback,
-    Track,
-    hold_track,
-)
+from tool0.control.playback import Playback, hold_track
 from tool0.control.segment import MotionPlan
+from tool0.control.track import Track
 from tool0.control.trajectory import (
     JointsMotion,
     TrajectoryGoal,

@@ -8,16 +8,12 @@ from tool0.control import goal_check
 from tool0.control.angles import wrap_offset
 from tool0.control.goal import Goal
 from tool0.control.joint_trajectory_spec import JointTrajectorySpec
-from tool0.control.playback import (
-    Track,
-    hold_track,
-    sample_track,
-    splice,
-    stop_track,
-)
-from tool0.control.segment import Motion, MotionPlan
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
-from tool0.description.model import JointType
+from tool0.control.playback import hold_track, splice, splice_long, stop_track
+from tool0.control.point_survey import MANY
+from tool0.control.segment import MotionPlan
+from tool0.control.track import Track, Way, motion_of, sample_track, with_goal
+from tool0.control.trajectory import TrajectoryGoal
+from tool0.description.model import Joint, JointType
 
 
 def merged_tracks(
@@ -42,26 +38,44 @@ def merged_tracks(
     Joints that the goal does not name keep their tracks, which count for it from now
     on, as in ROS.
     """
-    goal_check.check_points(goal.points, names)
+    survey = goal.survey
+    goal_check.check_points(goal.points, names, survey)
     start = goal_check.start_time(goal, now)
     points = goal_check.points_ahead(goal.points, start, now)
     models = {joint.name: joint for joint in spec.joint_models}
-    goal_check.check_limits(points, [models[name] for name in names])
+    goal_check.check_limits(points, [models[name] for name in names], survey)
+    played = dict(zip(models, old, strict=True))
+    offsets = [
+        _offset(models[name], played[name], max(now, start), position)
+        for name, position in zip(names, points[0].positions, strict=True)
+    ]
+    schedule = None
+    if survey is not None and len(points) >= MANY:
+        shift = max(abs(offset or 0.0) for offset in offsets)
+        schedule = survey.schedule(start, len(points), shift)
     tracks: list[Track] = []
-    for joint, track in zip(spec.joint_models, old, strict=True):
-        name = joint.name
+    for name, was in played.items():
         if name not in names:
-            tracks.append(tuple(piece._replace(goal=handle) for piece in track))
+            tracks.append(with_goal(was, handle))
             continue
-        motions = _motions_of(points, names.index(name), start)
-        if joint.type is JointType.CONTINUOUS:
-            motions = _unwrap(motions, sample_track(track, max(now, start)).position)
+        column = names.index(name)
+        offset = offsets[column]
         tolerances = spec.tolerances.of(
             name, goal.path_tolerance.get(name), goal.goal_tolerance.get(name)
         )
-        tracks.append(
-            splice(track, now, start, motions, goal=handle, tolerances=tolerances)
-        )
+        if schedule is None:
+            motions = [
+                (start + point.time_from_start, motion_of(point, column, offset))
+                for point in points
+            ]
+            track = splice(was, now, start, motions, goal=handle, tolerances=tolerances)
+        else:
+            times, suspects = schedule
+            way = Way(times, points, column, offset)
+            track = splice_long(
+                was, now, start, way, suspects, goal=handle, tolerances=tolerances
+            )
+        tracks.append(track)
     return tracks
 
 
@@ -110,29 +124,8 @@ def stopping_tracks(
     ]
 
 
-def _motions_of(
-    points: Sequence[TrajectoryPoint], column: int, start: float
-) -> list[tuple[float, Motion]]:
-    """Return absolute times and motions of one of the points' joints."""
-    return [
-        (
-            start + point.time_from_start,
-            Motion(
-                point.positions[column],
-                point.velocities[column] if point.velocities else None,
-                point.accelerations[column] if point.accelerations else None,
-            ),
-        )
-        for point in points
-    ]
-
-
-def _unwrap(
-    motions: list[tuple[float, Motion]], previous: float
-) -> list[tuple[float, Motion]]:
-    """Turn all motions by the same whole turns, so that the first is the nearest."""
-    offset = wrap_offset(previous, motions[0][1].position)
-    return [
-        (time, motion._replace(position=motion.position + offset))
-        for time, motion in motions
-    ]
+def _offset(joint: Joint, played: Track, time: float, first: float) -> float | None:
+    """Return the whole turns that bring a first position nearest to what is played."""
+    if joint.type is not JointType.CONTINUOUS:
+        return None
+    return wrap_offset(sample_track(played, time).position, first)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import bisect
 import math
 from collections.abc import Callable, Sequence
 from operator import neg, sub
-from typing import NamedTuple, final
+from typing import final
 
 from tool0.control.goal import Goal
 from tool0.control.segment import (
@@ -18,37 +17,19 @@ from tool0.control.segment import (
     resting,
     stop_ramp,
 )
-from tool0.control.tolerances import NO_TOLERANCES, JointTolerances
+from tool0.control.tolerances import JointTolerances
+from tool0.control.track import (
+    Piece,
+    Stretch,
+    Track,
+    Way,
+    active_index,
+    active_piece,
+    joined,
+    sample_track,
+    start_of,
+)
 from tool0.errors import ControlError, GoalRejectedError
-
-IMPLAUSIBLE = 1e9
-"""No segment may be able to reach this position or velocity [rad, rad/s]: the sums of
-the tick stay far from overflow, and no joint could follow anyway."""
-
-
-class Piece(NamedTuple):
-    """One joint's segment, and the goal whose tolerances hold while it is played."""
-
-    segment: Segment
-    goal: Goal | None = None
-    tolerances: JointTolerances = NO_TOLERANCES
-    time_from_start: float = 0.0
-    """Start of the segment after the start of its trajectory [s]."""
-
-
-Track = tuple[Piece, ...]
-"""The pieces of one joint; each is active from its start to the next one's."""
-
-
-def active_index(track: Track, time: float) -> int:
-    """Return the last piece that starts at or before ``time``, at least the first."""
-    starts = [piece.segment.start for piece in track]
-    return max(bisect.bisect_right(starts, time) - 1, 0)
-
-
-def sample_track(track: Track, time: float) -> Sample:
-    """Return what the track wants of its joint at ``time``."""
-    return track[active_index(track, time)].segment.sample(time)
 
 
 def hold_track(time: float, position: float, goal: Goal | None = None) -> Track:
@@ -96,19 +77,56 @@ def splice(
     """
     leave = max(now, start)
     kept = old[active_index(old, now) : active_index(old, leave) + 1]
-    motion = Motion(*sample_track(old, leave))
-    time = leave
+    time, motion = leave, Motion(*sample_track(old, leave))
     new = []
     for end, target in points:
         segment = Segment(time, motion, end, target)
-        if not segment.is_bounded(IMPLAUSIBLE):
-            raise GoalRejectedError(
-                f"no joint can move from {motion} at {time:.6g} s "
-                f"to {target} at {end:.6g} s"
-            )
+        if not segment.is_bounded():
+            raise _implausible(segment, motion, target)
         new.append(Piece(segment, goal, tolerances, time - start))
         time, motion = end, target
-    return (*kept, *new)
+    return joined(kept, tuple(new))
+
+
+def splice_long(
+    old: Track,
+    now: float,
+    start: float,
+    way: Way,
+    suspects: Sequence[int],
+    *,
+    goal: Goal | None,
+    tolerances: JointTolerances,
+) -> Track:
+    """Return the same as ``splice``, with pieces that are made when they are played.
+
+    Args:
+        old: As there.
+        now: As there [s].
+        start: As there [s].
+        way: The points.
+        suspects: Which of them, beside the first, may be implausible; the others are
+            not looked at.
+        goal: As there.
+        tolerances: As there.
+    """
+    leave = max(now, start)
+    kept = old[active_index(old, now) : active_index(old, leave) + 1]
+    before = leave, Motion(*sample_track(old, leave))
+    new = Stretch(before, way, range(len(way)), start, goal, tolerances)
+    for number in (0, *suspects):
+        segment = new[number].segment
+        if not segment.is_bounded():
+            _, motion = way[number - 1] if number else before
+            raise _implausible(segment, motion, way[number][1])
+    return joined(kept, new)
+
+
+def _implausible(segment: Segment, motion: Motion, target: Motion) -> GoalRejectedError:
+    return GoalRejectedError(
+        f"no joint can move from {motion} at {segment.start:.6g} s "
+        f"to {target} at {segment.end:.6g} s"
+    )
 
 
 @final
@@ -139,13 +157,11 @@ class Playback:
         """When to call ``advance`` again [s]."""
         polynomials: list[Polynomial] = []
         for track in self.tracks:
-            index = active_index(track, time)
-            piece = track[index]
-            is_last = index + 1 == len(track)
-            following = math.inf if is_last else track[index + 1].segment.start
+            piece, following = active_piece(track, time)
             polynomial, change = _play(piece.segment, time)
             polynomials.append(polynomial)
             self.current.append(piece)
+            is_last = following == math.inf
             self.arrived.append(is_last and time >= piece.segment.end)
             self.next_change = min(self.next_change, change, following)
         self._polynomials = list(enumerate(polynomials))
@@ -175,7 +191,7 @@ class Playback:
 
     def motions(self, time: float) -> list[Sample]:
         """Return what is wanted of every joint at any ``time`` the tracks cover."""
-        earliest = max(track[0].segment.start for track in self.tracks)
+        earliest = max(start_of(track) for track in self.tracks)
         if not time >= earliest:
             raise ControlError(
                 f"no trajectory is known for {time} s, the oldest starts at {earliest}"

@@ -27,6 +27,11 @@ Polynomial = tuple[
 """
 
 
+IMPLAUSIBLE = 1e9
+"""No segment may be able to reach this position or velocity [rad, rad/s]: the sums of
+the tick stay far from overflow, and no joint could follow anyway."""
+
+
 class Motion(NamedTuple):
     """Where a joint is, and how it moves; None for what is not prescribed."""
 
@@ -95,7 +100,7 @@ class Segment:
         """The polynomial of resting at the end."""
         return resting(self.sample(self.end).position)
 
-    def is_bounded(self, bound: float) -> bool:
+    def is_bounded(self, bound: float = IMPLAUSIBLE) -> bool:
         """Return whether neither position nor speed can exceed ``bound``.
 
         Sums the terms' sizes, so that NaN and overflow count as unbounded.

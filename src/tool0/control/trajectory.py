@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import final
 
+from tool0.control.point_survey import MANY, PointSurvey, survey
 from tool0.control.tolerances import ToleranceOverride
 from tool0.errors import GoalRejectedError
 
@@ -28,12 +29,13 @@ class TrajectoryPoint:
     """[s]"""
 
     def __post_init__(self) -> None:
-        for name in ("positions", "velocities", "accelerations"):
-            values = getattr(self, name)
-            if values is not None:
-                object.__setattr__(self, name, _floats(name, values))
-        time = _floats("time_from_start", (self.time_from_start,))[0]
-        object.__setattr__(self, "time_from_start", time)
+        _set(self, "positions", _floats("positions", self.positions))
+        if self.velocities is not None:
+            _set(self, "velocities", _floats("velocities", self.velocities))
+        if self.accelerations is not None:
+            _set(self, "accelerations", _floats("accelerations", self.accelerations))
+        (time,) = _floats("time_from_start", (self.time_from_start,))
+        _set(self, "time_from_start", time)
 
 
 @final
@@ -55,6 +57,13 @@ class TrajectoryGoal:
     """Per joint, by the same rule."""
     goal_time_tolerance: float | None = None
     """Grace after the last point [s]: > 0 replaces, < 0 is unlimited, 0 keeps."""
+    survey: PointSurvey | None = field(init=False, repr=False, compare=False)
+    """What is known of many points, so that the tick need not look at each."""
+
+    def __post_init__(self) -> None:
+        points = tuple(self.points)
+        _set(self, "points", points)
+        _set(self, "survey", survey(points) if len(points) >= MANY else None)
 
 
 @final
@@ -84,9 +93,12 @@ class TrajectoryState:
     """desired - actual; the shortest way round for a continuous joint."""
 
 
+_set = object.__setattr__  # for the fields of what is frozen once it is made
+
+
 def _floats(name: str, values: Iterable[object]) -> tuple[float, ...]:
     try:
-        return tuple(float(value) for value in values)  # type: ignore[arg-type]
+        return tuple(map(float, values))  # type: ignore[arg-type]
     except (TypeError, ValueError):
         raise GoalRejectedError(
             f"{name} of a trajectory point must be numbers, got {values!r}"
