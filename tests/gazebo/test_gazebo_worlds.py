@@ -91,6 +91,16 @@ def test_a_world_that_is_none_is_named(text: str, message: str, file: Path) -> N
         tool0.bringup(engine="gazebo", world=file)
 
 
+@pytest.mark.parametrize("gripper", ["2f85", None])
+def test_physics_other_than_ode_is_refused(
+    gripper: str | None, file: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    file.write_text(WORLD.replace('physics type="ode"', 'physics type="bullet"'))
+    with pytest.raises(EngineError, match=r"physics is 'bullet', .* needs .*\"ode\""):
+        tool0.bringup(engine="gazebo", world=file, gripper=gripper)
+    assert caplog.records == []
+
+
 def test_a_world_that_is_not_there_is_named() -> None:
     with pytest.raises(DescriptionError, match=r"nowhere\.world: No such file"):
         tool0.bringup(engine="gazebo", world="nowhere.world")
@@ -201,3 +211,19 @@ def test_who_pauses_the_world_in_gazebo_does_not_block_the_robot(
     for _ in range(2):
         gz(engine, "world", "-p", "1")
         robot.run(0.1)
+
+
+@pytest.mark.parametrize("reset", ["-r", "-o", "-t"])
+def test_who_resets_the_world_in_gazebo_gets_the_robot_back(
+    reset: str, bring_up: BringUp
+) -> None:
+    robot, engine = bring_up()
+    for goal in robot.move_joints({"shoulder_pan_joint": -0.6}):
+        goal.wait(timeout=10.0)
+    robot.run(0.5)
+    held = robot.joint_state.position
+    time = robot.time
+    gz(engine, "world", reset)
+    robot.run(6.0)
+    assert robot.time == pytest.approx(time + 6.0)
+    assert robot.joint_state.position == pytest.approx(held, abs=0.01)

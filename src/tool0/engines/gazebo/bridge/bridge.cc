@@ -360,14 +360,12 @@ class Bridge : public gazebo::SystemPlugin {
       const Drive* first = &drives.at(packet_.Take<std::uint32_t>());
       gears.push_back({first, second, packet_.Take<double>()});
     }
-    if (!gears.empty() && world_->Physics()->GetType() != "ode")
-      throw std::runtime_error("mimic joints need the physics engine ode");
     const auto physics = world_->Physics();
     physics->SetMaxStepSize(dt_);
     physics->SetRealTimeUpdateRate(0.0);
     // The iterative solver would leave errors that fingers on a stiff drive amplify;
     // for a robot the direct one is faster, too.
-    if (physics->GetType() == "ode") physics->SetParam("solver_type", std::string("world"));
+    physics->SetParam("solver_type", std::string("world"));
     for (const auto& model : world_->Models()) Calm(model);
     drives_.swap(drives);
     gears_.swap(gears);
@@ -390,9 +388,8 @@ class Bridge : public gazebo::SystemPlugin {
   /// Adds to the damping, implicitly.  What is pushed beside it (see Drive::Push) is
   /// above the joint's own limits, which so are left to tool0's drives.
   static void Damp(const gazebo::physics::JointPtr& joint, double rate) {
-    const auto ode = boost::dynamic_pointer_cast<gazebo::physics::ODEJoint>(joint);
-    if (!ode) throw std::runtime_error("armature needs the physics engine ode");
-    ode->UseImplicitSpringDamper(true);
+    boost::dynamic_pointer_cast<gazebo::physics::ODEJoint>(joint)
+        ->UseImplicitSpringDamper(true);
     joint->SetEffortLimit(0, -1.0);
     joint->SetVelocityLimit(0, -1.0);
     joint->SetDamping(0, joint->GetDamping(0) + rate);
@@ -433,6 +430,9 @@ class Bridge : public gazebo::SystemPlugin {
     const std::string name = packet_.TakeText(), file = packet_.TakeText();
     const Pose3d pose = packet_.TakePose();
     const bool is_object = packet_.Take<std::uint32_t>();
+    if (const auto type = world_->Physics()->GetType(); type != "ode")
+      throw std::runtime_error("the world's physics is '" + type +
+                               "', but the robot needs <physics type=\"ode\">");
     if (world_->ModelByName(name))
       throw std::runtime_error("the world has a model '" + name + "' already");
     std::ifstream stream(file);
