@@ -112,7 +112,7 @@ class Ros1:
         subscription = self._robot.subscribe()
         try:
             while not self._over.is_set():
-                snapshot = subscription.next(_PATIENCE)
+                snapshot = subscription.following(_PATIENCE)
                 while subscription.events:
                     if isinstance(subscription.events.popleft(), WasReset):
                         self._restart()

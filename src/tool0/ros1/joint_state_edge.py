@@ -25,7 +25,7 @@ class JointStateEdge:
         self._spec = spec
         self._message = JointState
         self._rate = PublishRate(spec.publish_rate)
-        self._publisher = node.publisher("joint_states", JointState, queue_size=10)
+        self._publisher = node.publisher("joint_states", JointState, queue_size=100)
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish the joints, if it is time to."""

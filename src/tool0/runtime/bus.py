@@ -1,4 +1,4 @@
-"""The one way out: frozen snapshots, of which a reader gets the newest, and events."""
+"""The one way out: frozen snapshots, the newest or one after the other, and events."""
 
 from __future__ import annotations
 
@@ -16,6 +16,9 @@ from tool0.hardware.engine import ObjectState
 
 EVENTS_KEPT = 1000
 """Events that a subscriber may fall behind before it loses the oldest."""
+
+SNAPSHOTS_KEPT = 64
+"""Snapshots that a subscriber to all of them may fall behind: half a second's."""
 
 
 @final
@@ -105,17 +108,28 @@ class Subscription:
             self._seen = newer
         return newer
 
+    def following(self, timeout: float | None = None) -> Snapshot | None:
+        """Wait for the snapshot after the last one; None after ``timeout``.
+
+        No snapshot is left out unless the reader falls ``SNAPSHOTS_KEPT`` behind.
+        """
+        following = self._bus.following(self._seen, timeout)
+        if following is not None:
+            self._seen = following
+        return following
+
     def close(self) -> None:
         self._bus.forget(self)
 
 
 @final
 class Bus:
-    """Keeps the newest snapshot.  Publishing never waits for a reader."""
+    """Keeps the newest snapshots.  Publishing never waits for a reader."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
         self._latest: Snapshot | None = None
+        self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
         self._subscriptions: tuple[Subscription, ...] = ()
 
     @property
@@ -137,6 +151,7 @@ class Bus:
     def publish(self, snapshot: Snapshot) -> None:
         with self._changed:
             self._latest = snapshot
+            self._recent.append(snapshot)
             self._changed.notify_all()
 
     def announce(self, event: Event) -> None:
@@ -150,3 +165,22 @@ class Bus:
         with self._changed:
             self._changed.wait_for(lambda: self._latest is not seen, timeout)
             return None if self._latest is seen else self._latest
+
+    def following(
+        self, seen: Snapshot | None, timeout: float | None
+    ) -> Snapshot | None:
+        """Return the snapshot after ``seen``, or None after ``timeout`` [s].
+
+        It is the oldest there is if that has been forgotten, and the newest to begin
+        with.
+        """
+        newest = self.newer_than(seen, timeout)
+        if newest is None or seen is None:
+            return newest
+        with self._changed:
+            found = newest
+            for snapshot in reversed(self._recent):
+                if snapshot is seen:
+                    break
+                found = snapshot
+            return found

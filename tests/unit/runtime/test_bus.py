@@ -2,7 +2,14 @@ from __future__ import annotations
 
 import threading
 
-from tool0.runtime.bus import EVENTS_KEPT, Bus, Overran, Snapshot, WasReset
+from tool0.runtime.bus import (
+    EVENTS_KEPT,
+    SNAPSHOTS_KEPT,
+    Bus,
+    Overran,
+    Snapshot,
+    WasReset,
+)
 
 
 def snapshot(tick: int) -> Snapshot:
@@ -44,6 +51,30 @@ def test_a_reader_sees_no_snapshot_twice() -> None:
     assert reader.next(timeout=0.0) is None
     bus.publish(snapshot(2))
     assert reader.next(timeout=0.0) == snapshot(2)
+
+
+def test_a_slow_reader_may_have_one_after_the_other() -> None:
+    bus = Bus()
+    reader = bus.subscribe()
+    bus.publish(snapshot(0))
+    bus.publish(snapshot(1))
+    assert reader.following(timeout=0.0) == snapshot(1)  # it begins with the newest
+    for tick in range(2, 10):
+        bus.publish(snapshot(tick))
+    for tick in range(2, 10):
+        assert reader.following(timeout=0.0) == snapshot(tick)
+    assert reader.following(timeout=0.0) is None
+
+
+def test_a_reader_that_falls_far_behind_goes_on_with_the_oldest_there_is() -> None:
+    bus = Bus()
+    reader = bus.subscribe()
+    bus.publish(snapshot(0))
+    reader.following(timeout=0.0)
+    for tick in range(1, SNAPSHOTS_KEPT + 11):
+        bus.publish(snapshot(tick))
+    assert reader.following(timeout=0.0) == snapshot(11)
+    assert reader.next(timeout=0.0) == snapshot(SNAPSHOTS_KEPT + 10)
 
 
 def test_readers_do_not_disturb_each_other() -> None:
