@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from ros import free_port
 
 EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
+_LATE = re.compile(r"\d+ ticks began late in the last second")
+"""What an example in real time says on a busy machine."""
 
 
 def run(example: Path, folder: Path) -> str:
     """Run it elsewhere, with warnings as errors, and return what it printed."""
     environment = {k: v for k, v in os.environ.items() if k != "DISPLAY"}
+    warnings = ["-W", "error"]
+    if example.stem.endswith("_ros1"):
+        environment["ROS_MASTER_URI"] = f"http://127.0.0.1:{free_port()}"
+        environment["ROS_HOME"] = environment["ROS_LOG_DIR"] = str(folder.parent)
+        warnings = []  # rospy has its own
     done = subprocess.run(
-        [sys.executable, "-W", "error", str(example)],
+        [sys.executable, *warnings, str(example)],
         cwd=folder,
         env=environment,
         capture_output=True,
@@ -26,7 +35,8 @@ def run(example: Path, folder: Path) -> str:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
+    said = [line for line in done.stderr.splitlines() if not _LATE.fullmatch(line)]
+    assert said == []
     return done.stdout
 
 

@@ -1,0 +1,46 @@
+"""A robot that ROS 1 sees, and a client of actionlib that moves it as in any ROS."""
+
+import tool0
+from tool0.errors import RosUnavailableError
+from tool0.ros1.edge import Ros1
+from tool0.ros1.options import Ros1Options
+
+GOAL = {"shoulder_lift_joint": -1.2, "elbow_joint": 1.4}  # [rad]
+
+
+def move() -> None:
+    """Send a goal, with nothing but rospy."""
+    import actionlib
+    import rospy
+    from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
+    from sensor_msgs.msg import JointState
+    from trajectory_msgs.msg import JointTrajectoryPoint
+
+    controller = "/eff_joint_traj_controller"
+    client = actionlib.SimpleActionClient(
+        f"{controller}/follow_joint_trajectory", FollowJointTrajectoryAction
+    )
+    client.wait_for_server()
+    state = rospy.wait_for_message("/joint_states", JointState)
+    position = {**dict(zip(state.name, state.position, strict=True)), **GOAL}
+    goal = FollowJointTrajectoryGoal()
+    goal.trajectory.joint_names = rospy.get_param(f"{controller}/joints")
+    goal.trajectory.points = [
+        JointTrajectoryPoint(
+            positions=[position[joint] for joint in goal.trajectory.joint_names],
+            time_from_start=rospy.Duration(1.5),
+        )
+    ]
+    client.send_goal_and_wait(goal)
+    print("error_code:", client.get_result().error_code)
+    state = rospy.wait_for_message("/joint_states", JointState)
+    print("elbow_joint:", round(state.position[state.name.index("elbow_joint")], 1))
+
+
+with tool0.bringup() as robot:
+    try:
+        # rospy knows one node in a process: here it is robot and client at once.
+        with Ros1(robot, Ros1Options(roscore=True)):
+            move()
+    except RosUnavailableError as error:  # "… `tool0 ros1 install` installs it …"
+        print("no ROS to be seen in:", error)
