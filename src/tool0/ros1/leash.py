@@ -19,7 +19,6 @@ PATIENCE = 5.0
 
 def main(command: list[str]) -> int:
     """Run ``command`` until it ends or we are let go of; return its exit status."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         program = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, start_new_session=True
