@@ -123,12 +123,15 @@ class Pair:
         self.controllers = tuple(robot.start("arm") for robot in self.robots)
 
     def follow(self, request: Request) -> str:
+        start = None
+        if request.wait is not None:
+            start = self.robots[0].time + request.wait
+        return self.ask(points_of(request), joint_names=request.joints, stamp=start)
+
+    def ask(self, points: list[TrajectoryPoint], **options) -> str:
+        """Return how both reject the goal, or nothing if they do not."""
+        goal = TrajectoryGoal(points=points, **options)
         now = self.robots[0].time
-        goal = TrajectoryGoal(
-            points=points_of(request),
-            joint_names=request.joints,
-            stamp=None if request.wait is None else now + request.wait,
-        )
         answers = []
         for controller, asked in zip(
             self.controllers, (goal, unsurveyed(goal)), strict=True
@@ -229,6 +232,18 @@ def test_goals_that_start_later_keep_long_ways_before_them() -> None:
     pair.compare()
     tracks = pair.controllers[0].intent().tracks
     assert all(isinstance(track, tuple) for track in tracks), "and nothing is left"
+
+
+@pytest.mark.parametrize("fault", ["nan", "order", "count", "limit", "huge"])
+@pytest.mark.parametrize("victim", [0, 1, BLOCK, 1999])
+def test_one_wrong_point_of_many_is_found(fault: str, victim: int) -> None:
+    pair = Pair()
+    points = points_of(plain(2000, None, joints=("wheel", "slide", "hip")))
+    if fault == "order":  # of the first point and the second it is the second
+        victim = max(victim, 1)
+    points[victim] = spoiled(points[victim], fault)
+    assert pair.ask(points, joint_names=("wheel", "slide", "hip"))
+    pair.compare()
 
 
 @pytest.mark.parametrize("index", [0, 1, 70, 2000, -1, -2000, -2001])
