@@ -69,6 +69,7 @@ class RemoteServer:
                     logger.warning("cannot accept a connection: %s", error)
                     self._closing.wait(0.1)  # let others return theirs
                     continue
+                peer.settimeout(None)  # rospy, for one, changes the default
                 self._welcome(peer)
 
     def _welcome(self, peer: socket.socket) -> None:

@@ -4,6 +4,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -231,6 +232,19 @@ def test_too_many_waits_are_refused(visitor: Visitor) -> None:
     visitor.send((json.dumps(request).encode() + b"\n") * 65)
     assert "waits are in progress" in visitor.answer()["error"]["message"]
     assert "result" in visitor.ask("state")
+
+
+def test_a_visitor_may_be_idle_whatever_the_default_of_sockets_is(
+    server: RemoteServer, folder: Path
+) -> None:
+    socket.setdefaulttimeout(0.01)
+    try:
+        visitor = Visitor(folder)
+        time.sleep(0.05)  # no event tells of a time-out that does not come
+        assert "result" in visitor.ask("sim.pause")
+        visitor.close()
+    finally:
+        socket.setdefaulttimeout(None)
 
 
 def test_closing_hangs_up_on_everyone(robot: FakeRobot, folder: Path) -> None:
