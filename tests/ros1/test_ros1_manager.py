@@ -231,22 +231,22 @@ def test_a_group_takes_numbers_on_its_topic(
             listening("/joint_states", JointState) as heard,
             publishing(f"/{GROUP}/command", Float64MultiArray) as command,
         ):
-            wrist = heard.next()[0].name.index("wrist_3_joint")
+            pan = heard.next()[0].name.index("shoulder_pan_joint")
 
             def effort() -> float:
-                value: float = heard.next()[0].effort[wrist]
+                value: float = heard.next()[0].effort[pan]
                 return value
 
             # Gravity is carried only as long as the arm waits for its first command.
             assert max(map(abs, heard.next()[0].velocity)) < 0.01
-            command(Float64MultiArray(data=[0.0, -20.0, -20.0, -2.0, 0.0, 0.3]))
+            command(Float64MultiArray(data=[0.3, -20.0, -20.0, -2.0, 0.0, 0.0]))
             until(lambda: effort() == pytest.approx(0.3), "the effort commanded")
             command(Float64MultiArray(data=[0.0, 0.0, 0.0, 0.0, 0.1]))
             bringup.wait_for("Dimension of command (5) does not match number of joints")
             command(Float64MultiArray(data=[float("nan")] * 6))
             bringup.wait_for("nan")
             assert effort() == pytest.approx(0.3)
-            command(Float64MultiArray(data=[0.0, -20.0, -20.0, -2.0, 0.0, -0.3]))
+            command(Float64MultiArray(data=[-0.3, -20.0, -20.0, -2.0, 0.0, 0.0]))
             until(lambda: effort() == pytest.approx(-0.3), "the effort commanded")
     finally:
         assert switch(rospy, [ARM], [GROUP])

@@ -46,7 +46,7 @@ class TrajectoryEdge:
         self._result = FollowJointTrajectoryResult
         self._answer = QueryTrajectoryStateResponse
         self._publisher = node.publisher(
-            f"{self._name}/state", JointTrajectoryControllerState
+            f"{self._name}/state", JointTrajectoryControllerState, queue_size=10
         )
         self._action = ActionEdge(
             node,
