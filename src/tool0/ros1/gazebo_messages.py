@@ -64,7 +64,7 @@ def _checked(
 ) -> tuple[float, float, float]:
     if not all(abs(value) <= FARTHEST for value in values):
         raise ControlError(
-            f"each part of the {what} must be finite and within {-FARTHEST:g} to {FARTHEST:g}, "
+            f"each part of the {what} must be finite and at most {FARTHEST:g}, "
             f"got {values}"
         )
     return values

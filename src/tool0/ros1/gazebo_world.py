@@ -104,16 +104,19 @@ class WorldView:
         return found
 
     @cached_property
-    def robot_links(self) -> Mapping[str, FrameMotion]:
-        """All links of the robot, those of no mass included."""
-        snapshot, root = self.snapshot, self._world.T_world_root
+    def _in_root(self) -> Mapping[str, FrameMotion]:
+        """All links of the robot, those of no mass included, in its root."""
+        snapshot = self.snapshot
         names = snapshot.joint_names
-        motions = link_motions(
+        return link_motions(
             self._world.model,
             dict(zip(names, snapshot.position, strict=True)),
             dict(zip(names, snapshot.velocity, strict=True)),
         )
-        return {name: motion.placed_in(root) for name, motion in motions.items()}
+
+    def _robot_link(self, name: str) -> FrameMotion | None:
+        motion = self._in_root.get(name)
+        return None if motion is None else motion.placed_in(self._world.T_world_root)
 
     def models(self) -> dict[str, FrameMotion]:
         """Return every model, in the order in which Gazebo would have got them."""
@@ -127,7 +130,8 @@ class WorldView:
         """Return the links that Gazebo would have, by their full names."""
         found = {f"{GROUND}::link": _STILL} if self._world.has_ground else {}
         for link in self._world.robot_links:
-            found[f"{ROBOT}::{link}"] = self.robot_links[link]
+            motion = self._in_root[link].placed_in(self._world.T_world_root)
+            found[f"{ROBOT}::{link}"] = motion
         for name, (_, model, motion) in self.objects.items():
             found[f"{name}::{model.link}"] = motion.carry(model.T_model_link)
         return found
@@ -140,7 +144,7 @@ class WorldView:
         """Return a link: of the robot with or without its name before it."""
         model, between, link = name.rpartition(_BETWEEN)
         if not between or self._world.is_robot(model):
-            return self.robot_links.get(link)
+            return self._robot_link(link)
         return self.links().get(name)
 
     def frame(self, name: str) -> FrameMotion:
