@@ -96,9 +96,13 @@ class Stretch(Sequence[Piece]):
     def __getitem__(self, index: int | slice) -> Piece | Stretch:
         if isinstance(index, slice):
             return replace(self, span=self.span[index])
-        number = self.span[index]
+        return self._piece(self.span[index])
+
+    def _piece(self, number: int) -> Piece:
+        """Return the piece that leads to a point of the way."""
         time, motion = self.way[number - 1] if number else self.before
-        segment = Segment(time, motion, *self.way[number])
+        end, target = self.way[number]
+        segment = Segment(time, motion, end, target)
         return Piece(segment, self.goal, self.tolerances, time - self.start)
 
     def active_index(self, time: float) -> int:
@@ -106,15 +110,16 @@ class Stretch(Sequence[Piece]):
 
         Each but the first starts when the one before it ends.
         """
-        first, last = self.span[0], self.span[-1]
-        return bisect_right(self.way.times, time, first, last) - first
+        return self._active_number(time) - self.span[0]
 
     def active_piece(self, time: float) -> tuple[Piece, float]:
         """Return that piece, and when the next one starts [s]; never, if inf."""
-        index = self.active_index(time)
-        piece = self[index]
-        is_last = index + 1 == len(self.span)
-        return piece, math.inf if is_last else piece.segment.end
+        number = self._active_number(time)
+        piece = self._piece(number)
+        return piece, math.inf if number == self.span[-1] else piece.segment.end
+
+    def _active_number(self, time: float) -> int:
+        return bisect_right(self.way.times, time, self.span[0], self.span[-1])
 
 
 Part: TypeAlias = tuple[Piece, ...] | Stretch
@@ -155,6 +160,8 @@ class LongTrack(Sequence[Piece]):
 
     def active_piece(self, time: float) -> tuple[Piece, float]:
         """Return that piece, and when the next one starts [s]; never, if inf."""
+        if start_of(self.parts[-1]) <= time:  # as almost always
+            return active_piece(self.parts[-1], time)
         number = self._active_part(time)
         piece, following = active_piece(self.parts[number], time)
         if following == math.inf and number + 1 < len(self.parts):
@@ -165,7 +172,7 @@ class LongTrack(Sequence[Piece]):
         return max(bisect_right(self.parts, time, key=start_of) - 1, 0)
 
     def _slice(self, wanted: range) -> Track:
-        if len(wanted) < MANY:
+        if len(wanted) < MANY or wanted.step != 1:
             return tuple(map(self.__getitem__, wanted))
         parts, before = [], 0
         for part in self.parts:

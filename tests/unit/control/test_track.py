@@ -258,6 +258,10 @@ def test_a_long_track_is_a_sequence(index: int) -> None:
         assert [row(piece, None)[0] for piece in ours] == [
             row(piece, None)[0] for piece in theirs
         ]
+    ours, theirs = long[index::-7], short[index::-7]
+    assert [row(piece, None)[0] for piece in ours] == [
+        row(piece, None)[0] for piece in theirs
+    ]
     for beyond in (2001, -2002):
         with pytest.raises(IndexError):
             long[beyond]
