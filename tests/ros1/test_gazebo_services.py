@@ -151,19 +151,19 @@ def test_a_model_is_spawned_falls_and_is_taken_away(
     rospy.wait_for_service("/gazebo/spawn_urdf_model", timeout=10.0)
     with listening("/gazebo/model_states", ModelStates) as models:
         assert models.messages[0].name == ["ground_plane", "robot"]
-        table = gazebo.spawn("table", TABLE, at(0.6, 0.1, 0.0))
+        table = gazebo.spawn("table", TABLE, at(0.5, -0.4, 0.0))
         assert table.status_message == "SpawnModel: Successfully spawned entity"
-        assert gazebo.spawn("cube", CUBE, at(0.6, 0.1, 0.5)).success
+        assert gazebo.spawn("cube", CUBE, at(0.5, -0.4, 0.5)).success
         seen = models.wait_for(has("cube"))
         assert seen.name == ["ground_plane", "robot", "table", "cube"]
         assert xyz(seen.pose[1].position) == pytest.approx((0.0, 0.0, 0.1))
-        assert xyz(seen.pose[2].position) == pytest.approx((0.6, 0.1, 0.0))
+        assert xyz(seen.pose[2].position) == pytest.approx((0.5, -0.4, 0.0))
         fallen = models.wait_for(
             lambda states: (
                 has("cube")(states) and abs(states.pose[3].position.z - 0.4) < 1e-3
             )
         )
-        assert xyz(fallen.pose[3].position)[:2] == pytest.approx((0.6, 0.1), abs=1e-3)
+        assert xyz(fallen.pose[3].position)[:2] == pytest.approx((0.5, -0.4), abs=1e-3)
         with listening("/gazebo/link_states", LinkStates) as links:
             names = links.messages[0].name
         assert names[:2] == ["ground_plane::link", "robot::base_link"]
@@ -209,7 +209,7 @@ def test_poses_refer_to_links_and_models(gazebo: Gazebo) -> None:
 def test_a_model_is_put_somewhere_moving(gazebo: Gazebo) -> None:
     from geometry_msgs.msg import Twist, Vector3
 
-    gazebo.spawn("cube", CUBE, at(0.6, 0.0, 0.0))
+    gazebo.spawn("cube", CUBE, at(0.6, -0.5, 0.0))
     gazebo.tell("pause_physics")
     twist = Twist(linear=Vector3(0.1, 0.2, 0.3), angular=Vector3(1.0, 2.0, 3.0))
     assert gazebo.place("cube", at(0.0, 0.0, 1.0), "robot", twist=twist).success
@@ -226,7 +226,7 @@ def test_a_model_is_put_somewhere_moving(gazebo: Gazebo) -> None:
 def test_the_topic_set_model_state_does_the_same(gazebo: Gazebo) -> None:
     from gazebo_msgs.msg import ModelState
 
-    gazebo.spawn("table", TABLE, at(0.6, 0.0, 0.0))
+    gazebo.spawn("table", TABLE, at(0.6, -0.5, 0.0))
     with publishing("/gazebo/set_model_state", ModelState) as publish:
         publish(ModelState(model_name="table", pose=at(0.7, 0.2, 0.0)))
         until(
@@ -264,7 +264,7 @@ def test_the_robot_has_the_parts_that_gazebo_leaves_it(gazebo: Gazebo) -> None:
     assert "tool0" not in robot.body_names  # is fixed: Gazebo lumps it
     assert "elbow_joint" in robot.joint_names
     assert not robot.is_static
-    gazebo.spawn("table", TABLE, at(0.6, 0.0, 0.0))
+    gazebo.spawn("table", TABLE, at(0.6, -0.5, 0.0))
     table = gazebo.ask("get_model_properties", model_name="table")
     assert (table.body_names, table.geom_names) == (["top"], ["slab"])
     assert table.is_static
@@ -285,20 +285,20 @@ def test_time_stands_still_and_goes_on(gazebo: Gazebo) -> None:
 
 
 def test_reset_world_keeps_time_and_reset_simulation_does_not(gazebo: Gazebo) -> None:
-    gazebo.spawn("table", TABLE, at(0.6, 0.0, 0.0))
+    gazebo.spawn("table", TABLE, at(0.6, -0.5, 0.0))
     gazebo.place("table", at(0.6, 0.5, 0.0))
     until(lambda: gazebo.time > 1.0, "a second of simulated time")
     gazebo.tell("pause_physics")
     before = gazebo.time
     gazebo.tell("reset_world")
-    assert gazebo.position("table") == pytest.approx((0.6, 0.0, 0.0))
+    assert gazebo.position("table") == pytest.approx((0.6, -0.5, 0.0))
     assert gazebo.time == before
     gazebo.tell("reset_simulation")
     assert gazebo.time == 0.0
 
 
 def test_set_model_configuration_moves_joints_alone(gazebo: Gazebo) -> None:
-    gazebo.spawn("table", TABLE, at(0.6, 0.0, 0.0))
+    gazebo.spawn("table", TABLE, at(0.6, -0.5, 0.0))
     gazebo.place("table", at(0.6, 0.5, 0.0))
     gazebo.tell("pause_physics")
     before, time = joint_positions(gazebo), gazebo.time
@@ -327,9 +327,9 @@ def joint_positions(gazebo: Gazebo) -> dict[str, float]:
 
 
 def test_nonsense_is_refused_and_changes_nothing(gazebo: Gazebo) -> None:
-    gazebo.spawn("table", TABLE, at(0.6, 0.0, 0.0))
+    gazebo.spawn("table", TABLE, at(0.6, -0.5, 0.0))
     far, nowhere = at(1e300, 0.0, 0.0), at(math.nan, 0.0, 0.0)
-    odd = at(0.6, 0.0, 0.0)
+    odd = at(0.6, -0.5, 0.0)
     odd.orientation.w = math.inf
     here = at(0.6, 0.5, 0.0)
     refusals = [
@@ -356,7 +356,7 @@ def test_nonsense_is_refused_and_changes_nothing(gazebo: Gazebo) -> None:
         assert answer.status_message
     world = gazebo.ask("get_world_properties")
     assert world.model_names == ["ground_plane", "robot", "table"]
-    assert gazebo.position("table") == pytest.approx((0.6, 0.0, 0.0))
+    assert gazebo.position("table") == pytest.approx((0.6, -0.5, 0.0))
 
 
 def test_the_topics_tell_125_times_a_second(gazebo: Gazebo) -> None:
