@@ -6,16 +6,22 @@ import json
 import os
 import signal
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
 import yaml
-from promised import require_engine
 from ros import PATIENCE, Bringup, Ros, system_python, until
-from ros_client import arm_client, call, follow_goal, listening, outcome, trajectory
+from ros_client import (
+    arm_client,
+    call,
+    follow_goal,
+    listening,
+    outcome,
+    publishing,
+    trajectory,
+)
 from ur5_rig import ARM, GRIPPER
 
 MANAGER = "/controller_manager"
@@ -30,14 +36,6 @@ own_controller:
   state_publish_rate: 25
 """
 LOADED = ["joint_state_controller", ARM, GRIPPER, GROUP]
-
-
-@pytest.fixture(scope="module", params=["mujoco"])
-def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
-    require_engine(request.param)
-    bringup = ros.bring_up("--engine", request.param)
-    yield bringup
-    bringup.close()
 
 
 def rosservice(ros: Ros, service: str, **arguments: object) -> Any:
@@ -281,7 +279,6 @@ def test_libraries_are_reloaded_if_controllers_may_be_killed(
 def test_a_group_takes_numbers_on_its_topic(
     ros: Ros, rospy: ModuleType, bringup: Bringup
 ) -> None:
-    from ros_client import publishing
     from sensor_msgs.msg import JointState
     from std_msgs.msg import Float64MultiArray
 

@@ -7,7 +7,6 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from promised import require_engine
 from ros import Bringup, Ros, until
 from ros_client import listening, publishing, trajectory
 from ur5_rig import ARM, AWAY
@@ -18,42 +17,33 @@ from tool0.description.kinematics import transforms
 LAST = "left_inner_finger"
 """A link at the end of a chain that mimic joints move."""
 ELSEWHERE = (0.2, -1.4, 1.7, -1.4, -1.7, -0.3)
-PREFIXES = {"mujoco": "left/", "gazebo": ""}
-
-
-@pytest.fixture(scope="module", params=PREFIXES)
-def engine(request: pytest.FixtureRequest) -> str:
-    require_engine(request.param)
-    name: str = request.param
-    return name
+PREFIX = "left/"
 
 
 @pytest.fixture(scope="module")
-def bringup(ros: Ros, engine: str) -> Iterator[Bringup]:
-    bringup = ros.bring_up(
-        "--engine", engine, "--tf-prefix", PREFIXES[engine].rstrip("/")
-    )
+def bringup(ros: Ros) -> Iterator[Bringup]:
+    bringup = ros.bring_up("--tf-prefix", PREFIX.rstrip("/"))
     yield bringup
     bringup.close()
 
 
 def test_robot_state_publisher_agrees_with_our_kinematics(
-    ros: Ros, rospy: ModuleType, bringup: Bringup, engine: str
+    ros: Ros, rospy: ModuleType, bringup: Bringup
 ) -> None:
     until(
         lambda: ros.publishers().get("/tf") == ["/robot_state_publisher"],
         "robot_state_publisher",
     )
-    assert worst_transform(AWAY, PREFIXES[engine]) < 1e-6
+    assert worst_transform(AWAY, PREFIX) < 1e-6
 
 
 def test_transforms_go_on_where_robot_state_publisher_ends(
-    ros: Ros, rospy: ModuleType, bringup: Bringup, engine: str
+    ros: Ros, rospy: ModuleType, bringup: Bringup
 ) -> None:
     ros.run("rosnode", "kill", "/robot_state_publisher")
     bringup.wait_for("/tf is published by tool0")
     until(lambda: ros.publishers().get("/tf") == ["/gazebo"], "our own transforms")
-    assert worst_transform(ELSEWHERE, PREFIXES[engine]) < 1e-6
+    assert worst_transform(ELSEWHERE, PREFIX) < 1e-6
 
 
 def worst_transform(target: tuple[float, ...], prefix: str = "") -> float:
