@@ -36,6 +36,10 @@ def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
     bringup.close()
 
 
+in_mujoco = pytest.mark.parametrize("bringup", ["mujoco"], indirect=True)
+"""For what physics have no part in."""
+
+
 @pytest.fixture(scope="module")
 def client(rospy: ModuleType, bringup: Bringup) -> Iterator[Message]:
     client = arm_client()
@@ -115,6 +119,7 @@ def test_a_goal_succeeds_and_the_arm_is_there(
     assert max(at(one.actual.time_from_start) for one in heard) > 1.5
 
 
+@in_mujoco
 def test_the_gripper_s_feedback_comes_at_its_20_hz(
     rospy: ModuleType, bringup: Bringup
 ) -> None:
@@ -194,6 +199,7 @@ def test_a_violated_path_tolerance_aborts_with_4(
     come_to_rest(states)
 
 
+@in_mujoco
 def test_tolerances_of_the_goal_replace_the_controller_s(
     client: Message, at_home: None, states: Topic
 ) -> None:
@@ -242,6 +248,7 @@ INVALID = {
 }
 
 
+@in_mujoco
 def test_what_is_invalid_is_rejected_and_what_runs_goes_on(
     client: Message, at_home: None, bringup: Bringup
 ) -> None:
@@ -257,6 +264,7 @@ def test_what_is_invalid_is_rejected_and_what_runs_goes_on(
     assert outcome(other)[0] == SUCCEEDED
 
 
+@in_mujoco
 def test_points_in_the_past_are_dropped_and_all_of_them_rejected(
     rospy: ModuleType, client: Message, at_home: None
 ) -> None:
@@ -269,6 +277,7 @@ def test_points_in_the_past_are_dropped_and_all_of_them_rejected(
     assert "Dropping all 1 trajectory point(s)" in result.error_string
 
 
+@in_mujoco
 def test_a_stamp_in_the_future_is_waited_for(
     rospy: ModuleType, client: Message, at_home: None, states: Topic
 ) -> None:
@@ -285,6 +294,7 @@ def test_a_stamp_in_the_future_is_waited_for(
     assert moving[-1] == pytest.approx(start.to_sec() + 0.6, abs=0.017)
 
 
+@in_mujoco
 def test_query_state_tells_where_the_arm_is_to_be(
     rospy: ModuleType, client: Message, at_home: None
 ) -> None:
