@@ -41,6 +41,11 @@ class Ros1Options:
             )
 
     @property
+    def frames(self) -> str:
+        """The prefix of frames, without slashes around it."""
+        return self.tf_prefix.strip("/")
+
+    @property
     def root(self) -> str:
         """The namespace as the beginning of a name: ``""`` or ``/robot1``."""
         inner = self.ns.strip("/")

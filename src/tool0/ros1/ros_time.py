@@ -52,7 +52,7 @@ class RosTime:
         if self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = None
-        self._publisher = self._publisher_of("/clock", self._message, queue_size=10)
+        self._publisher = self._publisher_of("/clock", self._message, queue_size=100)
 
     def advance(self, time: float) -> None:
         """Say that it is ``time`` [s] in the simulation."""
