@@ -99,6 +99,6 @@ $(GAZEBO): tools/setup-gazebo | $(RUN)
 	else echo 'setup: no Gazebo here; the tests that need it will be skipped' >&2; fi
 
 # From the distribution's packages, RViz with them; some distributions have none.
-$(ROS1): tools/setup-ros1 src/tool0/ros1/packages.py | $(RUN)
+$(ROS1): tools/setup-ros1 src/tool0/ros1/setup/packages.py | $(RUN)
 	@if tools/setup-ros1 $(VENV); then touch $@; \
 	else echo 'setup: no ROS 1 here; the tests that need it will be skipped' >&2; fi

@@ -11,10 +11,10 @@ import pytest
 from promised import require_ros
 
 from tool0.cli import FAILED, OK, main
-from tool0.ros1 import readiness
-from tool0.ros1.apt import not_installed
-from tool0.ros1.distribution import PYTHON
-from tool0.ros1.packages import PARTS, Part, wanted
+from tool0.ros1.setup import readiness
+from tool0.ros1.setup.apt import not_installed
+from tool0.ros1.setup.distribution import PYTHON
+from tool0.ros1.setup.packages import PARTS, Part, wanted
 
 Capture = pytest.CaptureFixture[str]
 

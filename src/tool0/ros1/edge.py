@@ -11,7 +11,7 @@ from typing import final
 
 from tool0.errors import RosUnavailableError
 from tool0.ros1.controllers import ControllerEdges
-from tool0.ros1.gazebo_services import present_gazebo
+from tool0.ros1.gazebo.services import present_gazebo
 from tool0.ros1.library import keep_to_this_machine
 from tool0.ros1.manager_services import ManagerServices
 from tool0.ros1.master import Master, Watch, running_master

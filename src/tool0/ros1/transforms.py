@@ -12,7 +12,7 @@ from tool0.description.kinematics import Transform, joint_transform
 from tool0.description.model import Joint
 from tool0.ros1.child import Child
 from tool0.ros1.node import Part, RosNode
-from tool0.ros1.packages import find_node
+from tool0.ros1.setup.packages import find_node
 from tool0.runtime.bus import Snapshot
 from tool0.runtime.robot import Robot
 

@@ -15,9 +15,9 @@ from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
 from tool0.errors import ControlError
 from tool0.hardware.bodies import moving_bodies
-from tool0.ros1.gazebo_changes import GazeboChanges
-from tool0.ros1.gazebo_messages import FARTHEST, to_motion, to_transform
-from tool0.ros1.gazebo_world import GazeboWorld, lumped_links
+from tool0.ros1.gazebo.changes import GazeboChanges
+from tool0.ros1.gazebo.messages import FARTHEST, to_motion, to_transform
+from tool0.ros1.gazebo.world import GazeboWorld, lumped_links
 
 SPAWN_Z = 0.3
 TABLE = SceneObject(

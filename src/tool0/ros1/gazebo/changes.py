@@ -8,8 +8,8 @@ from tool0.description.rigid_model import RigidModel
 from tool0.description.rigid_text import read_rigid_model
 from tool0.errors import ControlError
 from tool0.ros1.conversions import Message
-from tool0.ros1.gazebo_messages import to_motion, to_transform
-from tool0.ros1.gazebo_world import GROUND, GazeboWorld, WorldView
+from tool0.ros1.gazebo.messages import to_motion, to_transform
+from tool0.ros1.gazebo.world import GROUND, GazeboWorld, WorldView
 from tool0.runtime.robot import Robot
 
 LONGEST_NAME = 60

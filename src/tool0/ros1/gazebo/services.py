@@ -7,10 +7,10 @@ from typing import Any
 
 from tool0.errors import Tool0Error
 from tool0.ros1.conversions import Message
-from tool0.ros1.gazebo_changes import GazeboChanges
-from tool0.ros1.gazebo_queries import GazeboQueries
-from tool0.ros1.gazebo_topics import GazeboTopics
-from tool0.ros1.gazebo_world import GazeboWorld
+from tool0.ros1.gazebo.changes import GazeboChanges
+from tool0.ros1.gazebo.queries import GazeboQueries
+from tool0.ros1.gazebo.topics import GazeboTopics
+from tool0.ros1.gazebo.world import GazeboWorld
 from tool0.ros1.node import Part, RosNode
 from tool0.runtime.robot import Robot
 

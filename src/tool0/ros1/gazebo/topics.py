@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any, final
 
 from tool0.description.motion import FrameMotion
-from tool0.ros1.gazebo_messages import GazeboMessages
-from tool0.ros1.gazebo_world import GazeboWorld, WorldView
+from tool0.ros1.gazebo.messages import GazeboMessages
+from tool0.ros1.gazebo.world import GazeboWorld, WorldView
 from tool0.ros1.node import RosNode
 from tool0.runtime.bus import Snapshot
 

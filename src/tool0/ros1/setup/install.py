@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import final
 
 from tool0.errors import RosUnavailableError
-from tool0.ros1 import apt
-from tool0.ros1.distribution import check_distribution, distribution
 from tool0.ros1.library import import_ros
-from tool0.ros1.packages import lacks, wanted
-from tool0.ros1.readiness import own_command, whose
+from tool0.ros1.setup import apt
+from tool0.ros1.setup.distribution import check_distribution, distribution
+from tool0.ros1.setup.packages import lacks, wanted
+from tool0.ros1.setup.readiness import own_command, whose
 
 
 @final

@@ -16,7 +16,7 @@ from tool0.errors import RosUnavailableError
 from tool0.ros1.generation import package_names
 from tool0.ros1.library import DEBIAN, DEFAULT_MASTER, import_ros
 from tool0.ros1.messages import is_generated
-from tool0.ros1.packages import (
+from tool0.ros1.setup.packages import (
     PARTS,
     Part,
     lacks,

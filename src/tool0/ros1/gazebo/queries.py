@@ -9,8 +9,8 @@ from tool0.description.motion import FrameMotion
 from tool0.errors import ControlError
 from tool0.hardware.joint_dynamics import STANDARD_GRAVITY
 from tool0.ros1.conversions import Message
-from tool0.ros1.gazebo_messages import GazeboMessages
-from tool0.ros1.gazebo_world import GROUND, GazeboWorld, WorldView
+from tool0.ros1.gazebo.messages import GazeboMessages
+from tool0.ros1.gazebo.world import GROUND, GazeboWorld, WorldView
 from tool0.ros1.node import RosNode
 from tool0.runtime.robot import Robot
 
