@@ -291,6 +291,7 @@ def test_two_robots_under_one_master(own_ros: Ros) -> None:
     assert "/left/arm/controller_manager/list_controllers" in own_ros.services()
     assert own_ros.parameter("/left/arm/robot_description")
     script = CLIENT + (
+        "rospy.sleep(0.3)\n"  # which waits for /clock first
         "other = rospy.wait_for_message('/left/arm/joint_states', JointState, 20)\n"
         "print(abs((other.header.stamp - rospy.Time.now()).to_sec()) < 0.2)"
     )
