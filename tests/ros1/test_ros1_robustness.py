@@ -302,6 +302,25 @@ def test_two_robots_under_one_master(own_ros: Ros) -> None:
     own_ros.run("rosservice", "call", "/left/arm/controller_manager/list_controllers")
 
 
+def test_of_two_clocks_one_gives_way(own_ros: Ros) -> None:
+    bringup = own_ros.bring_up()
+    other = own_ros.spawn(
+        *(system_python(), "-c"),
+        "import rospy, time\n"
+        "from rosgraph_msgs.msg import Clock\n"
+        "rospy.init_node('another', disable_rostime=True)\n"
+        "clock = rospy.Publisher('/clock', Clock, queue_size=1)\n"
+        "while not rospy.is_shutdown():\n"
+        "    clock.publish(Clock(clock=rospy.Time.from_sec(1000.0 + time.time() % 100)))\n"
+        "    time.sleep(0.01)",
+    )
+    bringup.wait_for("/another publishes /clock, too: we follow it now")
+    assert own_ros.publishers()["/clock"] == ["/another"]
+    other.close()
+    bringup.wait_for("/clock is ours now")
+    assert moves(own_ros, 0.2)
+
+
 def test_rosnode_kill_ends_the_bringup(own_ros: Ros) -> None:
     bringup = own_ros.bring_up()
     own_ros.run("rosnode", "kill", "/gazebo")

@@ -146,18 +146,20 @@ class Ros1:
         while not self._over.wait(_WATCH_PERIOD):
             try:
                 watch.look()
-                if not node.time.is_ours and not self._others_tell_time():
-                    node.time.take_over()
-                    logger.warning("the other robot is gone: /clock is ours now")
+                self._agree_on_the_clock()
             except RosUnavailableError as error:
                 node.complain(str(error))
 
-    def _others_tell_time(self) -> bool:
-        master, own = self.node.master, self.node.options.node
-        return any(
-            name != own and master.uri_of(name)
-            for name in master.publishers_of("/clock")
-        )
+    def _agree_on_the_clock(self) -> None:
+        """Take /clock over if nobody publishes it; of two who do, one gives up."""
+        time, own = self.node.time, self.node.options.node
+        others = self.node.clocks_of_others()
+        if not time.is_ours and not others:
+            time.take_over()
+            logger.warning("the other robot is gone: /clock is ours now")
+        elif time.is_ours and any(other < own for other in others):
+            time.give_up()
+            logger.warning("%s publishes /clock, too: we follow it now", min(others))
 
 
 def _call_when_killed(over: threading.Event, when_killed: Callable[[], None]) -> None:

@@ -83,15 +83,11 @@ class RosNode:
                 f"a node {options.node} runs already under {master.uri}; end it, "
                 "or give this robot a namespace with --ns"
             )
-        clocks = [
-            name
-            for name in master.publishers_of("/clock")
-            if name != options.node and master.uri_of(name)
-        ]
-        _register(options.root)
         self.options = options
         self.master = master
-        self.time = RosTime(is_ours=not clocks)
+        others = self.clocks_of_others()
+        _register(options.root)
+        self.time = RosTime(is_ours=not others)
         self._complaint = ("", -_REPEAT)
         self._results = Worker("tool0 ros1 results")
         self.defer = self._results.defer
@@ -102,6 +98,14 @@ class RosNode:
         from rospy import core
 
         return str(core.get_node_uri())
+
+    def clocks_of_others(self) -> tuple[str, ...]:
+        """Return the nodes that live and publish /clock, but for us."""
+        return tuple(
+            name
+            for name in self.master.publishers_of("/clock")
+            if name != self.options.node and self.master.uri_of(name)
+        )
 
     def name(self, relative: str) -> str:
         """Return a name in our namespace; one that begins with a slash stays."""

@@ -37,15 +37,25 @@ class RosTime:
         self._subscriber: Any = None
         self._publisher_of = Publisher
         set_rostime_initialized(True)
+        self._subscriber_to = Subscriber
         if is_ours:
             self.take_over()
         else:
-            self._subscriber = Subscriber("/clock", Clock, self._follow, queue_size=1)
+            self.give_up()
 
     @property
     def is_ours(self) -> bool:
         """Whether /clock is published by us."""
         return self._publisher is not None
+
+    def give_up(self) -> None:
+        """Follow another's /clock from now on."""
+        if self._publisher is not None:
+            self._publisher.unregister()
+            self._publisher = None
+        self._subscriber = self._subscriber_to(
+            "/clock", self._message, self._follow, queue_size=1
+        )
 
     def take_over(self) -> None:
         """Publish /clock from now on; it goes on from where it is."""
