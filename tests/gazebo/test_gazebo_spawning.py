@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -120,3 +122,25 @@ def test_meshes_that_gazebo_would_leave_out_are_refused(
         engine.delete("part")
     robot.run(0.1)
     assert robot.objects == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "whose"),
+    [
+        ("sun", "sun"),
+        ("elbow_joint", "ur5_robot::elbow_joint"),
+        ("collision", "ground_plane::link::collision"),
+    ],
+)
+def test_a_name_in_gazebos_world_is_refused_without_waiting(
+    name: str, whose: str, bring_up: BringUp
+) -> None:
+    """Gazebo finds the first of two: for 10 s it would not find the object."""
+    robot, engine = bring_up()
+    start = perf_counter()
+    with pytest.raises(EngineError, match=f"'{name}' is taken .* by '{whose}'"):
+        robot.spawn(replace(CUBE, name=name))
+    assert perf_counter() - start < 1.0
+    assert robot.objects == ()
+    with pytest.raises(EngineError, match=f"no model '{name}'"):
+        engine.delete(name)

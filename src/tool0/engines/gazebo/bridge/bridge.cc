@@ -433,8 +433,7 @@ class Bridge : public gazebo::SystemPlugin {
     if (const auto type = world_->Physics()->GetType(); type != "ode")
       throw std::runtime_error("the world's physics is '" + type +
                                "', but the robot needs <physics type=\"ode\">");
-    if (world_->ModelByName(name))
-      throw std::runtime_error("the world has a model '" + name + "' already");
+    RequireFree(name);
     std::ifstream stream(file);
     std::stringstream text;
     text << stream.rdbuf();
@@ -456,6 +455,18 @@ class Bridge : public gazebo::SystemPlugin {
           return true;
         },
         "Gazebo did not take the model '" + name + "'");
+  }
+
+  /// Gazebo finds things by name alone, those in models, too: of two it finds the first.
+  void RequireFree(const std::string& name) const {
+    const auto taken = world_->BaseByName(name);
+    if (!taken) return;
+    const bool is_model = taken->HasType(gazebo::physics::Base::MODEL);
+    const std::string full = taken->GetScopedName();
+    throw std::runtime_error(
+        is_model ? "the world has a model '" + name + "' already"
+                 : "the name '" + name + "' is taken in Gazebo's world, by '" + full +
+                       "', which is no model; choose another");
   }
 
   /// In: name of a model, not the robot's.
