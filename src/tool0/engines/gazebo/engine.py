@@ -9,8 +9,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import final
 
-import numpy as np
-
 from tool0.description.catalogue import RobotDescription
 from tool0.description.model import Pose
 from tool0.description.scene import Scene, SceneObject
@@ -89,7 +87,9 @@ class GazeboEngine:
         n = len(self._joint_names)
         self._effort = [0.0] * n
         self._pack_step = struct.Struct(f"=I{n}d").pack
-        self._unpack_state = struct.Struct(f"={2 * n}d").unpack_from
+        state = struct.Struct(f"={2 * n}d")
+        self._unpack_state, self._state_size = state.unpack_from, state.size
+        self._broken = ""
         self._stepped = False
         at_zero = body_poses(self._bodies, [0.0] * n)
         held = couplings(model, self._bodies, at_zero)
@@ -134,7 +134,7 @@ class GazeboEngine:
             *(pose_bytes(self._root @ pose) for pose in poses),
             self._models.start_poses(),
         )
-        self._numbers = self._unpack_state(answer)
+        self._take_state(answer)
         self._effort = [0.0] * len(self._joint_names)
 
     def read(self) -> JointState:
@@ -144,7 +144,8 @@ class GazeboEngine:
         values, n = self._numbers, len(self._joint_names)
         time = self._steps * self._dt
         if not math.isfinite(sum(values)):
-            raise self._divergence(values, time)
+            kind, _, name = self._broken.partition(" ")
+            raise DivergenceError(name, time, kind=kind)
         return JointState(time, list(values[:n]), list(values[n:]), self._effort)
 
     def write(self, effort: Sequence[float]) -> None:
@@ -241,8 +242,9 @@ class GazeboEngine:
         """Take the answer to the step, if there is one to come."""
         if self._stepped:
             self._stepped = False
-            self._numbers = self._unpack_state(self._connection.receive())
+            self._take_state(self._connection.receive())
 
-    def _divergence(self, values: Sequence[float], time: float) -> DivergenceError:
-        worst = int(np.argmin(np.isfinite(values))) % len(self._joint_names)
-        return DivergenceError(self._joint_names[worst], time)
+    def _take_state(self, answer: memoryview) -> None:
+        self._numbers = self._unpack_state(answer)
+        if len(answer) > self._state_size:  # and the name of what is not finite
+            self._broken = answer[self._state_size :].tobytes().decode()

@@ -26,10 +26,13 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
+#include <limits>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gazebo/common/Console.hh>
@@ -48,10 +51,11 @@
 namespace tool0 {
 
 using ignition::math::Pose3d;
+using ignition::math::Quaterniond;
 using ignition::math::Vector3d;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 constexpr std::size_t kLargest = 1 << 16;             // [bytes] of a packet
 constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or go
 constexpr auto kAwake = std::chrono::microseconds(60);  // after an answer
@@ -132,20 +136,55 @@ class Packet {
   std::size_t size_ = 0, at_ = 0;
 };
 
-/// A joint of the robot, with what Gazebo's own lacks: full turns and armature.
+/// Returns the body of a link, or null if it stands still for ever.
+dBodyID BodyOf(const gazebo::physics::LinkPtr& link) {
+  return static_cast<gazebo::physics::ODELink*>(link.get())->GetODEId();
+}
+
+/// Returns whether ODE knows where the link is and how it moves.  What turned too fast for
+/// a number it leaves with a quaternion that is zero.
+bool IsFinite(const gazebo::physics::LinkPtr& link) {
+  const dBodyID body = BodyOf(link);
+  if (!body) return true;
+  double sum = 0.0;
+  for (const auto values :
+       {dBodyGetPosition(body), dBodyGetLinearVel(body), dBodyGetAngularVel(body)})
+    sum += values[0] + values[1] + values[2];
+  const dReal* q = dBodyGetQuaternion(body);
+  return std::isfinite(sum) && std::inner_product(q, q + 4, q, 0.0) > 0.5;
+}
+
+/// A joint of the robot, at zero when it is made, with what Gazebo's own lacks: full turns
+/// and armature.
 ///
 /// An armature A resists by -A (v' - v) / dt, where v' is the velocity after the step.
 /// That is a damper of A/dt, which Gazebo makes implicitly, and an effort of A/dt v.
-struct Drive {
+class Drive {
+ public:
+  Drive(gazebo::physics::JointPtr its, double rate)
+      : joint(std::move(its)),
+        child(joint->GetChild()),
+        armature_rate(rate),
+        turns(joint->HasType(gazebo::physics::Base::HINGE_JOINT)),
+        zero(Relative()),
+        axis(Turned(child).RotateVectorReverse(joint->GlobalAxis(0))) {}
+
   gazebo::physics::JointPtr joint;
   gazebo::physics::LinkPtr child;
   double armature_rate;  // A/dt [N·m·s/rad]
   bool turns;            // whether the angle wraps at ±π
-  double position, velocity;
+  double position = 0.0, velocity = 0.0;
 
+  /// Not by the angle that ODE adds up, in which every earlier one has left its rounding.
   void Measure() {
-    const double angle = joint->Position(0);
-    position = turns ? position + std::remainder(angle - position, 2.0 * M_PI) : angle;
+    if (turns) {
+      const Quaterniond turned = zero.Inverse() * Relative();
+      const Vector3d sine(turned.X(), turned.Y(), turned.Z());
+      const double angle = 2.0 * std::atan2(axis.Dot(sine), turned.W());
+      position += std::remainder(angle - position, 2.0 * M_PI);
+    } else {
+      position = joint->Position(0);
+    }
     velocity = joint->GetVelocity(0);
   }
   void Push(double effort, double dt) {
@@ -154,6 +193,20 @@ struct Drive {
     if (ahead > joint->LowerLimit(0) && ahead < joint->UpperLimit(0))
       effort += armature_rate * velocity;
     joint->SetForce(0, effort);
+  }
+
+ private:
+  Quaterniond zero;  // turn, of the child in its parent
+  Vector3d axis;     // in the child
+
+  static Quaterniond Turned(const gazebo::physics::LinkPtr& link) {
+    const dBodyID body = link ? BodyOf(link) : nullptr;
+    if (!body) return link ? link->WorldPose().Rot() : Quaterniond::Identity;
+    const dReal* q = dBodyGetQuaternion(body);
+    return Quaterniond(q[0], q[1], q[2], q[3]);
+  }
+  Quaterniond Relative() const {
+    return Turned(joint->GetParent()).Inverse() * Turned(child);
   }
 };
 
@@ -192,9 +245,7 @@ struct Gear {
   static void Set(dReal* to, const Vector3d& from) {
     for (int i : {0, 1, 2}) to[i] = from[i];
   }
-  static dBodyID Body(const Drive& drive) {
-    return static_cast<gazebo::physics::ODELink*>(drive.child.get())->GetODEId();
-  }
+  static dBodyID Body(const Drive& drive) { return BodyOf(drive.child); }
 };
 
 class Bridge : public gazebo::SystemPlugin {
@@ -232,6 +283,7 @@ class Bridge : public gazebo::SystemPlugin {
     world_->SetPaused(false);
     update_ = gazebo::event::Events::ConnectWorldUpdateBegin(
         [this](const gazebo::common::UpdateInfo&) { Serve(); });
+    updated_ = gazebo::event::Events::ConnectWorldUpdateEnd([this] { Check(); });
     node_.reset(new gazebo::transport::Node);
     node_->Init(name);
     requests_ = node_->Advertise<gazebo::msgs::Request>("~/request");
@@ -282,7 +334,7 @@ class Bridge : public gazebo::SystemPlugin {
   /// Returns whether the world must go on before there is an answer.
   bool Handle(Kind kind) {
     switch (kind) {
-      case kStep: Step(); return true;
+      case kStep: return Step();
       case kReset: Reset(); return false;
       case kBind: Bind(); return false;
       case kObjects: Objects(); return false;
@@ -294,10 +346,15 @@ class Bridge : public gazebo::SystemPlugin {
   }
 
   /// In: effort of each joint [N·m | N].  Out: see PutState.
-  void Step() {
+  bool Step() {
+    if (!broken_.empty()) {
+      Begin();
+      PutState();
+      return false;
+    }
     for (Drive& drive : drives_) drive.Push(packet_.Take<double>(), dt_);
     Mesh();
-    stepping_ = true;
+    return stepping_ = true;
   }
 
   void Mesh() {
@@ -307,8 +364,37 @@ class Bridge : public gazebo::SystemPlugin {
     for (const Gear& gear : gears_) gear.Mesh(world->GetWorldId(), teeth_, dt_);
   }
 
-  /// Position [rad | m] of each joint, then velocity.
+  /// After a step, looks for what is not finite; puts it where it began, and lets
+  /// nothing move until the next reset.  At once: ODE adds up what a hinge turns whenever
+  /// anybody asks for its angle, and would never forget an angle that is no number.
+  void Check() {
+    if (!stepping_) return;
+    for (const auto& model : world_->Models()) {
+      const auto& links = model->GetLinks();
+      const auto lost = std::find_if_not(links.begin(), links.end(), IsFinite);
+      if (lost == links.end()) continue;
+      if (broken_.empty()) broken_ = Broken(model);
+      const auto pose = model->InitialRelativePose();
+      for (const auto& link : links) Place(link, link->InitialRelativePose() + pose);
+    }
+  }
+
+  /// Returns what of a model is not finite, as the person who reads it knows it.
+  std::string Broken(const gazebo::physics::ModelPtr& model) const {
+    for (const Drive& drive : drives_)
+      if (drive.child->GetModel() == model && !IsFinite(drive.child))
+        return "joint " + drive.joint->GetName();
+    return "object " + model->GetName();
+  }
+
+  /// Position [rad | m] of each joint, then velocity; if something is not finite, none
+  /// of these is, and what it is follows: "joint " or "object ", and its name.
   void PutState() {
+    if (!broken_.empty()) {
+      for (std::size_t n = 2 * drives_.size(); n > 0; --n)
+        packet_.Put(std::numeric_limits<double>::quiet_NaN());
+      return packet_.Put(broken_);
+    }
     for (Drive& drive : drives_) drive.Measure(), packet_.Put(drive.position);
     for (const Drive& drive : drives_) packet_.Put(drive.velocity);
   }
@@ -318,6 +404,10 @@ class Bridge : public gazebo::SystemPlugin {
   void Reset() {
     world_->ResetTime();
     world_->SetSimTime(gazebo::common::Time(packet_.Take<double>() + dt_));
+    broken_.clear();
+    // From where all joints are at zero, since ODE takes the shorter way to an angle.
+    for (const auto& [link, pose] : at_zero_) Place(link, pose);
+    for (const Drive& drive : drives_) drive.joint->Position(0);
     for (Drive& drive : drives_) drive.position = packet_.Take<double>();
     for (const Drive& drive : drives_) Place(drive.child, packet_.TakePose());
     for (const auto& object : objects_) {
@@ -351,8 +441,7 @@ class Bridge : public gazebo::SystemPlugin {
         throw std::runtime_error("Gazebo's model has no joint '" + name + "'");
       const double armature = packet_.Take<double>();
       if (armature > 0.0) Damp(joint, armature / dt_);
-      drives.push_back({joint, joint->GetChild(), armature / dt_,
-                        joint->HasType(gazebo::physics::Base::HINGE_JOINT), 0.0, 0.0});
+      drives.emplace_back(joint, armature / dt_);
     }
     std::vector<Gear> gears;
     for (auto g = packet_.Take<std::uint32_t>(); g > 0; --g) {
@@ -367,6 +456,9 @@ class Bridge : public gazebo::SystemPlugin {
     // for a robot the direct one is faster, too.
     physics->SetParam("solver_type", std::string("world"));
     for (const auto& model : world_->Models()) Calm(model);
+    at_zero_.clear();
+    for (const auto& link : robot->GetLinks())
+      at_zero_.emplace_back(link, link->WorldPose());
     drives_.swap(drives);
     gears_.swap(gears);
     Begin();
@@ -601,12 +693,14 @@ class Bridge : public gazebo::SystemPlugin {
   bool stepping_ = false;
   std::vector<Drive> drives_;
   std::vector<Gear> gears_;
+  std::vector<std::pair<gazebo::physics::LinkPtr, Pose3d>> at_zero_;  // of the robot
+  std::string broken_;  // what was not finite after the last step, or empty
   const dJointGroupID teeth_ = dJointGroupCreate(0);
   std::vector<gazebo::physics::ModelPtr> objects_;
   std::function<bool()> until_;
   std::string otherwise_;
   Clock::time_point deadline_;
-  gazebo::event::ConnectionPtr created_, update_;
+  gazebo::event::ConnectionPtr created_, update_, updated_;
   gazebo::transport::NodePtr node_;
   gazebo::transport::PublisherPtr requests_;
   gazebo::transport::SubscriberPtr responses_;
