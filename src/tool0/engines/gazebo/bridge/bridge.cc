@@ -10,6 +10,7 @@
 // uint32; an answer with 0, or with 1 and then says what is wrong.  The rest is listed
 // at each request below.  Version is raised whenever any of this changes.
 
+#include <dlfcn.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -451,6 +452,8 @@ class Bridge : public gazebo::SystemPlugin {
     }
     const auto physics = world_->Physics();
     physics->SetMaxStepSize(dt_);
+    if (auto step = static_cast<double*>(::dlsym(RTLD_DEFAULT, "tool0_step")))
+      *step = dt_;  // see leash.cc
     physics->SetRealTimeUpdateRate(0.0);
     // The iterative solver would leave errors that fingers on a stiff drive amplify;
     // for a robot the direct one is faster, too.
