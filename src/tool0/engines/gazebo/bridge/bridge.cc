@@ -167,8 +167,10 @@ class Drive {
         child(joint->GetChild()),
         armature_rate(rate),
         turns(joint->HasType(gazebo::physics::Base::HINGE_JOINT)),
-        zero(Relative()),
-        axis(Turned(child).RotateVectorReverse(joint->GlobalAxis(0))) {}
+        above(joint->GetParent() ? BodyOf(joint->GetParent()) : nullptr),
+        below(BodyOf(child)),
+        back(Relative().Inverse()),
+        axis(Turned(below).RotateVectorReverse(joint->GlobalAxis(0))) {}
 
   gazebo::physics::JointPtr joint;
   gazebo::physics::LinkPtr child;
@@ -179,7 +181,7 @@ class Drive {
   /// Not by the angle that ODE adds up, in which every earlier one has left its rounding.
   void Measure() {
     if (turns) {
-      const Quaterniond turned = zero.Inverse() * Relative();
+      const Quaterniond turned = back * Relative();
       const Vector3d sine(turned.X(), turned.Y(), turned.Z());
       const double angle = 2.0 * std::atan2(axis.Dot(sine), turned.W());
       position += std::remainder(angle - position, 2.0 * M_PI);
@@ -197,18 +199,17 @@ class Drive {
   }
 
  private:
-  Quaterniond zero;  // turn, of the child in its parent
-  Vector3d axis;     // in the child
+  dBodyID above, below;  // of the parent, which may be none, and of the child
+  Quaterniond back;      // from how the child is turned in its parent, at zero
+  Vector3d axis;         // in the child
 
-  static Quaterniond Turned(const gazebo::physics::LinkPtr& link) {
-    const dBodyID body = link ? BodyOf(link) : nullptr;
-    if (!body) return link ? link->WorldPose().Rot() : Quaterniond::Identity;
+  /// What has no body stands still, turned as it may be.
+  static Quaterniond Turned(dBodyID body) {
+    if (!body) return Quaterniond::Identity;
     const dReal* q = dBodyGetQuaternion(body);
     return Quaterniond(q[0], q[1], q[2], q[3]);
   }
-  Quaterniond Relative() const {
-    return Turned(joint->GetParent()).Inverse() * Turned(child);
-  }
+  Quaterniond Relative() const { return Turned(above).Inverse() * Turned(below); }
 };
 
 /// Teeth between two joints whose axes are parallel and sit on one body: the second
