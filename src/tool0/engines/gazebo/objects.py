@@ -11,7 +11,10 @@ from tool0.engines.gazebo.solids import check_mesh, solid_of
 STIFFNESS, DAMPING = 1e5, 10.0
 """Of contact [N/m, N·s/m], as of the pads: calm at rest, and no visible depth."""
 MIN_DEPTH, MAX_VEL = 1e-5, 0.1
-"""Overlap that is left alone [m], and the fastest that a deeper one is undone [m/s]."""
+"""Overlap that is left alone [m], and the fastest that a deeper one is undone [m/s].
+
+The direct solver overlooks the second; what holds instead is in bridge/leash.cc.
+"""
 
 
 def object_sdf(item: SceneObject) -> str:
