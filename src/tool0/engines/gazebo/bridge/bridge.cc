@@ -59,6 +59,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t kVersion = 4;
 constexpr std::size_t kLargest = 1 << 16;             // [bytes] of a packet
 constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or go
+constexpr auto kLooked = std::chrono::milliseconds(1500);  // twice, at 5 Hz, for sure
 constexpr auto kAwake = std::chrono::microseconds(60);  // after an answer
 constexpr int kIdleAfter = 20;                        // [ms] without a request
 constexpr double kIdleRate = 100.0;                   // [Hz] of a paused world's loop
@@ -569,7 +570,8 @@ class Bridge : public gazebo::SystemPlugin {
   ///
   /// A model that goes tells everybody so by a request, and the world does what that
   /// says, too: it removes what has the name by then.  It looks at requests now and then,
-  /// and does so when it looks for the second time; until then no other may come.
+  /// and does so when it looks for the second time; until then no other may come.  Answers
+  /// get lost when programs like `gz` come and go; it has looked long before kLooked.
   void Delete() {
     const std::string name = packet_.TakeText();
     const auto is_it = [&name](const auto& object) { return object->GetName() == name; };
@@ -579,7 +581,8 @@ class Bridge : public gazebo::SystemPlugin {
     world_->RemoveModel(name);
     Ask(name);
     WaitUntil(
-        [this, name, looks = 2]() mutable {
+        [this, name, looks = 2, looked = Clock::now() + kLooked]() mutable {
+          if (Clock::now() > looked) return !world_->ModelByName(name);
           if (asked_) return false;
           if (--looks > 0) Ask(name);
           return looks == 0;
