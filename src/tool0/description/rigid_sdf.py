@@ -13,11 +13,10 @@ from tool0.description.attributes import (
     to_number,
 )
 from tool0.description.kinematics import Transform, to_transform
+from tool0.description.mesh_files import find_mesh
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
-from tool0.description.packages import resolve_uri
 from tool0.description.rigid_model import UNPAINTED, RigidModel, gazebo_colour
 from tool0.description.scene import DEFAULT_FRICTION, RGBA
-from tool0.description.urdf_links import MESH_SUFFIXES
 from tool0.description.xml_source import children, locate
 from tool0.errors import DescriptionError
 
@@ -153,17 +152,7 @@ def _geometry(element: Element) -> Geometry:
 def _mesh(shape: Element) -> Mesh:
     element = required_child(shape, "uri")
     uri, location = text_of(element), locate(element)
-    path = resolve_uri(uri, location)
-    if path.suffix.lower() not in MESH_SUFFIXES:
-        raise DescriptionError(
-            f"nothing reads the mesh '{uri}'; convert it to one of "
-            f"{', '.join(MESH_SUFFIXES)}",
-            location,
-        )
-    if not path.is_file():
-        raise DescriptionError(
-            f"there is no mesh '{path}' (written '{uri}'); check the path", location
-        )
+    path = find_mesh(uri, location)
     scale = only_child(shape, "scale")
     x, y, z = (1.0, 1.0, 1.0) if scale is None else _numbers(scale, 3)
     return Mesh(uri=uri, path=path.absolute(), scale=(x, y, z))

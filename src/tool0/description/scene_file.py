@@ -15,8 +15,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tool0.description.mesh_files import find_mesh
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
-from tool0.description.packages import resolve_uri
 from tool0.description.scene import (
     DEFAULT_FRICTION,
     RGBA,
@@ -24,7 +24,6 @@ from tool0.description.scene import (
     SceneObject,
     check_geometry,
 )
-from tool0.description.urdf_links import MESH_SUFFIXES
 from tool0.description.yaml_tree import Entry, read_files
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, DescriptionError, SourceLocation
@@ -129,19 +128,9 @@ def _mesh(shape: Namespace) -> Mesh:
     uri = shape.text("file")
     location = (shape.find("file") or shape.entry).location
     try:
-        path = resolve_uri(uri, location)
+        path = find_mesh(uri, location)
     except DescriptionError as error:
         raise ConfigError(error.message, location) from None
-    if path.suffix.lower() not in MESH_SUFFIXES:
-        raise ConfigError(
-            f"nothing reads the mesh '{uri}'; convert it to one of "
-            f"{', '.join(MESH_SUFFIXES)}",
-            location,
-        )
-    if not path.is_file():
-        raise ConfigError(
-            f"there is no mesh '{path}' (written '{uri}'); check the path", location
-        )
     return Mesh(
         uri=uri, path=path.absolute(), scale=shape.vector("scale", (1.0, 1.0, 1.0))
     )

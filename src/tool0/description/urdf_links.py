@@ -17,6 +17,7 @@ from tool0.description.attributes import (
     required_child,
     vector,
 )
+from tool0.description.mesh_files import find_mesh
 from tool0.description.model import (
     Box,
     Collision,
@@ -28,13 +29,11 @@ from tool0.description.model import (
     Sphere,
     Visual,
 )
-from tool0.description.packages import resolve_uri
 from tool0.description.xml_source import children, locate
 from tool0.errors import DescriptionError, ModelError
 
 Rgba = tuple[float, float, float, float]
 
-MESH_SUFFIXES = (".dae", ".obj", ".stl")
 _SHAPES = ("box", "capsule", "cylinder", "mesh", "sphere")
 # The slack of the triangle inequality, for numbers rounded by CAD programs.
 _ROUNDING = 1e-3
@@ -177,17 +176,7 @@ def _box_size(shape: Element) -> tuple[float, float, float]:
 def _read_mesh(shape: Element) -> Mesh:
     uri = required(shape, "filename")
     location = locate(shape)
-    path = resolve_uri(uri, location)
-    if path.suffix.lower() not in MESH_SUFFIXES:
-        raise DescriptionError(
-            f"nothing reads the mesh '{uri}'; convert it to one of "
-            f"{', '.join(MESH_SUFFIXES)}",
-            location,
-        )
-    if not path.is_file():
-        raise DescriptionError(
-            f"there is no mesh '{path}' (written '{uri}'); check the path", location
-        )
+    path = find_mesh(uri, location)
     scale = vector(shape, "scale", (1.0, 1.0, 1.0))
     if not all(scale):
         raise DescriptionError(f"<mesh> has scale {scale}: never zero", location)
