@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Literal
 
 import tyro
 
 from tool0.cli.progress import Progress
-from tool0.cli.text import columns
-
-OK, IMPOSSIBLE = 0, 1
+from tool0.cli.readiness import OK, tell
 
 
 def run(command: str, arguments: list[str]) -> int:
@@ -68,12 +65,7 @@ def status_of_gazebo(*, format: Literal["text", "json"] = "text") -> int:
     """
     from tool0.engines.gazebo.readiness import readiness
 
-    found = readiness()
-    if format == "json":
-        print(json.dumps(found.as_json()))
-    else:
-        print(columns(found.rows()), end="")
-    return OK if found.can_run else IMPOSSIBLE
+    return tell(readiness(), format)
 
 
 def uninstall() -> int:
