@@ -9,7 +9,6 @@ from typing import final
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import Controller, ControllerSpec
-from tool0.control.controller_types import TYPES
 from tool0.control.hardware_port import HardwarePort
 from tool0.control.intent import Intent
 from tool0.control.parameters import Robot
@@ -330,11 +329,6 @@ class ControllerManager:
     def spec(self, name: str) -> ControllerSpec:
         """Return the parameters of a loaded controller."""
         return self._find(name).spec
-
-    @staticmethod
-    def list_types() -> tuple[str, ...]:
-        """Return every type that can be loaded."""
-        return TYPES
 
     def _find(self, name: str) -> _Loaded:
         item = self._loaded.get(name)
