@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import signal
 import socket
-import time
 from collections.abc import Callable
 from types import ModuleType
 from urllib.parse import urlsplit
@@ -283,7 +282,6 @@ def test_a_second_robot_needs_a_namespace(ros: Ros, bringup: Bringup) -> None:
 
 def test_two_robots_under_one_master(own_ros: Ros) -> None:
     first = own_ros.bring_up()
-    time.sleep(1.0)  # so that their times differ
     second = own_ros.bring_up("--ns", "left/arm", "--name", "second")
     publishers = own_ros.publishers()
     assert publishers["/clock"] == ["/gazebo"]
