@@ -51,9 +51,10 @@ class ControllerEdges:
         if loaded != self._seen:
             self._seen = loaded
             self._registrar.defer(self.follow)
+        edges = self._edges  # as they are now: they may be replaced meanwhile
         for status in snapshot.controllers:
-            if status.state == "running" and status.name in self._edges:
-                self._edges[status.name][1].publish(snapshot)
+            if status.state == "running" and status.name in edges:
+                edges[status.name][1].publish(snapshot)
 
     def follow(self) -> None:
         """Present the controllers that are loaded now, and no others."""
@@ -64,11 +65,12 @@ class ControllerEdges:
                     specs[status.name] = self._robot.controller(status.name).spec
                 except ControlError:
                     continue  # it has just been unloaded
-            edges = dict(self._edges)
-            for name, (spec, edge) in self._edges.items():
-                if specs.get(name) is not spec:
+            before = self._edges
+            edges = {n: e for n, e in before.items() if specs.get(n) is e[0]}
+            self._edges = dict(edges)  # published no longer; then it may close
+            for name, (_, edge) in before.items():
+                if name not in edges:
                     edge.close()
-                    del edges[name]
             for name, spec in specs.items():
                 if name not in edges:
                     make = _EDGES[type(spec)]

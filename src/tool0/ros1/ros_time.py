@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import threading
 from typing import Any, final
 
 logger = logging.getLogger(__name__)
@@ -34,6 +35,7 @@ class RosTime:
         self._offset = 0.0
         self._now = 0.0
         self._publisher: Any = None
+        self._changing = threading.Lock()  # who publishes, between two looks at it
         self._subscriber: Any = None
         self._publisher_of = Publisher
         set_rostime_initialized(True)
@@ -50,9 +52,10 @@ class RosTime:
 
     def give_up(self) -> None:
         """Follow another's /clock from now on."""
-        if self._publisher is not None:
-            self._publisher.unregister()
-            self._publisher = None
+        with self._changing:
+            publisher, self._publisher = self._publisher, None
+        if publisher is not None:
+            publisher.unregister()
         self._subscriber = self._subscriber_to(
             "/clock", self._message, self._follow, queue_size=1
         )
@@ -69,8 +72,9 @@ class RosTime:
         self._now = time
         now = self.to_ros(time)
         self._set_ours(now)
-        if self._publisher is not None:
-            self._publisher.publish(self._message(clock=now))
+        with self._changing:
+            if self._publisher is not None:
+                self._publisher.publish(self._message(clock=now))
 
     def to_ros(self, time: float) -> Any:  # a rospy.Time
         """Return simulated ``time`` [s] as ROS stamps it."""
