@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from tool0.cli.stop_signal import StopSignal
     from tool0.panel.address import Door
     from tool0.remote.address import Claim
+    from tool0.ros1.options import Ros1Options
     from tool0.runtime.robot import Robot
 
 _GLANCE: Final = 0.1
@@ -53,7 +54,8 @@ def bring_up(options: BringupOptions) -> int:
     console = sys.stderr if simulation.summary == "json" else sys.stdout
     with contextlib.ExitStack() as exits:
         exits.enter_context(_quiet_overruns())
-        # The name first: if it is taken, it should not take seconds to find out.
+        # Names first: if one is wrong or taken, it should not take seconds to find out.
+        as_node = _ros_options(options)
         claim = _claim(simulation)
         if claim is not None:
             exits.callback(claim.close)
@@ -62,7 +64,7 @@ def bring_up(options: BringupOptions) -> int:
         robot = exits.enter_context(_robot(options))
         if claim is not None:
             exits.enter_context(_reachable(robot, claim))
-        ros = exits.enter_context(_in_ros(robot, options, stop))
+        ros = exits.enter_context(_in_ros(robot, as_node, stop))
         if door is not None:
             from tool0.cli.panel import served, show
 
@@ -142,18 +144,12 @@ def _reachable(robot: Robot, claim: Claim) -> Iterator[None]:
         server.close()
 
 
-@contextlib.contextmanager
-def _in_ros(
-    robot: Robot, options: BringupOptions, stop: StopSignal
-) -> Iterator[str | None]:
-    """Present the robot in ROS 1, if asked to; yield a line that says where."""
-    if not options.ros.ros1:
-        yield None
-        return
-    from tool0.ros1.edge import Ros1
+def _ros_options(options: BringupOptions) -> Ros1Options | None:
+    given = options.ros
+    if not given.ros1:
+        return None
     from tool0.ros1.options import Ros1Options
 
-    given = options.ros
     ros = Ros1Options(
         ns=given.ns,
         roscore=given.roscore,
@@ -161,8 +157,21 @@ def _in_ros(
     )
     if given.tf_pub_rate is not None:
         ros = replace(ros, tf_pub_rate=given.tf_pub_rate)
-    with Ros1(robot, ros, when_killed=stop.request) as edge:
-        yield f"ROS 1: node {ros.node} under {edge.node.master.uri}"
+    return ros
+
+
+@contextlib.contextmanager
+def _in_ros(
+    robot: Robot, options: Ros1Options | None, stop: StopSignal
+) -> Iterator[str | None]:
+    """Present the robot in ROS 1, if asked to; yield a line that says where."""
+    if options is None:
+        yield None
+        return
+    from tool0.ros1.edge import Ros1
+
+    with Ros1(robot, options, when_killed=stop.request) as edge:
+        yield f"ROS 1: node {options.node} under {edge.node.master.uri}"
 
 
 def _run(

@@ -207,3 +207,14 @@ def test_without_a_gazebo_it_names_the_command(
 def test_json_gets_null_for_what_is_not_a_number() -> None:
     value = {"a": [1.0, float("nan")], "b": (float("inf"), "x"), "c": 3}
     assert finite(value) == {"a": [1.0, None], "b": [None, "x"], "c": 3}
+
+
+def test_a_wrong_namespace_is_told_before_any_physics(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def too_late(**_: object) -> None:
+        raise AssertionError("the robot is made before its names are looked at")
+
+    monkeypatch.setattr("tool0.runtime.bringup.bringup", too_late)
+    assert run(f"{FAST} --ros1 --ns 1st") == FAILED
+    assert "'1st' is no namespace of ROS" in capsys.readouterr().err
