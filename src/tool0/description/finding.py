@@ -1,0 +1,34 @@
+"""What is wrong in a person's file: where, why it matters, and what would be right."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+from tool0.errors import SourceLocation
+
+Severity = Literal["error", "warning"]
+"""An error will fail, or do something else than it says; what is suspicious, yet may
+be meant, is a warning."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """One complaint about a person's file."""
+
+    location: SourceLocation
+    rule: str
+    """What kind of complaint, the same in every file: ``unread-key``."""
+    severity: Severity = "error"
+    key: str = ""
+    """What it is about: a parameter's full name, an element, a joint."""
+    message: str
+    """What is wrong and why that matters."""
+    remedy: str = ""
+    """What to write or to do instead; empty if the message says it all."""
+
+    def __str__(self) -> str:
+        """Return ``file:line: key: message; remedy``."""
+        said = ": ".join(part for part in (self.key, self.message) if part)
+        return f"{self.location}: {said}" + (self.remedy and f"; {self.remedy}")
