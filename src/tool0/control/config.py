@@ -12,7 +12,7 @@ from tool0.control.controller import ControllerSpec
 from tool0.control.controller_types import parser_of
 from tool0.control.parameters import Robot
 from tool0.description.model import JointLimits
-from tool0.description.yaml_tree import ConfigWarning, Entry, Tree, read_files
+from tool0.description.yaml_tree import Entry, Tree, read_files
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, SourceLocation, nearest_name
 
@@ -124,11 +124,6 @@ class ControllerConfig:
                 f"'{name}' is no controller, but {entry.describe()}", entry.location
             )
         return Namespace(entry)
-
-    @property
-    def warnings(self) -> tuple[ConfigWarning, ...]:
-        """What reading the files alone shows; ``lint`` finds more."""
-        return tuple(self.tree.warnings)
 
     def joint_limits(self) -> Mapping[str, LimitOverrides]:
         """Return the limits that ``joint_limits`` puts over the URDF's, by joint."""

@@ -28,7 +28,12 @@ class Finding:
     remedy: str = ""
     """What to write or to do instead; empty if the message says it all."""
 
+    @property
+    def text(self) -> str:
+        """What is wrong, and what would be right: ``message; remedy``."""
+        return "; ".join(part for part in (self.message, self.remedy) if part)
+
     def __str__(self) -> str:
         """Return ``file:line: key: message; remedy``."""
-        said = ": ".join(part for part in (self.key, self.message) if part)
-        return f"{self.location}: {said}" + (self.remedy and f"; {self.remedy}")
+        said = ": ".join(part for part in (self.key, self.text) if part)
+        return f"{self.location}: {said}"

@@ -49,9 +49,10 @@ def load_scene(path: Path | str) -> Scene:
         ConfigError: If anything in it is wrong, with file and line.
     """
     tree = read_files([Path(path).expanduser()])
-    for warning in tree.warnings:  # no later key may hide an earlier one
-        location = SourceLocation(Path(warning.file), warning.line)
-        raise ConfigError(f"'{warning.key}' stands twice; leave one", location)
+    for finding in tree.findings:  # no later key may hide an earlier one
+        raise ConfigError(
+            f"'{finding.key}' stands twice; {finding.remedy}", finding.location
+        )
     root = Namespace(tree.root)
     root.only("objects")
     colors = itertools.cycle(PALETTE)

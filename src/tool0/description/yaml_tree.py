@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, final
 
+from tool0.description.finding import Finding
 from tool0.errors import ConfigError, SourceLocation
 
 if TYPE_CHECKING:
@@ -62,22 +63,6 @@ class Entry:
 
 
 @final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ConfigWarning:
-    """Something in a person's file that will not do what it seems to."""
-
-    file: str
-    line: int | None
-    key: str
-    message: str
-
-    def __str__(self) -> str:
-        """Return ``file:line: key: message``."""
-        where = self.file if self.line is None else f"{self.file}:{self.line}"
-        return f"{where}: {self.key}: {self.message}"
-
-
-@final
 @dataclass(slots=True)
 class Tree:
     """All parameters of one or several files; later ones override, as in ROS."""
@@ -85,7 +70,8 @@ class Tree:
     root: Entry = field(
         default_factory=lambda: Entry("", SourceLocation(None), children={})
     )
-    warnings: list[ConfigWarning] = field(default_factory=list)
+    findings: list[Finding] = field(default_factory=list)
+    """What is suspicious, yet can be read."""
 
     def load(self, text: str, location: SourceLocation) -> None:
         """Put the parameters of a YAML text over those that are there.
@@ -100,20 +86,13 @@ class Tree:
         node = _compose(text, location)
         if node is None:
             return
-        entry = _Reader(location, self.warnings).entry(node, "")
+        entry = _Reader(location, self.findings).entry(node, "")
         if entry.children is None:
             raise ConfigError(
                 f"expected a mapping of parameters, got {entry.describe()}",
                 entry.location,
             )
         _merge(self.root, entry)
-
-
-def warning_at(entry: Entry, message: str) -> ConfigWarning:
-    """Return a warning about ``entry``."""
-    location = entry.location
-    file = "<string>" if location.file is None else str(location.file)
-    return ConfigWarning(file=file, line=location.line, key=entry.key, message=message)
 
 
 def _compose(text: str, location: SourceLocation) -> yaml.Node | None:
@@ -151,10 +130,10 @@ def _merge(target: Entry, source: Entry) -> None:
 class _Reader:
     """Turns the nodes of one text into entries."""
 
-    def __init__(self, location: SourceLocation, warnings: list[ConfigWarning]) -> None:
+    def __init__(self, location: SourceLocation, findings: list[Finding]) -> None:
         self._file = location.file
         self._first_line = location.line or 1
-        self._warnings = warnings
+        self._findings = findings
         self._open: list[yaml.Node] = []
 
     def entry(self, node: yaml.Node, key: str) -> Entry:
@@ -193,8 +172,14 @@ class _Reader:
             child = self.entry(value, "/".join([*([key] if key else []), *path]))
             child.location = where
             if name in seen:
-                self._warnings.append(
-                    warning_at(child, "stands twice in one mapping; the last one wins")
+                self._findings.append(
+                    Finding(
+                        location=where,
+                        rule="duplicate-key",
+                        key=child.key,
+                        message="stands twice in one mapping; the last one wins",
+                        remedy="leave one",
+                    )
                 )
             seen.add(name)
             for depth in range(len(path) - 1, 0, -1):

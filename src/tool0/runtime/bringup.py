@@ -18,7 +18,6 @@ from tool0.description.catalogue import (
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
-from tool0.description.yaml_tree import ConfigWarning
 from tool0.errors import (
     ConfigError,
     ControlError,
@@ -198,7 +197,7 @@ def bringup(
         joint_limits=core.hardware.limits,
         spawn_z=spawn_z,
         ground=None if world else -spawn_z,  # a person's world has what it has
-        warnings=_warnings(config, model),
+        warnings=lint(config, model),
     )
 
 
@@ -342,7 +341,3 @@ def _core(
         scene=scene,
         control_period=control_period,
     )
-
-
-def _warnings(config: ControllerConfig, model: RobotModel) -> tuple[ConfigWarning, ...]:
-    return lint(config, model)

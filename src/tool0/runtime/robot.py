@@ -12,10 +12,10 @@ from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES
 from tool0.control.manager import ControllerStatus, Strictness
 from tool0.description.catalogue import RobotDescription
+from tool0.description.finding import Finding
 from tool0.description.kinematics import Transform, link_pose
 from tool0.description.model import JointLimits
 from tool0.description.scene import SceneObject
-from tool0.description.yaml_tree import ConfigWarning
 from tool0.errors import ControlError, nearest_name
 from tool0.hardware.engine import Engine
 from tool0.runtime import commands as ask
@@ -61,7 +61,7 @@ class Robot:
         joint_limits: Mapping[str, JointLimits],
         spawn_z: float = 0.0,
         ground: float | None = None,
-        warnings: Sequence[ConfigWarning] = (),
+        warnings: Sequence[Finding] = (),
     ) -> None:
         self.description = description
         self.engine = engine

@@ -49,10 +49,10 @@ def summarize(robot: Robot, loop: Loop, *, wall_time: float) -> dict[str, object
         "max_drift": loop.max_drift,
         "warnings": [
             {
-                "file": None if item.file is None else str(item.file),
-                "line": item.line,
+                "file": str(item.location.file or "<string>"),
+                "line": item.location.line,
                 "key": item.key,
-                "message": item.message,
+                "message": item.text,
             }
             for item in robot.warnings
         ],

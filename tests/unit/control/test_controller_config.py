@@ -180,8 +180,8 @@ def test_lines_count_on_from_where_the_text_stands() -> None:
 
 
 def test_a_key_that_stands_twice_is_a_warning() -> None:
-    (warning,) = from_text("a: 1\nb: 2\na: 3\n").warnings
-    assert (warning.file, warning.line, warning.key) == ("c.yaml", 3, "a")
+    (warning,) = from_text("a: 1\nb: 2\na: 3\n").tree.findings
+    assert (str(warning.location), warning.key) == ("c.yaml:3", "a")
 
 
 def test_joint_limits_count_beside_their_flags() -> None:

@@ -35,7 +35,7 @@ GRIPPER = model(
 
 def found(text: str, robot: RobotModel | None = TOY) -> list[tuple[str, str]]:
     warnings = lint(ControllerConfig.from_text(text), robot)
-    return [(item.key, item.message) for item in warnings]
+    return [(item.key, item.text) for item in warnings]
 
 
 def test_the_gripper_file_is_clean() -> None:
@@ -46,26 +46,27 @@ def test_the_gripper_file_is_clean() -> None:
 def test_the_arm_file_has_exactly_the_four_keys_of_another_controller() -> None:
     path = DATA / "ur5_controllers.yaml"
     warnings = lint(ControllerConfig.from_files(path))
-    assert [(item.line, item.key) for item in warnings] == [
+    assert [(item.location.line, item.key) for item in warnings] == [
         (41, "gripper_controller/goal_tolerance"),
         (42, "gripper_controller/max_effort"),
         (43, "gripper_controller/stall_velocity_threshold"),
         (44, "gripper_controller/stall_timeout"),
     ]
     for item in warnings:
-        assert item.file == str(path)
+        assert item.location.file == path
         assert "GripperActionController only" in item.message
 
 
 def test_the_gazebo_file_is_read_by_nothing() -> None:
     path = DATA / "gazebo_controller.yaml"
     warnings = lint(ControllerConfig.from_files(path), GRIPPER)
-    assert [(item.line, item.key) for item in warnings] == [
+    assert [(item.location.line, item.key) for item in warnings] == [
         (3, "ros_control/pid_gains"),
         (7, "ros_control/pid_gains/right_outer_knuckle_joint"),
     ]
-    assert "'gazebo_ros_control/pid_gains'" in warnings[0].message
+    assert "'gazebo_ros_control/pid_gains'" in warnings[0].remedy
     assert "no joint 'right_outer_knuckle_joint'" in warnings[1].message
+    assert "'right_finger_joint'" in warnings[1].remedy  # the only one not yet named
 
 
 def test_a_good_controller_gives_no_warning() -> None:
