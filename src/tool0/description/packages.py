@@ -1,14 +1,17 @@
 """Finding ROS packages and the files inside them, without ROS.
 
 The packages that tool0 brings are found first, then those of ``ROS_PACKAGE_PATH``,
-each entry of which is a package itself or a folder somewhere above packages.
+each entry of which is a package itself or a folder somewhere above packages.  Who looks
+into a person's workspace prefers what lies there.
 """
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 from tool0.errors import DescriptionError, SourceLocation, nearest_name
@@ -16,6 +19,7 @@ from tool0.errors import DescriptionError, SourceLocation, nearest_name
 BUNDLED = Path(__file__).resolve().parent.parent / "ros_packages"
 
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
+_PREFERRED: ContextVar[Mapping[str, Path]] = ContextVar("preferred", default={})
 _IGNORE = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 
 
@@ -25,21 +29,34 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
     Raises:
         DescriptionError: If it is nowhere; the message says where it was sought.
     """
+    preferred = _PREFERRED.get().get(name)
+    if preferred is not None:
+        return preferred
     bundled = BUNDLED / name
     if (bundled / "package.xml").is_file():
         return bundled
-    seen = {path.name for path in _crawl(BUNDLED)}
+    seen = {path.name for path in crawl(BUNDLED)} | set(_PREFERRED.get())
     for entry in search_path():
-        for folder in _crawl(entry):
-            if _package_name(folder) == name:
+        for folder in crawl(entry):
+            if package_name(folder) == name:
                 return folder
-            seen.add(_package_name(folder))
+            seen.add(package_name(folder))
     looked = ", ".join(map(str, (BUNDLED, *search_path())))
     raise DescriptionError(
         f"there is no ROS package '{name}' in {looked}{nearest_name(name, seen)}; "
         "add the folder that holds it to ROS_PACKAGE_PATH",
         location,
     )
+
+
+@contextmanager
+def preferring(packages: Mapping[str, Path]) -> Iterator[None]:
+    """Find these packages, by their names, before all others meanwhile."""
+    before = _PREFERRED.set(packages)
+    try:
+        yield
+    finally:
+        _PREFERRED.reset(before)
 
 
 def search_path() -> tuple[Path, ...]:
@@ -73,7 +90,7 @@ def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:
     )
 
 
-def _crawl(root: Path) -> Iterator[Path]:
+def crawl(root: Path) -> Iterator[Path]:
     """Yield the package folders at or below ``root``, parents before children."""
     for folder, children, files in os.walk(root, followlinks=True):
         if any(mark in files for mark in _IGNORE):
@@ -85,7 +102,8 @@ def _crawl(root: Path) -> Iterator[Path]:
             children[:] = sorted(name for name in children if name[0] != ".")
 
 
-def _package_name(folder: Path) -> str:
+def package_name(folder: Path) -> str:
+    """Return what the package in ``folder`` calls itself."""
     text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
     match = _NAME.search(text)
     return match.group(1) if match else folder.name
