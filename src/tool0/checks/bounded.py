@@ -12,6 +12,7 @@ import select
 import signal
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 from tool0.errors import Tool0Error
@@ -60,7 +61,7 @@ def bounded(
         _, status = os.waitpid(child, 0)
     if not packet:
         raise OutOfBoundsError(f"reading it crashed (status {status})")
-    error, answer = pickle.loads(packet)  # noqa: S301  # our own child wrote it
+    error, answer = pickle.loads(packet)  # our own child wrote it
     if error is not None:
         raise error
     result: R = answer
@@ -107,8 +108,8 @@ def _limit() -> None:
     seconds = int(PATIENCE) + 1  # also when the parent was killed
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     with contextlib.suppress(OSError, ValueError):
-        with open("/proc/self/statm", encoding="ascii") as statm:
-            held = int(statm.read().split()[0]) * resource.getpagesize()
+        pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[0]
+        held = int(pages) * resource.getpagesize()
         resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, held + MEMORY))
 
 
@@ -116,7 +117,7 @@ def _as_picklable(error: BaseException) -> bytes:
     error.__traceback__ = error.__cause__ = error.__context__ = None
     with contextlib.suppress(Exception):
         packet: bytes = pickle.dumps((error, None))
-        pickle.loads(packet)  # noqa: S301  # errors may fail at it only here
+        pickle.loads(packet)  # errors may fail at it only here
         return packet
     text = f"{type(error).__name__}: {error}"
     return pickle.dumps((OutOfBoundsError(f"reading it failed: {text}"), None))
