@@ -24,6 +24,8 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "reset": ("simulation", "go back to time zero and the initial pose"),
     "estop": ("simulation", "engage or release the emergency stop"),
     "gazebo": ("gazebo", "get a Gazebo 11 to simulate with, or see which would run"),
+    "workspace": ("workspace", "write the robot as catkin packages, for Noetic"),
+    "doctor": ("doctor", "tell what this machine can run, and how to get the rest"),
     "ros1": ("ros1", "get ROS 1 for bringup --ros1, or see what of it is there"),
 }
 """Command → its module in this package, and what it does."""
@@ -88,7 +90,7 @@ def _help() -> str:
             "",
             *rows,
             "",
-            "`tool0 COMMAND --help` explains a command.  All but the first three,",
-            "gazebo and ros1 talk to a bringup that runs: --name if there are several.",
+            "`tool0 COMMAND --help` explains a command.  All from controllers to estop",
+            "talk to a bringup that runs: --name if there are several.",
         ]
     )

@@ -53,7 +53,10 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     Returns:
         The thread that opens it; None if there is nobody to see it.
     """
-    if not (options.open and console.isatty() and _has_desktop()):
+    from tool0.panel.desktop import has_desktop
+
+    is_seen = console.isatty() and has_desktop(os.environ, sys.platform)
+    if not (options.open and is_seen):
         return None
     import threading
     import webbrowser
@@ -64,11 +67,3 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     )
     opener.start()
     return opener
-
-
-def _has_desktop() -> bool:
-    if "SSH_CONNECTION" in os.environ and "DISPLAY" not in os.environ:
-        return False
-    if sys.platform in ("darwin", "win32"):
-        return True
-    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))

@@ -1,0 +1,26 @@
+"""``tool0 doctor``: what this machine can run, and how to get what is missing."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from tool0.cli.parsing import parse
+from tool0.cli.readiness import tell
+
+
+def run(command: str, arguments: list[str]) -> int:
+    """Run the command and return its exit status."""
+    return parse(doctor, command, arguments)
+
+
+def doctor(*, format: Literal["text", "json"] = "text") -> int:
+    """Tell what this machine can run, and the command that installs what is missing.
+
+    Status 1 if it cannot run `tool0 bringup`, that is the robot in MuJoCo.
+
+    Args:
+        format: For people or for programs.
+    """
+    from tool0.doctor.examination import examine
+
+    return tell(examine(), format)

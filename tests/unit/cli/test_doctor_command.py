@@ -1,0 +1,110 @@
+import json
+import os
+import re
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+from tool0.cli import FAILED, OK, main
+from tool0.doctor.probes import PROBES
+
+STATES = {"ready", "missing", "not supported", "unknown"}
+
+
+def doctor(capfd: pytest.CaptureFixture[str]) -> tuple[int, dict[str, dict[str, str]]]:
+    status = main(["doctor", "--format", "json"])
+    said = capfd.readouterr()
+    assert said.err == ""
+    report = json.loads(said.out)
+    assert report["can_run"] is (status == OK)
+    return status, {line["what"]: line for line in report["lines"]}
+
+
+def test_this_machine_can_run_the_main_job(capfd: pytest.CaptureFixture[str]) -> None:
+    status, lines = doctor(capfd)
+    assert status == OK
+    assert {line["state"] for line in lines.values()} <= STATES
+    assert not [line for line in lines.values() if line["state"] == "unknown"]
+    assert lines["mujoco"]["found"].startswith(version("mujoco"))
+    assert sys.prefix in lines["python"]["found"]
+    assert lines["ros2"]["state"] == "not supported"
+    told_apart = {"workspace": "catkin", "off_screen": "off-screen"}
+    assert {told_apart.get(name, name) for name in PROBES} <= lines.keys()
+
+
+def test_people_read_a_table(capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["doctor"]) == OK
+    text = capfd.readouterr().out
+    assert text.startswith("machine ")
+    assert re.fullmatch(r"tool0 bringup +ready +runs here", text.splitlines()[-1])
+
+
+def test_an_empty_path_lacks_programs_and_no_physics(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "CMAKE_PREFIX_PATH", "TOOL0_GAZEBO"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    status, lines = doctor(capfd)
+    assert status == OK
+    assert lines["mujoco"]["state"] == "ready"
+    assert lines["gazebo"]["state"] == "missing"
+    assert lines["gazebo"]["remedy"] == "tool0 gazebo install --gui"
+    if sys.platform == "linux":
+        assert lines["browser"]["state"] == "missing"
+        assert lines["catkin"]["state"] in ("missing", "not supported")
+
+
+def break_mujoco(folder: Path, how: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    (folder / "mujoco.py").write_text(how)
+    monkeypatch.setenv("PYTHONPATH", str(folder))
+
+
+def test_a_mujoco_that_cannot_be_imported_is_to_be_installed(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    how = "raise ImportError('libbad.so: cannot open', name='mujoco')"
+    break_mujoco(tmp_path, how, monkeypatch)
+    status, lines = doctor(capfd)
+    assert status == 1
+    assert lines["mujoco"]["state"] == "missing"
+    assert lines["mujoco"]["found"] == "libbad.so: cannot open"
+    assert lines["mujoco"]["remedy"].startswith(f"{sys.executable} -m pip install ")
+    assert "'mujoco>=" in lines["mujoco"]["remedy"]
+    assert lines["python"]["state"] == "ready"
+
+
+def test_a_mujoco_that_crashes_takes_nothing_else_with_it(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    break_mujoco(tmp_path, "import os; os.abort()", monkeypatch)
+    status, lines = doctor(capfd)
+    assert status == 1
+    assert lines["mujoco"]["state"] == "unknown"
+    assert "SIGABRT" in lines["mujoco"]["found"]
+    assert lines["python"]["state"] == "ready"
+
+
+def test_nothing_heavy_is_imported_by_the_command_itself() -> None:
+    program = (
+        "import sys; from tool0.cli import main; main(['doctor']); "
+        "sys.exit(bool({'mujoco', 'numpy', 'rospy'} & set(sys.modules)))"
+    )
+    subprocess.run(
+        [sys.executable, "-c", program],
+        check=True,
+        stdout=subprocess.DEVNULL,
+        env=os.environ,
+    )
+
+
+def test_a_wrong_option_is_a_mistake(capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["doctor", "--form", "json"])
+    assert ended.value.code == FAILED
+    assert "--format" in capfd.readouterr().err
