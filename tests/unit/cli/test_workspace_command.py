@@ -1,0 +1,71 @@
+"""``tool0 workspace`` says what it did, and what to type next."""
+
+from pathlib import Path
+
+import pytest
+
+from tool0.cli import FAILED, OK, main
+
+Capture = pytest.CaptureFixture[str]
+LAUNCH = "src/tool0_gazebo/launch/ur5_robotiq_2f_85_bringup.launch"
+
+
+def test_it_says_what_to_type_next(tmp_path: Path, capsys: Capture) -> None:
+    folder = tmp_path / "my ws"
+    assert main(["workspace", str(folder)]) == OK
+    out = capsys.readouterr().out
+    assert f"{folder}/src/tool0_gazebo: files" in out
+    assert f"cd '{folder}'\n" in out
+    assert "rosdep install --from-paths src --ignore-src --rosdistro noetic -y\n" in out
+    assert "catkin_make\n  source devel/setup.bash\n" in out
+    for line in out.splitlines():  # what it says to launch is there
+        if "roslaunch" in line:
+            _, package, file, *_ = line.split()
+            assert (folder / "src" / package / "launch" / file).is_file()
+    assert "git clone" not in out
+
+
+def test_upstream_meshes_need_a_clone(tmp_path: Path, capsys: Capture) -> None:
+    assert main(["workspace", str(tmp_path), "--upstream-meshes"]) == OK
+    assert "robotiq.git src/robotiq\n" in capsys.readouterr().out
+    assert 'default="upstream"' in (tmp_path / LAUNCH).read_text()
+
+
+def test_edited_files_are_named_and_what_to_do(tmp_path: Path, capsys: Capture) -> None:
+    main(["workspace", str(tmp_path)])
+    (tmp_path / LAUNCH).write_text("<launch/>")
+    capsys.readouterr()
+    assert main(["workspace", str(tmp_path)]) == OK
+    out = capsys.readouterr().out
+    assert f"kept: {tmp_path / LAUNCH}; you have edited it" in out
+    assert "--force overwrites them" in out
+    assert main(["workspace", str(tmp_path), "--force"]) == OK
+    out = capsys.readouterr().out
+    assert f"your version: {tmp_path / LAUNCH}.orig" in out
+    assert "kept" not in out
+
+
+def test_below_a_src_the_commands_are_for_its_workspace(
+    tmp_path: Path, capsys: Capture
+) -> None:
+    (tmp_path / "src" / "group" / "mine").mkdir(parents=True)
+    (tmp_path / "src" / "group" / "mine" / "package.xml").write_text("<package/>")
+    assert main(["workspace", str(tmp_path / "src" / "group")]) == OK
+    assert f"  cd {tmp_path}\n" in capsys.readouterr().out
+    assert (tmp_path / "src" / "group" / "tool0_gazebo" / "package.xml").is_file()
+
+
+def test_packages_in_a_folder_of_another_name(tmp_path: Path, capsys: Capture) -> None:
+    folder = tmp_path / "packages"
+    (folder / "mine").mkdir(parents=True)
+    (folder / "mine" / "package.xml").write_text("<package/>")
+    assert main(["workspace", str(folder)]) == OK
+    out = capsys.readouterr().out
+    assert f"  cd {tmp_path}\n" in out
+    assert "catkin_make --source packages\n" in out
+
+
+def test_what_cannot_be_is_an_error(tmp_path: Path, capsys: Capture) -> None:
+    (tmp_path / "file").touch()
+    assert main(["workspace", str(tmp_path / "file")]) == FAILED
+    assert "is not a folder" in capsys.readouterr().err
