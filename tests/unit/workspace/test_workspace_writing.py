@@ -207,7 +207,7 @@ def test_a_folder_that_is_not_ours_to_write_is_told(
 
     with monkeypatch.context() as patch:
         patch.setattr(Path, "mkdir", fails)
-        with pytest.raises(ConfigError, match="cannot write .*Permission denied"):
+        with pytest.raises(ConfigError, match=r"cannot write .*Permission denied"):
             write_workspace(tmp_path)
 
 
