@@ -1,0 +1,269 @@
+"""``$(eval …)`` of roslaunch: arithmetic, texts and arguments, and nothing else.
+
+roslaunch hands the expression to Python.  Here its syntax tree is walked, and only
+what is named below is understood; sizes are bounded, so that no expression takes long.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Final, final
+
+MAX_LENGTH: Final = 2000
+"""Of an expression, in characters."""
+MAX_TEXT: Final = 50_000
+"""Of a text that an expression makes."""
+MAX_BITS: Final = 4096
+"""Of a whole number."""
+
+Function = Callable[..., object]
+
+_FUNCTIONS_OF_MATH: Final = (
+    "acos acosh asin asinh atan atan2 atanh ceil copysign cos cosh degrees exp fabs"
+    " floor fmod hypot isfinite isinf isnan log log10 log2 pow radians sin sinh"
+    " sqrt tan tanh trunc"
+)
+_MATH: Final[dict[str, Function]] = {
+    name: getattr(math, name) for name in _FUNCTIONS_OF_MATH.split()
+}
+_CONSTANTS: Final[dict[str, object]] = {
+    "true": True,
+    "false": False,
+    "pi": math.pi,
+    "e": math.e,
+    "tau": math.tau,
+    "inf": math.inf,
+    "nan": math.nan,
+}
+_NAMES_OF_METHODS: Final = (
+    "capitalize count endswith find isdigit lower lstrip rstrip split startswith strip"
+    " title upper"
+)
+_METHODS: Final = frozenset(_NAMES_OF_METHODS.split())
+"""Of texts: those whose result is no longer than the text."""
+_UNARY: Final[dict[type[ast.unaryop], Function]] = {
+    ast.Not: operator.not_,
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+    ast.Invert: operator.invert,
+}
+_COMPARE: Final[dict[type[ast.cmpop], Function]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.In: lambda item, where: item in where,
+    ast.NotIn: lambda item, where: item not in where,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+}
+_BINARY: Final[dict[type[ast.operator], Function]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+    ast.Pow: operator.pow,
+    ast.BitAnd: operator.and_,
+    ast.BitOr: operator.or_,
+    ast.BitXor: operator.xor,
+    ast.LShift: operator.lshift,
+    ast.RShift: operator.rshift,
+}
+
+
+class EvaluationError(Exception):
+    """The expression has no value; the message says why."""
+
+
+def evaluate(
+    expression: str,
+    functions: Mapping[str, Function],
+    argument: Callable[[str], object],
+) -> str:
+    """Return the value of ``expression`` as roslaunch would write it.
+
+    Args:
+        expression: What stands in ``$(eval …)``.
+        functions: What it may call with texts beside mathematics, by name.
+        argument: Gives the value of a name; raises KeyError if it has none.
+
+    Raises:
+        EvaluationError: If it is no expression, has no value, or is not understood.
+    """
+    if len(expression) > MAX_LENGTH:
+        raise EvaluationError(f"it is longer than {MAX_LENGTH} characters")
+    if "__" in expression:
+        raise EvaluationError("it may not hold a double underscore")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of Python, about odd escapes
+            tree = ast.parse(expression.strip(), mode="eval")
+        return str(_Evaluator(functions, argument).value(tree.body))
+    except EvaluationError:
+        raise
+    except (SyntaxError, ValueError, TypeError, ArithmeticError) as error:
+        raise EvaluationError(" ".join(str(error).split()) or repr(error)) from None
+    except (RecursionError, MemoryError):
+        raise EvaluationError("it is nested too deep") from None
+    except (LookupError, AttributeError) as error:
+        raise EvaluationError(str(error).strip("'\"")) from None
+
+
+@final
+class _Evaluator:
+    """Walks the tree of one expression."""
+
+    def __init__(
+        self,
+        functions: Mapping[str, Function],
+        argument: Callable[[str], object],
+    ) -> None:
+        self._functions: dict[str, Function] = {
+            **_MATH,
+            "int": int,
+            "float": float,
+            "str": str,
+            "list": list,
+        }
+        self._of_texts = functions
+        self._argument = argument
+
+    def value(self, node: ast.expr) -> object:
+        """Return the value of an expression."""
+        match node:
+            case ast.Constant(
+                value=bool() | int() | float() | str() | None as constant
+            ):
+                return constant
+            case ast.Name(id=name):
+                return self._name(name)
+            case ast.UnaryOp(op=op, operand=operand):
+                return _UNARY[type(op)](self.value(operand))
+            case ast.BinOp(left=left, op=op, right=right):
+                return _binary(op, self.value(left), self.value(right))
+            case ast.BoolOp(op=op, values=values):
+                return self._either(isinstance(op, ast.Or), values)
+            case ast.IfExp(test=test, body=body, orelse=otherwise):
+                return self.value(body if self.value(test) else otherwise)
+            case ast.Compare():
+                return self._compare(node)
+            case ast.Call(keywords=[]):
+                return self._call(node.func, [self.value(arg) for arg in node.args])
+            case ast.List(elts=items):
+                return [self.value(item) for item in items]
+            case ast.Tuple(elts=items):
+                return tuple(self.value(item) for item in items)
+            case ast.Subscript(value=whole, slice=index) if not isinstance(
+                index, ast.Slice
+            ):
+                return _item(self.value(whole), self.value(index))
+        raise _not_understood(node)
+
+    def _name(self, name: str) -> object:
+        if name in _CONSTANTS:
+            return _CONSTANTS[name]
+        try:
+            return self._argument(name)
+        except KeyError:
+            raise EvaluationError(f"nothing gives '{name}' a value") from None
+
+    def _either(self, is_or: bool, values: list[ast.expr]) -> object:
+        result: object = None
+        for item in values:
+            result = self.value(item)
+            if bool(result) is is_or:
+                break
+        return result
+
+    def _compare(self, node: ast.Compare) -> bool:
+        left = self.value(node.left)
+        for op, operand in zip(node.ops, node.comparators, strict=True):
+            right = self.value(operand)
+            if not _COMPARE[type(op)](left, right):
+                return False
+            left = right
+        return True
+
+    def _call(self, called: ast.expr, arguments: list[object]) -> object:
+        match called:
+            case ast.Name(id=name) if name in self._of_texts:
+                if not all(isinstance(argument, str) for argument in arguments):
+                    raise EvaluationError(f"{name}() takes texts")
+                return self._of_texts[name](*arguments)
+            case ast.Name(id=name) if name in self._functions:
+                if name in ("pow", "int") and len(arguments) > 1:
+                    arguments = [_small(argument) for argument in arguments]
+                return self._functions[name](*arguments)
+            case ast.Attribute(value=owner, attr=name) if name in _METHODS:
+                text = self.value(owner)
+                if isinstance(text, str):
+                    return getattr(text, name)(*arguments)
+        raise _not_understood(called)
+
+
+def _small(value: object) -> object:
+    if isinstance(value, int) and value.bit_length() > MAX_BITS:
+        raise EvaluationError(f"a number of more than {MAX_BITS} bits")
+    return value
+
+
+def _item(whole: object, index: object) -> object:
+    if isinstance(whole, (str, list, tuple)) and isinstance(index, int):
+        return whole[index]
+    raise EvaluationError(f"{type(whole).__name__} has no element {index!r}")
+
+
+def _binary(op: ast.operator, left: object, right: object) -> object:
+    """Return what the operator makes of both, if that cannot be large."""
+    kind = type(op)
+    for value in (left, right):
+        _small(value)
+    are_numbers = isinstance(left, (int, float)) and isinstance(right, (int, float))
+    if isinstance(op, ast.Pow | ast.LShift) and are_numbers:
+        _bound_power(kind, left, right)
+    elif isinstance(op, ast.Add) and isinstance(left, str) and isinstance(right, str):
+        _bound(len(left) + len(right))
+    elif isinstance(op, ast.Mult) and not are_numbers:
+        text, times = (left, right) if isinstance(left, str) else (right, left)
+        if not (isinstance(text, str) and isinstance(times, int)):
+            raise EvaluationError("only numbers and texts can be multiplied here")
+        _bound(len(text) * max(times, 0))
+    elif not are_numbers and not (
+        isinstance(op, ast.Add) and type(left) is type(right) is list
+    ):
+        raise EvaluationError(
+            f"{type(left).__name__} and {type(right).__name__} do not go together here"
+        )
+    if kind not in _BINARY:
+        raise EvaluationError("an operator that is not understood here")
+    return _small(_BINARY[kind](left, right))
+
+
+def _bound(length: int) -> None:
+    if length > MAX_TEXT:
+        raise EvaluationError(f"a text of more than {MAX_TEXT} characters")
+
+
+def _bound_power(kind: type, left: object, right: object) -> None:
+    if not (isinstance(left, int) and isinstance(right, int)):
+        return
+    bits = abs(right) * left.bit_length() if kind is ast.Pow else right
+    if bits > MAX_BITS:
+        raise EvaluationError(f"a number of more than {MAX_BITS} bits")
+
+
+def _not_understood(node: ast.expr) -> EvaluationError:
+    shown = ast.unparse(node)
+    shown = shown if len(shown) <= 40 else f"{shown[:37]}..."
+    return EvaluationError(
+        f"'{shown}' is not understood here; understood are numbers, texts, arguments, "
+        "operators, comparisons, the functions of math, and methods of texts"
+    )

@@ -1,0 +1,135 @@
+"""Which elements and attributes roslaunch reads.
+
+From https://wiki.ros.org/roslaunch/XML; ``if`` and ``unless`` may stand on every one.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from typing import Final
+from xml.dom.minidom import Element
+
+from tool0.description.finding import Finding, Severity
+from tool0.description.xml_source import children
+from tool0.errors import SourceLocation, nearest_name
+
+_NODE: Final = (
+    "pkg type name args machine output respawn respawn_delay required ns clear_params"
+    " cwd launch-prefix"
+)
+ATTRIBUTES: Final[dict[str, frozenset[str]]] = {
+    name: frozenset(attributes.split()) | {"if", "unless"}
+    for name, attributes in {
+        "launch": "deprecated",
+        "arg": "name default value doc",
+        "include": "file ns clear_params pass_all_args",
+        "group": "ns clear_params",
+        "param": "name value type textfile binfile command",
+        "rosparam": "command file param ns subst_value",
+        "node": _NODE,
+        "test": f"{_NODE} test-name time-limit retry",
+        "remap": "from to",
+        "env": "name value",
+        "machine": "name address env-loader ssh-port user password default timeout",
+        "master": "auto type uri",
+    }.items()
+}
+REQUIRED: Final[dict[str, tuple[str, ...]]] = {
+    "arg": ("name",),
+    "include": ("file",),
+    "param": ("name",),
+    "node": ("pkg", "type", "name"),
+    "test": ("pkg", "type", "test-name"),
+    "remap": ("from", "to"),
+    "env": ("name", "value"),
+    "machine": ("name", "address"),
+}
+_ANYTHING: Final = frozenset(ATTRIBUTES) - {"launch"}
+_OF_NODES: Final = frozenset({"param", "rosparam", "remap", "env"})
+CHILDREN: Final[dict[str, frozenset[str]]] = {
+    "launch": _ANYTHING,
+    "group": _ANYTHING,
+    "include": frozenset({"arg", "env"}),
+    "node": _OF_NODES,
+    "test": _OF_NODES,
+}
+"""What may stand in an element; nothing in those that are not named here."""
+
+_OBSOLETE: Final[dict[tuple[str, str], str]] = {
+    ("machine", name): "was given up in ROS Fuerte; write env-loader instead"
+    for name in ("ros-root", "ros-package-path", "ros-ip", "ros-hostname")
+}
+
+
+def check(
+    element: Element, location: SourceLocation, report: Callable[[Finding], None]
+) -> None:
+    """Report what roslaunch does not know, or misses, in a known ``element``."""
+    tag = element.tagName
+    known = ATTRIBUTES[tag]
+    for name, _ in element.attributes.items():
+        if name in known or name.startswith("xmlns"):
+            continue
+        is_near = bool(difflib.get_close_matches(name, known, n=1))
+        obsolete = _OBSOLETE.get((tag, name))
+        report(
+            _finding(
+                location,
+                "unknown-attribute",
+                name,
+                obsolete
+                or f"is no attribute of <{tag}>, and roslaunch ignores it"
+                + nearest_name(name, set(known)),
+                severity="error" if is_near or obsolete else "warning",
+                remedy=f"remove {name}, or write the attribute that was meant",
+            )
+        )
+    missing = [n for n in REQUIRED.get(tag, ()) if not element.hasAttribute(n)]
+    for name in missing:
+        report(
+            _finding(
+                location,
+                "missing-attribute",
+                name,
+                f"is missing from <{tag}>, and roslaunch stops without it",
+                remedy=f'write {name}="…"',
+            )
+        )
+    allowed = CHILDREN.get(tag, frozenset())
+    for child in children(element):
+        if child.tagName not in allowed:
+            report(_stranger(child, tag, allowed, location))
+
+
+def _stranger(
+    child: Element, tag: str, allowed: frozenset[str], around: SourceLocation
+) -> Finding:
+    name = child.tagName
+    hint = nearest_name(name, set(allowed)) if allowed else ""
+    return _finding(
+        getattr(child, "location", None) or around,
+        "unknown-element",
+        name,
+        f"is nothing that <{tag}> may hold, and roslaunch ignores it{hint}",
+        remedy=f"remove <{name}>, or write the element that was meant",
+    )
+
+
+def _finding(
+    location: SourceLocation,
+    rule: str,
+    key: str,
+    message: str,
+    *,
+    severity: Severity = "error",
+    remedy: str,
+) -> Finding:
+    return Finding(
+        location=location,
+        rule=rule,
+        severity=severity,
+        key=key,
+        message=message,
+        remedy=remedy,
+    )
