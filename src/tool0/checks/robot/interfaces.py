@@ -35,9 +35,9 @@ class InterfaceFacts:
     location: SourceLocation
 
     @property
-    def is_typo(self) -> bool:
-        """Whether ROS does not read as what is ``meant``."""
-        return not is_interface(self.written)
+    def is_known(self) -> bool:
+        """Whether ROS knows it as it is written."""
+        return is_interface(self.written)
 
 
 def is_interface(text: str) -> bool:

@@ -1,0 +1,239 @@
+"""Masses and inertias that no body could have, and bodies without any."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import final
+from xml.dom.minidom import Element
+
+from tool0.checks.robot.bodies import bodies
+from tool0.checks.robot.elements import attribute, child, number, place
+from tool0.checks.robot.facts import RobotFacts
+from tool0.checks.robot.names import short
+from tool0.checks.robot.shapes import extent_of
+from tool0.description.finding import Finding
+from tool0.description.model import Inertial
+from tool0.description.urdf_links import principal_moments
+from tool0.description.xml_source import children
+
+_WORLD = "world"
+_DENSEST = 22600.0
+"""Of osmium [kg/m³]: https://en.wikipedia.org/wiki/Osmium."""
+_ROUNDING = 1e-3
+"""The slack of the triangle inequality, for numbers that a CAD program rounded."""
+_LONGEST = 10.0
+_SIZES = (0.02, 3.0)
+"""How far the radius of gyration may be from the link's own size, as a factor of it."""
+
+
+def inertia_findings(
+    root: Element, facts: RobotFacts, spawned: bool
+) -> Iterator[Finding]:
+    """Yield what is wrong in the links' <inertial>."""
+    links = {attribute(link, "name"): link for link in children(root, "link")}
+    for name, link in links.items():
+        inertial = child(link, "inertial")
+        if inertial is not None:
+            yield from _inertial(link, inertial, name)
+    yield from _without(facts, links, spawned)
+
+
+def _inertial(link: Element, inertial: Element, name: str) -> Iterator[Finding]:
+    for tag in ("mass", "inertia"):
+        if child(inertial, tag) is None:
+            yield Finding(
+                location=place(inertial),
+                rule="incomplete-inertial",
+                key=name,
+                message=(
+                    f"the <inertial> of link '{short(name)}' has no <{tag}>, so ROS "
+                    "refuses the whole robot_description"
+                ),
+                remedy=f"add <{tag}>, or leave <inertial> out for a mere frame",
+            )
+    weighed = child(inertial, "mass")
+    mass = number(weighed, "value")
+    if weighed is None or mass is None:
+        return
+    if mass <= 0:
+        yield Finding(
+            location=place(weighed),
+            rule="bad-mass",
+            key=name,
+            message=(
+                f"link '{short(name)}' has the mass {mass:g} kg: Gazebo drops a link "
+                "without mass, and all that hangs on it"
+            ),
+            remedy="give its mass in kg, or leave <inertial> out for a mere frame",
+        )
+        return
+    tensor = child(inertial, "inertia")
+    moments = None if tensor is None else _moments(tensor, mass)
+    if tensor is not None and moments is not None:
+        yield from _tensor(tensor, _Body(name, mass, moments, extent_of(link)))
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _Body:
+    """One link as a body: a name, kg, principal moments [kg·m²], extent [m]."""
+
+    name: str
+    mass: float
+    moments: tuple[float, float, float]
+    extent: float | None
+
+    def __str__(self) -> str:
+        low, middle, high = self.moments
+        return (
+            f"link '{short(self.name)}' of {self.mass:g} kg has the principal moments "
+            f"{low:.3g}, {middle:.3g} and {high:.3g} kg·m²"
+        )
+
+
+def _moments(tensor: Element, mass: float) -> tuple[float, float, float] | None:
+    """Return the principal moments, smallest first; None if a number is missing."""
+    names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    given = [number(tensor, name) if attribute(tensor, name) else 0.0 for name in names]
+    found = [value for value in given if value is not None]
+    if len(found) != len(names) or any(
+        not attribute(tensor, name) for name in names[:3]
+    ):
+        return None
+    scale = max(map(abs, found))
+    if not scale > 0:
+        return (0.0, 0.0, 0.0)
+    # So scaled, and without what is less than rounding, no power over- or underflows.
+    values = [value / scale if abs(value) > 1e-9 * scale else 0.0 for value in found]
+    ixx, iyy, izz, ixy, ixz, iyz = values
+    low, middle, high = principal_moments(
+        Inertial(mass=mass, ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)
+    )
+    return (low * scale, middle * scale, high * scale)
+
+
+def _tensor(tensor: Element, body: _Body) -> Iterator[Finding]:
+    low, middle, high = body.moments
+    if not low > 0:
+        yield Finding(
+            location=place(tensor),
+            rule="bad-inertia",
+            key=body.name,
+            message=(
+                f"{body}, where all must be above zero (positive definite): the "
+                "simulator refuses it, or throws the robot away"
+            ),
+            remedy=(
+                "check signs and products of inertia: ixy, ixz and iyz are small "
+                "beside ixx, iyy and izz"
+            ),
+        )
+    elif not low + middle >= high * (1 - _ROUNDING):
+        yield Finding(
+            location=place(tensor),
+            rule="bad-inertia",
+            key=body.name,
+            message=(
+                f"{body}: no body's largest exceeds the sum of the others (triangle "
+                "inequality). MuJoCo and the new Gazebo refuse it, and Gazebo "
+                "classic turns it wrongly"
+            ),
+            remedy="check units and axes, and that a CAD program's signs are kept",
+        )
+    else:
+        yield from _size(tensor, body)
+
+
+def _size(tensor: Element, body: _Body) -> Iterator[Finding]:
+    """Compare the radius of gyration with sizes that a body may have."""
+    high = body.moments[2]
+    gyration = math.sqrt(high / body.mass)
+    compact = _moment_of_ball(body.mass)
+    if high < compact:
+        yield _implausible(
+            tensor,
+            body,
+            f"a ball of osmium, the densest there is, has {compact:.3g} kg·m²: the "
+            "moments are too small by far, and the simulation will shake",
+            is_error=high < compact / 100,
+        )
+    elif gyration > _LONGEST:
+        yield _implausible(
+            tensor,
+            body,
+            f"it lies {gyration:.3g} m around its centre (radius of gyration), so it "
+            "hardly turns",
+        )
+    elif body.extent and not (_SIZES[0] <= gyration / body.extent <= _SIZES[1]):
+        much = "small" if gyration < body.extent else "large"
+        yield _implausible(
+            tensor,
+            body,
+            f"its mass lies {gyration:.3g} m around its centre (radius of gyration), "
+            f"while its shapes measure {body.extent:.3g} m: the moments are too {much} "
+            f"for it",
+        )
+
+
+def _implausible(
+    tensor: Element, body: _Body, reason: str, *, is_error: bool = False
+) -> Finding:
+    return Finding(
+        location=place(tensor),
+        rule="implausible-inertia",
+        severity="error" if is_error else "warning",
+        key=body.name,
+        message=f"{body}; {reason}",
+        remedy=(
+            "give moments in kg·m² about the centre of mass, not in g·mm²: a solid "
+            "box has mass/12·(a²+b²), a cylinder mass/2·r² about its axis"
+        ),
+    )
+
+
+def _moment_of_ball(mass: float) -> float:
+    """Return the least moment [kg·m²] that a body of ``mass`` [kg] can have.
+
+    For a given mass and density, that of a solid ball.
+    """
+    radius: float = (3 * mass / (4 * math.pi * _DENSEST)) ** (1 / 3)
+    return 0.4 * mass * radius * radius
+
+
+def _without(
+    facts: RobotFacts, links: Mapping[str, Element], spawned: bool
+) -> Iterator[Finding]:
+    """Yield the bodies that move, or that all hangs on, and have no inertia."""
+    weighed = {name for name, link in links.items() if child(link, "inertial")}
+    for_gazebo = spawned or facts.has_extensions or bool(facts.transmissions)
+    if not (weighed or for_gazebo):
+        return  # drawn only
+    body = bodies(facts)
+    heavy = {body[name] for name in weighed if name in body}
+    moved = {joint.child for joint in facts.joints.values() if joint.is_movable}
+    carriers = {
+        body.get(joint.parent) for joint in facts.joints.values() if joint.is_movable
+    }
+    for name in dict.fromkeys(body.values()):
+        if name in heavy or name == _WORLD:
+            continue
+        is_base = name in carriers and name not in moved
+        if name in moved or (is_base and for_gazebo):
+            yield Finding(
+                location=facts.links[name],
+                rule="no-inertia",
+                severity="error" if for_gazebo else "warning",
+                key=name,
+                message=(
+                    f"link '{short(name)}' "
+                    + ("carries joints that move" if is_base else "moves")
+                    + ", yet neither it nor what is fixed to it has an <inertial>: "
+                    "Gazebo drops it, and all that hangs on it"
+                ),
+                remedy=(
+                    "give it <inertial> with mass and inertia"
+                    + (', or fix it to <link name="world"/>' * is_base)
+                ),
+            )
