@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import final
 
 from tool0.checks.parameters import ros1, ros2
-from tool0.checks.parameters.flat import flat_findings
+from tool0.checks.parameters.flat import flat_findings, restored
 from tool0.checks.robot.facts import RobotFacts
 from tool0.control.config import ControllerConfig
 from tool0.description.finding import Finding
@@ -51,10 +51,9 @@ def yaml_findings(
     for text in texts:
         flat = list(flat_findings(text.text, text.location))
         yield from flat
-        if flat:
-            continue
+        meant = YamlText(restored(text.text), text.location) if flat else text
         try:
-            Tree().load(text.text, text.location)
+            Tree().load(meant.text, meant.location)
         except ConfigError as error:
             yield Finding(
                 location=error.location or text.location,
@@ -63,7 +62,7 @@ def yaml_findings(
                 remedy="look at the quotes, colons and indentation around there",
             )
             continue
-        trees.append(text)
+        trees.append(meant)
     if not any(text.is_about_controllers for text in trees):
         return
     whole = Tree()

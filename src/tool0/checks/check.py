@@ -1,0 +1,286 @@
+"""All rules over all files that a person names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import ParamSpec, TypeVar, final
+
+from tool0.checks import launch_file
+from tool0.checks.bounded import OutOfBoundsError, bounded
+from tool0.checks.document import document_findings
+from tool0.checks.launch_file import ReadLaunch
+from tool0.checks.package_file import declared_dependencies, package_findings
+from tool0.checks.parameters.file import YamlText, yaml_findings
+from tool0.checks.robot.facts import RobotFacts
+from tool0.checks.robot_file import ReadRobot, read_robot, read_xacro_source
+from tool0.checks.sources import Kind, Source, collect
+from tool0.checks.upstream import edit_findings, known_findings
+from tool0.description.finding import Finding
+from tool0.errors import SourceLocation, Tool0Error
+from tool0.launch.packages import Packages, packages_around
+
+R = TypeVar("R")
+P = ParamSpec("P")
+
+_NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What came of it."""
+
+    findings: tuple[Finding, ...]
+    """By file and line."""
+    files: tuple[Path, ...]
+    """What was looked into."""
+    notes: tuple[str, ...]
+    """What could not be looked into, and why: no fault of the files."""
+
+    @property
+    def n_errors(self) -> int:
+        return sum(finding.severity == "error" for finding in self.findings)
+
+    @property
+    def n_warnings(self) -> int:
+        return len(self.findings) - self.n_errors
+
+
+def check(paths: Iterable[Path]) -> Report:
+    """Check files and folders, each file within bounds of time and memory.
+
+    Raises:
+        ConfigError: If a path does not exist, or is of no kind that is understood.
+    """
+    return _Check(list(paths)).report()
+
+
+@final
+class _Check:
+    """One run: what was found so far, and which files were loaded by others."""
+
+    def __init__(self, paths: Sequence[Path]) -> None:
+        self._sources = collect(paths)
+        self._packages = {
+            name: folder.absolute() for name, folder in self._sources.packages.items()
+        }
+        for source in self._sources.files:
+            if source.was_named:
+                for name, folder in packages_around(source.path).items():
+                    self._packages.setdefault(name, folder)
+        self._places = Packages(self._packages)
+        self._findings: list[Finding] = []
+        self._notes = [f"{path}: {why}" for path, why in self._sources.skipped]
+        self._loaded: set[Path] = set()
+        self._robots: dict[tuple[Path, tuple[tuple[str, str], ...]], ReadRobot] = {}
+
+    def report(self) -> Report:
+        """Look into everything."""
+        for look in (
+            self._launch_files,
+            self._xacro_files,
+            self._urdf_files,
+            self._yaml_files,
+            self._package_files,
+            self._documents,
+            self._edits,
+        ):
+            look()
+        findings = dict.fromkeys(map(self._judged, self._findings))
+        return Report(
+            findings=tuple(sorted(filter(None, findings), key=_place)),
+            files=tuple(source.path for source in self._sources.files),
+            notes=tuple(dict.fromkeys(self._notes)),
+        )
+
+    # --- kinds of files ---
+
+    def _launch_files(self) -> None:
+        read: dict[Path, ReadLaunch] = {}
+        for source in self._sources.of(Kind.LAUNCH):
+            answer = self._try(source, launch_file.read, source.path, self._packages)
+            if answer is not None:
+                read[source.path] = answer
+        included = {path for answer in read.values() for path in answer.included}
+        for path, answer in read.items():
+            named = any(s.path == path and s.was_named for s in self._sources.files)
+            if path.absolute() not in included or named:
+                self._launch_file(path, answer)
+
+    def _launch_file(self, path: Path, read: ReadLaunch) -> None:
+        self._findings += read.findings
+        facts = None
+        for robot in read.robots:
+            answer = self._robot(robot.file, robot.args, spawned=read.spawns)
+            facts = facts or (answer and answer.facts)
+        self._loaded |= {
+            y.location.file.resolve() for y in read.yamls if y.location.file
+        }
+        source = Source(path, Kind.LAUNCH, was_named=False)
+        found = self._try(source, _listed, launch_file.control_findings, read, facts)
+        self._findings += found or ()
+
+    def _xacro_files(self) -> None:
+        for source in self._sources.of(Kind.XACRO):
+            answer = self._try(source, read_xacro_source, source.path, self._packages)
+            if answer is None:
+                continue
+            self._findings += answer.findings
+            is_loaded = source.path.resolve() in self._loaded
+            if is_loaded or not answer.makes_a_robot:
+                continue
+            tried = self._try(source, read_robot, source.path, {}, self._packages)
+            if tried is not None and tried.facts is None and answer.needs:
+                needs = ", ".join(answer.needs)
+                self._notes.append(
+                    f"{source.path}: not expanded, since nothing here gives it {needs}"
+                )
+            else:
+                self._robot(source.path, {})
+
+    def _urdf_files(self) -> None:
+        for source in self._sources.of(Kind.URDF):
+            if source.path.resolve() not in self._loaded:
+                self._robot(source.path, None)
+
+    def _yaml_files(self) -> None:
+        for source in self._sources.of(Kind.PARAMETERS):
+            if source.path.resolve() in self._loaded:
+                continue
+            text = source.path.read_text(encoding="utf-8", errors="replace")
+            yaml = YamlText(text, SourceLocation(source.path, 1))
+            if not yaml.is_about_controllers:
+                if source.was_named:
+                    self._notes.append(f"{source.path}: holds no controllers")
+                continue
+            facts = self._robot_of(source)
+            found = self._try(source, _listed, yaml_findings, (yaml,), facts)
+            self._findings += found or ()
+
+    def _robot_of(self, yaml: Source) -> RobotFacts | None:
+        """Return the robot that a YAML which nobody loads is for, if only one can be.
+
+        It was named with it, or lies in the same package or folder.
+        """
+        named = {s.path.resolve() for s in self._sources.files if s.was_named}
+        home = self._home(yaml.path)
+        found = [
+            read.facts
+            for (file, _), read in self._robots.items()
+            if read.facts is not None
+            and (self._home(file) == home or (yaml.was_named and file in named))
+        ]
+        return found[0] if len(found) == 1 else None
+
+    def _home(self, file: Path) -> str | Path:
+        return self._places.package_of(file.absolute()) or file.resolve().parent
+
+    def _package_files(self) -> None:
+        files = self._sources.files
+        for source in self._sources.of(Kind.PACKAGE):
+            found = self._try(source, _listed, package_findings, source.path, files)
+            self._findings += found or ()
+
+    def _documents(self) -> None:
+        for source in self._sources.of(Kind.DOCUMENT):
+            found = self._try(source, _listed, document_findings, source.path)
+            self._findings += found or ()
+
+    def _edits(self) -> None:
+        for source in self._sources.of(Kind.XACRO, Kind.LAUNCH, Kind.URDF):
+            text = source.path.read_text(encoding="utf-8", errors="replace")
+            package = self._places.package_of(source.path.absolute())
+            self._findings += edit_findings(source.path, text, package)
+            for finding in known_findings(text, SourceLocation(source.path, 1)):
+                if not self._is_here(finding.message.split(":")[0].split()[-1]):
+                    self._findings.append(finding)
+
+    # --- parts ---
+
+    def _robot(
+        self, file: Path, args: Mapping[str, str] | None, *, spawned: bool = False
+    ) -> ReadRobot | None:
+        self._loaded.add(file.resolve())
+        key = (file.resolve(), tuple(sorted((args or {}).items())))
+        if key not in self._robots:
+            source = Source(file, Kind.XACRO, was_named=False)
+            answer = self._try(
+                source, read_robot, file, args, self._packages, spawned=spawned
+            )
+            if answer is None:
+                return None
+            self._robots[key] = answer
+            self._findings += answer.findings
+        return self._robots[key]
+
+    def _try(
+        self,
+        source: Source,
+        work: Callable[P, R],
+        *arguments: P.args,
+        **keywords: P.kwargs,
+    ) -> R | None:
+        """Return what ``work`` returns; if it does not, that is a finding."""
+        try:
+            return bounded(work, *arguments, **keywords)
+        except OutOfBoundsError as error:
+            message = str(error)
+        except RecursionError:
+            message = "things stand too deep in one another to be read"
+        except (Tool0Error, OSError, ValueError) as error:
+            message = f"cannot be read: {error}"
+        self._findings.append(
+            Finding(
+                location=SourceLocation(source.path),
+                rule="unreadable",
+                message=message,
+            )
+        )
+        return None
+
+    def _is_here(self, package: str) -> bool:
+        try:
+            self._places.find(package)
+        except Tool0Error:
+            return False
+        return True
+
+    def _judged(self, finding: Finding) -> Finding | None:
+        """Tell a package that this machine lacks from one that is misspelt.
+
+        What the file's own package depends on is no fault of the file.
+        """
+        lacking, file = _lacking(finding), finding.location.file
+        if lacking is None or file is None:
+            return finding
+        folder = next(
+            (f for f in file.absolute().parents if (f / "package.xml").is_file()), None
+        )
+        if folder is not None and lacking in declared_dependencies(folder):
+            self._notes.append(
+                f"{file}: '{lacking}' is not on this machine; what it holds was not "
+                "looked into"
+            )
+            return None
+        if folder is None and "did you mean" not in finding.text:
+            return replace(finding, severity="warning")
+        return finding
+
+
+def _lacking(finding: Finding) -> str | None:
+    """Return the package that is not found, if the finding says that."""
+    if finding.rule in ("unresolved-find", "unknown-package"):
+        return finding.key
+    match = _NO_PACKAGE.search(finding.message)
+    return None if match is None else match[1]
+
+
+def _listed(work: Callable[P, Iterable[R]], *args: P.args, **kw: P.kwargs) -> list[R]:
+    return list(work(*args, **kw))
+
+
+def _place(finding: Finding) -> tuple[str, int, str]:
+    return str(finding.location.file), finding.location.line or 0, finding.key

@@ -1,0 +1,128 @@
+"""Files of other people's packages, changed where they stand.
+
+Source of what is wrong with them: the files themselves, jr-robotics/robotiq@3aab694 and
+ros-industrial/universal_robot (noetic).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Final
+
+from tool0.description.finding import Finding
+from tool0.errors import SourceLocation
+
+UPSTREAM: Final = frozenset(
+    {
+        *("ur_description", "ur_gazebo", "ur_kinematics", "ur_bringup"),
+        *("ur3_moveit_config", "ur5_moveit_config", "ur10_moveit_config"),
+        *("robotiq_2f_85_gripper_gazebo", "robotiq_2f_85_gripper_visualization"),
+        *("robotiq_2f_140_gripper_visualization", "robotiq_gazebo"),
+        *("robotiq_description", "robotiq_2f_gripper_control"),
+    }
+)
+"""Packages that people clone and do not own."""
+_FOREIGN: Final = {
+    "ur_": re.compile(r"robotiq|gripper|finger_joint", re.IGNORECASE),
+    "robotiq": re.compile(r"\btool0\b|\bur_(?:gazebo|description)\b"),
+}
+"""What the files of each never mention as they are published."""
+_DO_NOT_EDIT = re.compile(r"do not (?:edit|change) this file", re.IGNORECASE)
+_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
+_WHOLE_ELEMENT = re.compile(
+    r"^\s*<([A-Za-z_][\w:.-]*)\b[^>]*(?:/>|>.*</\1\s*>)", re.DOTALL
+)
+KNOWN_FAULTS: Final[Mapping[tuple[str, str], tuple[str, ...]]] = {
+    ("robotiq_2f_85_gripper_gazebo", "robotiq_arg2f_85_macro.xacro"): (
+        "its macro hard-codes an empty prefix, so that a prefix has no effect and a "
+        "second gripper cannot be added",
+        "its default interface is 'hardware/interface/EffortJointInterface', a typo "
+        "that gazebo_ros_control does not know",
+        "its mimic plugins have no <hasPID/>, so that Gazebo teleports the fingers and "
+        "gains for them are never read",
+    ),
+}
+"""Package and file → what is wrong with it as it is published."""
+_INSTEAD = (
+    "put it into a file of your own that includes this one; `tool0 workspace` does"
+)
+
+
+def edit_findings(file: Path, text: str, package: str | None) -> Iterator[Finding]:
+    """Yield where a file that belongs to others was changed.
+
+    Args:
+        file: The file, for places.
+        text: What it holds.
+        package: The package it lies in, if any.
+    """
+    asks = _DO_NOT_EDIT.search(text)
+    is_upstream = package in UPSTREAM
+    if not is_upstream and asks is None:
+        return
+    foreign = next(
+        (p for prefix, p in _FOREIGN.items() if (package or "ur_").startswith(prefix)),
+        None,
+    )
+    bare = _COMMENT.sub(lambda match: _blank(match[0]), text)
+    match = foreign.search(bare) if foreign is not None else None
+    if match is not None:
+        whose = "that asks not to be edited" if asks else f"of '{package}'"
+        yield _finding(
+            _place(file, bare, match.start()),
+            f"'{match[0]}' was added to a file {whose}: the next update, or the next "
+            "person's clone, is without it",
+        )
+    if not is_upstream:
+        return
+    for comment in _COMMENT.finditer(text):
+        element = _WHOLE_ELEMENT.match(comment[1])
+        if element is not None:
+            yield _finding(
+                _place(file, text, comment.start()),
+                f"<{element[1]}> is commented out in a file of '{package}': the next "
+                "update, or the next person's clone, has it again",
+            )
+
+
+def known_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
+    """Yield what is wrong with published files that a text includes."""
+    for (package, file), faults in KNOWN_FAULTS.items():
+        pattern = rf"\$\(find {package}\)/[\w/]*{re.escape(file)}"
+        match = re.search(pattern, _COMMENT.sub(lambda m: _blank(m[0]), text))
+        if match is None:
+            continue
+        for fault in faults:
+            yield Finding(
+                location=_within(text, match.start(), first),
+                rule="known-fault",
+                severity="warning",
+                key=file,
+                message=f"of {package}: {fault}",
+                remedy="take tool0_description's robotiq_2f_85_macro.xacro instead",
+            )
+
+
+def _finding(location: SourceLocation, message: str) -> Finding:
+    return Finding(
+        location=location,
+        rule="edited-upstream",
+        severity="warning",
+        message=message,
+        remedy=_INSTEAD,
+    )
+
+
+def _blank(text: str) -> str:
+    """Return ``text`` as white space of the same length and lines."""
+    return re.sub(r"[^\n]", " ", text)
+
+
+def _place(file: Path, text: str, offset: int) -> SourceLocation:
+    return _within(text, offset, SourceLocation(file, 1))
+
+
+def _within(text: str, offset: int, first: SourceLocation) -> SourceLocation:
+    return SourceLocation(first.file, (first.line or 1) + text.count("\n", 0, offset))

@@ -1,0 +1,101 @@
+"""``tool0 check``: what makes a set-up fail, found before it is run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from tool0.cli.parsing import parse
+
+if TYPE_CHECKING:
+    from tool0.checks.check import Report
+
+Format = Literal["text", "json"]
+
+CLEAN = 0
+FOUND = 1
+
+
+def run(command: str, arguments: list[str]) -> int:
+    """Run the command and return its exit status."""
+    status: int = parse(check, command, arguments)
+    return status
+
+
+def check(
+    paths: Annotated[tuple[Path, ...], tyro.conf.Positional],
+    format: Format = "text",  # the option's name
+    strict: bool = False,
+) -> int:
+    """Find what is wrong in URDF, xacro, ros_control YAML, launch files, workspaces.
+
+    Exit status: 0 if nothing will fail, 1 if something will, 2 for bad arguments.
+
+    Args:
+        paths: Files, and folders, of which everything below is checked.
+        format: For people, or for programs.
+        strict: Whether what is only suspicious counts as an error.
+    """
+    from tool0.checks.check import check as look_into
+    from tool0.errors import ConfigError
+
+    if not paths:
+        raise ConfigError(
+            "name files or folders to check; `tool0 check .` for all here"
+        )
+    report = look_into(paths)
+    print(_json(report) if format == "json" else _text(report))
+    is_bad = report.n_errors or (strict and report.findings)
+    return FOUND if is_bad else CLEAN
+
+
+def _text(report: Report) -> str:
+    lines = []
+    for finding in report.findings:
+        said = ": ".join(part for part in (finding.key, finding.message) if part)
+        where = f"{finding.location}: {finding.severity}"
+        lines.append(f"{where}: {said} [{finding.rule}]")
+        if finding.remedy:
+            lines.append(f"    {finding.remedy}")
+    lines += [f"note: {note}" for note in report.notes]
+    n_files = len(report.files)
+    lines.append(
+        f"{_count(report.n_errors, 'error')}, {_count(report.n_warnings, 'warning')} "
+        f"in {_count(n_files, 'file')}"
+    )
+    return "\n".join(lines)
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number or 'no'} {what}" + ("" if number == 1 else "s")
+
+
+def _json(report: Report) -> str:
+    import json
+
+    return json.dumps(
+        {
+            "findings": [
+                {
+                    "file": None
+                    if finding.location.file is None
+                    else str(finding.location.file),
+                    "line": finding.location.line,
+                    "severity": finding.severity,
+                    "rule": finding.rule,
+                    "key": finding.key,
+                    "message": finding.message,
+                    "remedy": finding.remedy,
+                }
+                for finding in report.findings
+            ],
+            "files": [str(path) for path in report.files],
+            "notes": list(report.notes),
+            "errors": report.n_errors,
+            "warnings": report.n_warnings,
+        },
+        ensure_ascii=False,
+        indent=2,
+    )
