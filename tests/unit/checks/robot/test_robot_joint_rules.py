@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import pytest
+from robot_xml import ARM, DRIVEN, LIMIT, check, joint, link, only, rules
+
+HAND = link("hand")
+
+
+def with_joint(inside: str, type: str = "revolute") -> list[str]:
+    return rules(check(ARM, joint("wrist", "arm", "hand", inside, type), HAND))
+
+
+@pytest.mark.parametrize(
+    ("inside", "type", "rule"),
+    [
+        (LIMIT, "revolut", "unknown-joint-type"),
+        ("", "revolute", "no-limit"),
+        ("", "prismatic", "no-limit"),
+        ('<limit lower="0" upper="1" effort="1"/>', "revolute", "no-limit"),
+        ('<limit velocity="1"/>', "continuous", "no-limit"),
+        (LIMIT.replace('"-1"', '"2"'), "revolute", "limits-swapped"),
+        ('<limit effort="1" velocity="1"/>', "prismatic", "no-range"),
+        ('<axis xyz="0 0 0"/>' + LIMIT, "revolute", "zero-axis"),
+        (LIMIT.replace('"2"', '"180"'), "revolute", "absurd-velocity"),
+        (LIMIT.replace('"10"', '"ten"'), "revolute", "not-a-number"),
+        (LIMIT.replace('"10"', '"nan"'), "revolute", "not-a-number"),
+        ('<origin xyz="0,0,1"/>' + LIMIT, "revolute", "not-a-number"),
+        ('<origin xyz="0 0"/>' + LIMIT, "revolute", "not-a-number"),
+        (LIMIT.replace('"10"', '"${e}"'), "revolute", "not-a-number"),
+    ],
+)
+def test_a_joint_that_is_wrong(inside: str, type: str, rule: str) -> None:
+    assert with_joint(inside, type) == [rule]
+
+
+@pytest.mark.parametrize(
+    ("inside", "type"),
+    [
+        (LIMIT, "revolute"),
+        ('<limit lower="0" upper="1e-1" effort="1" velocity="1"/>', "prismatic"),
+        ("", "continuous"),
+        ('<limit effort="1" velocity="300"/>', "continuous"),
+        ("", "fixed"),
+        ("", "floating"),
+        (LIMIT.replace('"10"', '"0"'), "revolute"),  # nothing drives it
+    ],
+)
+def test_a_joint_that_is_right(inside: str, type: str) -> None:
+    assert with_joint(inside, type) == []
+
+
+@pytest.mark.parametrize("old", ['effort="10"', 'velocity="2"'])
+def test_a_driven_joint_without_power(old: str) -> None:
+    what = old.partition("=")[0]
+    finding = only(check(DRIVEN.replace(old, f'{what}="0"')), "no-power")
+    assert what in finding.message
+
+
+def test_expressions_are_told_to_be_expanded() -> None:
+    finding = only(check(ARM.replace('"-1"', '"${a}"')), "not-a-number")
+    assert "xacro" in finding.remedy
