@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from xml.dom.minidom import Element
 from xml.parsers import expat
@@ -43,10 +44,8 @@ def _comments(text: bytes) -> list[tuple[int, str]]:
     found: list[tuple[int, str]] = []
     parser = expat.ParserCreate()
     parser.CommentHandler = lambda data: found.append((parser.CurrentLineNumber, data))
-    try:
-        parser.Parse(text, True)
-    except (expat.ExpatError, LookupError, ValueError):
-        pass  # what came before the mistake counts
+    with suppress(expat.ExpatError, LookupError, ValueError):
+        parser.Parse(text, True)  # what came before a mistake counts
     return found
 
 

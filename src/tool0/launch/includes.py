@@ -10,9 +10,11 @@ from typing import final
 from xml.dom.minidom import Element
 
 from tool0.description.xml_source import children
-from tool0.launch import elements, grammar
+from tool0.launch import grammar
 from tool0.launch.arguments import Given
+from tool0.launch.attributes import namespace_of, require_file
 from tool0.launch.model import Environment, Include, NamedText, Passed
+from tool0.launch.node_elements import read_env
 from tool0.launch.scope import Scope
 from tool0.launch.session import is_file
 from tool0.launch.text import Activity, Text
@@ -37,7 +39,7 @@ class Target:
 def target_of(element: Element, scope: Scope) -> Target:
     """Return what an ``<include>`` asks for."""
     file = scope.required(element, "file")
-    namespace = elements.namespace_of(element, scope)
+    namespace = namespace_of(element, scope)
     passes_all = scope.boolean(element, "pass_all_args")
     given = _all_given(element, scope) if passes_all else {}
     passed, environment = _children(element, scope, given, passes_all=passes_all)
@@ -68,7 +70,7 @@ def _reason(file: Text, path: Path | None, scope: Scope) -> str:
     """Return why there is nothing to include, if so; report it."""
     if path is None:
         return file.reason or "no file is named"
-    elements.require_file(file, "include", scope)
+    require_file(file, "include", scope)
     return "" if is_file(path) else f"{path} does not exist"
 
 
@@ -107,7 +109,7 @@ def _children(
         at = scope.at(child)
         grammar.check(child, scope.locate(child), scope.findings.append)
         if child.tagName == "env":
-            environment.append(elements.read_env(child, at))
+            environment.append(read_env(child, at))
             continue
         name = at.required(child, "name").resolved
         if not name:

@@ -16,6 +16,8 @@ from tool0.description.packages import (
 )
 from tool0.errors import DescriptionError
 
+_STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
+"""Found without ROS, too: tool0 does itself what this program is asked for."""
 _MAX_PACKAGES = 1000
 """Of one workspace."""
 
@@ -59,7 +61,7 @@ class Packages:
             try:
                 self._found[name] = find_package(name)
             except (DescriptionError, OSError, ValueError) as error:
-                self._found[name] = DescriptionError(str(error))
+                self._found[name] = _STANDARD.get(name, DescriptionError(str(error)))
         found = self._found[name]
         if isinstance(found, DescriptionError):
             raise found

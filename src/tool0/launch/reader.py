@@ -14,11 +14,13 @@ from xml.dom.minidom import Element
 from tool0.description.finding import Finding
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, nearest_name
-from tool0.launch import elements, grammar, names
+from tool0.launch import grammar, names, node_elements
 from tool0.launch.arguments import Arguments, Given
+from tool0.launch.attributes import namespace_of
 from tool0.launch.includes import Target, target_of
 from tool0.launch.model import Entry, Include, LaunchFile, Node
 from tool0.launch.packages import Packages
+from tool0.launch.param_elements import read_param, read_rosparam
 from tool0.launch.scope import Scope
 from tool0.launch.session import MAX_ELEMENTS, MAX_FILES, MAX_NESTING, Session
 from tool0.launch.text import Activity, Text
@@ -133,21 +135,21 @@ class _FileReader:
             case "include":
                 entry = self._include(element, scope)
             case "param":
-                entry = elements.read_param(element, scope)
+                entry = read_param(element, scope)
             case "rosparam":
-                entry = elements.read_rosparam(element, scope)
+                entry = read_rosparam(element, scope)
             case "node" | "test":
-                entry = elements.read_node(element, scope)
+                entry = node_elements.read_node(element, scope)
                 self._claim_name(entry, scope)
             case "remap":
-                entry = elements.read_remap(element, scope)
-                elements.hold(entry, scope.remaps)
+                entry = node_elements.read_remap(element, scope)
+                node_elements.hold(entry, scope.remaps)
             case "env":
-                entry = elements.read_env(element, scope)
+                entry = node_elements.read_env(element, scope)
                 if scope.activity is not Activity.INACTIVE:
                     scope.environment.append(entry)
             case "machine":
-                entry = elements.read_machine(element, scope)
+                entry = node_elements.read_machine(element, scope)
             case "master":
                 scope.report(
                     scope.locate(element),
@@ -165,7 +167,7 @@ class _FileReader:
             self._stop(element, scope, f"more than {MAX_NESTING} inside one another")
             return
         self._session.depth += 1
-        inside = scope.group(elements.namespace_of(element, scope))
+        inside = scope.group(namespace_of(element, scope))
         self._read_children(element, inside)
         self._session.depth -= 1
 
