@@ -78,7 +78,10 @@ def _in_entry(entry: Entry, name: str) -> Iterator[Use]:
         for part in inner:
             for key, text in part.texts:
                 if name in text.uses and part.place.location.file == _file(entry):
-                    what = f"{key} of {describe(part)} of {describe(entry)}"
+                    of = describe(part)
+                    if not (isinstance(part, Parameter) and part.full_name):
+                        of = f"{of} of {describe(entry)}"
+                    what = f"{key} of {of}"
                     yield _use(what, part.place)
 
 

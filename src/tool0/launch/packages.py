@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Mapping
 from itertools import islice
 from pathlib import Path
@@ -35,7 +36,7 @@ class Packages:
         """
         self._found: dict[str, Path | DescriptionError] = dict(given or {})
         self._known = {*self._found, *(folder.name for folder in crawl(BUNDLED))}
-        self._names: dict[Path, str | None] = {}
+        self._around: dict[Path, tuple[str, Path] | None] = {}
 
     @property
     def has_ros(self) -> bool:
@@ -69,14 +70,28 @@ class Packages:
 
     def package_of(self, file: Path) -> str | None:
         """Return the name of the package that a file lies in; None if in none."""
+        around = self.around(file)
+        return None if around is None else around[0]
+
+    def around(self, file: Path) -> tuple[str, Path] | None:
+        """Return name and folder of the package that a file lies in."""
         folder = file.parent
-        if folder not in self._names:
-            around = next(
-                (f for f in (folder, *folder.parents) if (f / "package.xml").is_file()),
-                None,
-            )
-            self._names[folder] = None if around is None else _name(around)
-        return self._names[folder]
+        if folder not in self._around:
+            candidates = (folder, *folder.parents)
+            found = next((f for f in candidates if is_package(f)), None)
+            self._around[folder] = None if found is None else (_name(found), found)
+        return self._around[folder]
+
+    def folders(self) -> dict[str, Path]:
+        """Return the packages that were found so far, by name."""
+        folders = dict(p for p in self._around.values() if p is not None)
+        found = {n: f for n, f in self._found.items() if isinstance(f, Path)}
+        return {**folders, **found}
+
+
+def is_package(folder: Path) -> bool:
+    """Whether a folder is a package."""
+    return os.path.isfile(folder / "package.xml")  # noqa: PTH113  # Path's may raise
 
 
 def packages_around(file: Path) -> dict[str, Path]:
@@ -87,7 +102,7 @@ def packages_around(file: Path) -> dict[str, Path]:
     """
     folders = file.absolute().parents
     for folder in folders:
-        if (folder / "package.xml").is_file():
+        if is_package(folder):
             sources = [f for f in folder.parents if f.name == "src"]
             root = next(iter(sources), folder.parent)
             return {_name(f): f for f in islice(crawl(root), _MAX_PACKAGES)}

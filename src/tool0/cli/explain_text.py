@@ -1,0 +1,136 @@
+"""An explained launch file as text, for a terminal of a hundred columns."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+
+from tool0.description.finding import Finding
+from tool0.launch.explanation import Item
+from tool0.launch.packages import Packages
+
+WIDTH = 100
+_LEAST = 40
+"""Columns left to text, however deep the tree."""
+
+
+def text_of(
+    contents: Item,
+    arguments: tuple[Item, ...],
+    findings: tuple[Finding, ...],
+    packages: Packages,
+) -> str:
+    """Return all of it: what there is, where arguments go, what is wrong."""
+    writer = _Writer(packages)
+    lines = [writer.path(contents.name), *writer.tree(contents.items, "", "content")]
+    for file in arguments:
+        lines += ["", f"Arguments of {writer.path(file.name)}"]
+        for argument in file.items:
+            lines += writer.argument(argument)
+    if findings:
+        lines += ["", _count(findings)]
+    for finding in findings:
+        lines += textwrap.wrap(
+            f"{finding.severity}: {finding}",
+            WIDTH,
+            subsequent_indent="  ",
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+    return "".join(f"{line.rstrip()}\n" for line in lines)
+
+
+def _count(findings: tuple[Finding, ...]) -> str:
+    counts = []
+    for severity in ("error", "warning"):
+        number = sum(finding.severity == severity for finding in findings)
+        if number:
+            counts.append(f"{number} {severity}{'s' if number > 1 else ''}")
+    return ", ".join(counts)
+
+
+class _Writer:
+    """Writes items; paths are shown from their packages on."""
+
+    def __init__(self, packages: Packages) -> None:
+        self._packages = packages
+        known = {str(f): name for name, f in packages.folders().items()}
+        self._folders = dict(sorted(known.items(), key=lambda item: -len(item[0])))
+
+    def path(self, name: str) -> str:
+        """Return a file's name as ``package/path`` if it lies in one."""
+        around = self._packages.around(Path(name)) if name.startswith("/") else None
+        if around is None:
+            return name
+        package, folder = around
+        return f"{package}/{Path(name).relative_to(folder)}"
+
+    def argument(self, item: Item) -> Iterator[str]:
+        """Yield the lines of an argument: value, origin, and where it goes."""
+        head = f"  {item.name}"
+        if item.value is not None:
+            head += f" = {self._value(item.value)}"
+        line = item.location.line
+        where = Path(str(item.location.file)).name if item.location.file else ""
+        place = f"{where}:{line}" if where and line is not None else where
+        origin = ", ".join(part for part in (item.note, place) if part)
+        yield from _wrapped(head, "      ")
+        yield from _wrapped(f"  {'│' if item.items else ' '} {origin}", "      ")
+        yield from self.tree(item.items, "  ", "use")
+
+    def tree(self, items: tuple[Item, ...], indent: str, form: str) -> Iterator[str]:
+        """Yield the lines of items and of all in them."""
+        lines = [str(item.location.line or "") for item in items]
+        digits = max(map(len, lines), default=0)
+        kinds = max((len(item.kind) for item in items), default=0)
+        for item in items:
+            is_last = item is items[-1]
+            below = indent + ("   " if is_last else "│  ")
+            if form == "use":
+                name = Path(str(item.location.file)).name
+                text = f"{name}:{item.location.line}  {self._brief(item)}"
+            else:
+                number = f"{item.location.line or '':>{digits}}"
+                text = f"{number}  {item.kind:{kinds}}  {self._full(item)}"
+            bar = "│" if item.items else " "
+            yield from _wrapped(
+                f"{indent}{'└─' if is_last else '├─'} {text}", f"{below}{bar}      "
+            )
+            yield from self.tree(item.items, below, form)
+
+    def _full(self, item: Item) -> str:
+        is_file = item.kind in ("include", "xacro")
+        text = self.path(item.name) if is_file else item.name
+        if item.value is not None:
+            sign = " = " if item.kind in ("param", "xacro arg", "env") else "  "
+            if item.kind == "remap":
+                sign = " -> "
+            text += sign + (self._value(item.value) or "''")
+        return text + (f"  [{item.note}]" if item.note else "")
+
+    def _brief(self, item: Item) -> str:
+        return item.name + (f"  [{item.note}]" if item.note else "")
+
+    def _value(self, value: str) -> str:
+        """Return a value with the folders of packages as roslaunch writes them."""
+        value = " ".join(value.split())
+        for folder, name in self._folders.items():
+            value = value.replace(f"{folder}/", f"$(find {name})/")
+        return value
+
+
+def _wrapped(text: str, indent: str) -> Iterator[str]:
+    """Yield lines of at most the width, those after the first below ``indent``."""
+    if len(text) <= WIDTH:
+        yield text
+        return
+    width = max(WIDTH, len(indent) + _LEAST)
+    start = len(text) - len(text.lstrip(" │├└─"))
+    yield from textwrap.wrap(
+        text[start:],
+        width,
+        initial_indent=text[:start],
+        subsequent_indent=indent,
+        break_on_hyphens=False,
+    )
