@@ -5,14 +5,17 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
+from typing import final
 
 from tool0.description.finding import Finding
 from tool0.launch.explanation import Item
 from tool0.launch.packages import Packages
 
 WIDTH = 100
+EMPTY = "''"
 _LEAST = 40
 """Columns left to text, however deep the tree."""
+_FIND = "$(find\N{NO-BREAK SPACE}"
 
 
 def text_of(
@@ -23,11 +26,11 @@ def text_of(
 ) -> str:
     """Return all of it: what there is, where arguments go, what is wrong."""
     writer = _Writer(packages)
-    lines = [writer.path(contents.name), *writer.tree(contents.items, "", "content")]
+    lines = [writer.path(contents.name), *writer.tree(contents.items, "")]
     for file in arguments:
         lines += ["", f"Arguments of {writer.path(file.name)}"]
         for argument in file.items:
-            lines += writer.argument(argument)
+            lines += writer.argument(argument, file.name)
     if findings:
         lines += ["", _count(findings)]
     for finding in findings:
@@ -50,6 +53,7 @@ def _count(findings: tuple[Finding, ...]) -> str:
     return ", ".join(counts)
 
 
+@final
 class _Writer:
     """Writes items; paths are shown from their packages on."""
 
@@ -66,38 +70,44 @@ class _Writer:
         package, folder = around
         return f"{package}/{Path(name).relative_to(folder)}"
 
-    def argument(self, item: Item) -> Iterator[str]:
+    def argument(self, item: Item, file: str) -> Iterator[str]:
         """Yield the lines of an argument: value, origin, and where it goes."""
         head = f"  {item.name}"
         if item.value is not None:
-            head += f" = {self._value(item.value)}"
-        line = item.location.line
-        where = Path(str(item.location.file)).name if item.location.file else ""
-        place = f"{where}:{line}" if where and line is not None else where
+            head += f" = {self._value(item.value) or EMPTY}"
+        place = "" if item.location.file is None else _place(item, file)
         origin = ", ".join(part for part in (item.note, place) if part)
         yield from _wrapped(head, "      ")
         yield from _wrapped(f"  {'│' if item.items else ' '} {origin}", "      ")
-        yield from self.tree(item.items, "  ", "use")
+        yield from self.uses(item.items, "  ", file)
 
-    def tree(self, items: tuple[Item, ...], indent: str, form: str) -> Iterator[str]:
+    def uses(self, items: tuple[Item, ...], indent: str, around: str) -> Iterator[str]:
+        """Yield the lines of what uses an argument.
+
+        Args:
+            items: The uses.
+            indent: What stands before each line.
+            around: What the line above says, and the file it is written in: a file that
+                is named there need not be named again.
+        """
+        places = [_place(item, around) for item in items]
+        width = max(map(len, places), default=0)
+        for item, place in zip(items, places, strict=True):
+            text = f"{place:{width}}  {item.name}{_note(item)}"
+            yield from _branch(text, indent, item, is_last=item is items[-1])
+            below = indent + ("   " if item is items[-1] else "│  ")
+            yield from self.uses(item.items, below, f"{item.location.file} {item.name}")
+
+    def tree(self, items: tuple[Item, ...], indent: str) -> Iterator[str]:
         """Yield the lines of items and of all in them."""
         lines = [str(item.location.line or "") for item in items]
         digits = max(map(len, lines), default=0)
         kinds = max((len(item.kind) for item in items), default=0)
-        for item in items:
-            is_last = item is items[-1]
-            below = indent + ("   " if is_last else "│  ")
-            if form == "use":
-                name = Path(str(item.location.file)).name
-                text = f"{name}:{item.location.line}  {self._brief(item)}"
-            else:
-                number = f"{item.location.line or '':>{digits}}"
-                text = f"{number}  {item.kind:{kinds}}  {self._full(item)}"
-            bar = "│" if item.items else " "
-            yield from _wrapped(
-                f"{indent}{'└─' if is_last else '├─'} {text}", f"{below}{bar}      "
-            )
-            yield from self.tree(item.items, below, form)
+        for item, line in zip(items, lines, strict=True):
+            text = f"{line:>{digits}}  {item.kind:{kinds}}  {self._full(item)}"
+            yield from _branch(text, indent, item, is_last=item is items[-1])
+            below = indent + ("   " if item is items[-1] else "│  ")
+            yield from self.tree(item.items, below)
 
     def _full(self, item: Item) -> str:
         is_file = item.kind in ("include", "xacro")
@@ -106,11 +116,8 @@ class _Writer:
             sign = " = " if item.kind in ("param", "xacro arg", "env") else "  "
             if item.kind == "remap":
                 sign = " -> "
-            text += sign + (self._value(item.value) or "''")
-        return text + (f"  [{item.note}]" if item.note else "")
-
-    def _brief(self, item: Item) -> str:
-        return item.name + (f"  [{item.note}]" if item.note else "")
+            text += sign + (self._value(item.value) or EMPTY)
+        return text + _note(item)
 
     def _value(self, value: str) -> str:
         """Return a value with the folders of packages as roslaunch writes them."""
@@ -120,6 +127,26 @@ class _Writer:
         return value
 
 
+def _place(item: Item, around: str) -> str:
+    """Return the line, with the file unless it is known from what is around."""
+    line, name = item.location.line, Path(str(item.location.file)).name
+    if name in around:
+        return "" if line is None else f"line {line}"
+    return name if line is None else f"{name}:{line}"
+
+
+def _note(item: Item) -> str:
+    return f"  [{item.note}]" if item.note else ""
+
+
+def _branch(text: str, indent: str, item: Item, *, is_last: bool) -> Iterator[str]:
+    below = indent + ("   " if is_last else "│  ")
+    bar = "│" if item.items else " "
+    yield from _wrapped(
+        f"{indent}{'└─' if is_last else '├─'} {text}", f"{below}{bar}   "
+    )
+
+
 def _wrapped(text: str, indent: str) -> Iterator[str]:
     """Yield lines of at most the width, those after the first below ``indent``."""
     if len(text) <= WIDTH:
@@ -127,10 +154,11 @@ def _wrapped(text: str, indent: str) -> Iterator[str]:
         return
     width = max(WIDTH, len(indent) + _LEAST)
     start = len(text) - len(text.lstrip(" │├└─"))
-    yield from textwrap.wrap(
-        text[start:],
+    lines = textwrap.wrap(
+        text[start:].replace("$(find ", _FIND),  # not to be broken there
         width,
         initial_indent=text[:start],
         subsequent_indent=indent,
         break_on_hyphens=False,
     )
+    yield from (line.replace(_FIND, "$(find ") for line in lines)

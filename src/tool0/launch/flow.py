@@ -94,7 +94,7 @@ def _in_include(include: Include, name: str) -> Iterator[Use]:
             continue
         is_known = child is not None and child.argument(item.name) is not None
         yield Use(
-            what=f"argument {item.name} of {describe(include)}",
+            what=f"argument {item.name} of {_included(include)}",
             location=item.place.location,
             activity=item.place.activity,
             argument=(child, item.name) if child and is_known else None,
@@ -104,7 +104,7 @@ def _in_include(include: Include, name: str) -> Iterator[Use]:
     argument = child.argument(name)
     if argument is not None and argument.origin == "pass_all_args":
         yield Use(
-            what=f"argument {name} of {describe(include)}",
+            what=f"argument {name} of {_included(include)}",
             location=include.place.location,
             activity=include.place.activity,
             argument=(child, name),
@@ -117,7 +117,8 @@ def _in_xacro(parameter: Entry, name: str) -> Iterator[Use]:
     for argument, used in () if call is None else call.uses.items():
         if call is not None and name in used:
             yield Use(
-                what=f"xacro argument {argument} of {describe(parameter)}",
+                what=f"xacro argument {argument} of "
+                + (describe(parameter) if call.file is None else call.file.name),
                 location=parameter.place.location,
                 activity=parameter.place.activity,
                 xacro=(call.parameter, argument),
@@ -175,11 +176,14 @@ def describe(entry: Entry) -> str:
         case Rosparam():
             return f"rosparam {entry.command}"
         case Include():
-            name = entry.path.name if entry.path is not None else entry.file.raw
-            return f"include {name}"
+            return f"include {_included(entry)}"
         case Remap():
             return f"remap {entry.from_name.resolved or entry.from_name.raw}"
         case Environment():
             return f"env {entry.name.resolved or entry.name.raw}"
         case Machine():
             return "machine"
+
+
+def _included(include: Include) -> str:
+    return include.file.raw if include.path is None else include.path.name
