@@ -83,6 +83,11 @@ class EvaluationError(Exception):
     """The expression has no value; the message says why."""
 
 
+@final
+class NotUnderstoodError(EvaluationError):
+    """The expression may have a value, and roslaunch would know it."""
+
+
 def evaluate(
     expression: str,
     functions: Mapping[str, Function],
@@ -132,6 +137,12 @@ class _Evaluator:
             "float": float,
             "str": str,
             "list": list,
+            "bool": bool,
+            "len": len,
+            "abs": abs,
+            "min": min,
+            "max": max,
+            "round": _round,
         }
         self._of_texts = functions
         self._argument = argument
@@ -234,7 +245,7 @@ def _binary(op: ast.operator, left: object, right: object) -> object:
     elif isinstance(op, ast.Mult) and not are_numbers:
         text, times = (left, right) if isinstance(left, str) else (right, left)
         if not (isinstance(text, str) and isinstance(times, int)):
-            raise EvaluationError("only numbers and texts can be multiplied here")
+            raise NotUnderstoodError("only numbers and texts are multiplied here")
         _bound(len(text) * max(times, 0))
     elif not are_numbers and not (
         isinstance(op, ast.Add) and type(left) is type(right) is list
@@ -260,10 +271,16 @@ def _bound_power(kind: type, left: object, right: object) -> None:
         raise EvaluationError(f"a number of more than {MAX_BITS} bits")
 
 
-def _not_understood(node: ast.expr) -> EvaluationError:
+def _round(number: float, digits: int | None = None) -> object:
+    if digits is not None and abs(digits) > 400:  # beyond every float
+        raise EvaluationError(f"round() to {digits} digits")
+    return round(number, digits)
+
+
+def _not_understood(node: ast.expr) -> NotUnderstoodError:
     shown = ast.unparse(node)
     shown = shown if len(shown) <= 40 else f"{shown[:37]}..."
-    return EvaluationError(
+    return NotUnderstoodError(
         f"'{shown}' is not understood here; understood are numbers, texts, arguments, "
         "operators, comparisons, the functions of math, and methods of texts"
     )

@@ -11,7 +11,12 @@ from typing import Final, final
 
 from tool0.description.finding import Severity
 from tool0.errors import DescriptionError, SourceLocation, nearest_name
-from tool0.launch.evaluation import EvaluationError, Function, evaluate
+from tool0.launch.evaluation import (
+    EvaluationError,
+    Function,
+    NotUnderstoodError,
+    evaluate,
+)
 from tool0.launch.names import converted
 from tool0.launch.packages import Packages
 from tool0.launch.text import Text
@@ -233,12 +238,15 @@ class _Substitution:
         try:
             return evaluate(expression, functions, known)
         except EvaluationError as error:
-            self._problem(
-                "bad-eval",
-                expression.strip()[:40],
-                f"$(eval …) has no value: {error}",
-                "",
+            is_ours = isinstance(error, NotUnderstoodError)
+            problem = Problem(
+                rule="bad-eval",
+                key=expression.strip()[:40],
+                message=f"$(eval …) has no value: {error}",
+                remedy="",
+                severity="warning" if is_ours else "error",
             )
+            self.problems.append(problem)
             raise _UnresolvedError(f"$(eval …) has no value: {error}") from None
 
     def _problem(self, rule: str, key: str, message: str, remedy: str) -> None:
