@@ -5,6 +5,7 @@ import shlex
 from pathlib import Path
 
 import pytest
+from document import blocks
 
 from tool0.cli import COMMANDS, FAILED, OK, main
 from tool0.cli.quick import read_bringup
@@ -13,18 +14,19 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.DOTALL | re.MULTILINE)
+def texts(language: str) -> list[str]:
+    found = blocks(ROOT / "README.md")
+    return [block.text for block in found if block.language == language]
 
 
 def tool0_lines() -> list[list[str]]:
-    text = "\n".join(blocks("")).replace("\\\n", " ")
+    text = "\n".join(texts("")).replace("\\\n", " ")
     found = re.findall(r"^(?:\.venv/bin/)?tool0 (.*)$", text, re.MULTILINE)
     return [shlex.split(line, comments=True) for line in found]
 
 
 def test_the_python_block_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    (program,) = blocks("python")
+    (program,) = texts("python")
     exec(compile(program, "README.md", "exec"), {})
     printed = capsys.readouterr().out
     assert "status=SUCCEEDED" in printed

@@ -1,0 +1,44 @@
+"""A page of the documentation, as the blocks of code that it has."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+_BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+_GAP = "…"
+"""Stands for anything, in what a page says is printed."""
+
+
+@dataclass(frozen=True)
+class Block:
+    language: str
+    title: str
+    """What follows the language: a file's name, or where its commands run."""
+    text: str
+
+    def commands(self) -> list[str]:
+        """Return its lines without comments, those continued joined."""
+        lines = self.text.replace("\\\n", " ").splitlines()
+        return [line for line in lines if shlex.split(line, comments=True)]
+
+
+def blocks(page: Path) -> list[Block]:
+    found = _BLOCK.findall(page.read_text(encoding="utf-8"))
+    return [Block(*info.partition(" ")[::2], text) for info, text in found]
+
+
+def says(output: str, expected: str) -> bool:
+    """Return whether the output has these lines, in this order, whatever is between."""
+    lines = iter([" ".join(line.split()) for line in output.splitlines()])
+    return all(
+        any(_pattern(wanted).search(line) for line in lines)
+        for wanted in expected.splitlines()
+    )
+
+
+def _pattern(line: str) -> re.Pattern[str]:
+    parts = " ".join(line.split()).split(_GAP)
+    return re.compile(".*".join(re.escape(part.strip()) for part in parts))
