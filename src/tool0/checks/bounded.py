@@ -20,7 +20,7 @@ from tool0.errors import Tool0Error
 R = TypeVar("R")
 P = ParamSpec("P")
 
-PATIENCE = 20.0
+PATIENCE = 10.0
 """[wall s]; the largest robots take a tenth of it."""
 MEMORY = 2 << 30
 """[bytes] beyond what this process holds."""

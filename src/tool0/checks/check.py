@@ -16,7 +16,7 @@ from tool0.checks.package_file import declared_dependencies, package_findings
 from tool0.checks.parameters.file import YamlText, yaml_findings
 from tool0.checks.robot.facts import RobotFacts
 from tool0.checks.robot_file import ReadRobot, read_robot, read_xacro_source
-from tool0.checks.sources import Kind, Source, collect
+from tool0.checks.sources import Kind, Source, collect, read_text
 from tool0.checks.upstream import edit_findings, known_findings
 from tool0.description.finding import Finding
 from tool0.errors import SourceLocation, Tool0Error
@@ -25,6 +25,8 @@ from tool0.launch.packages import Packages, packages_around
 R = TypeVar("R")
 P = ParamSpec("P")
 
+_Expansion = tuple[Path, tuple[tuple[str, str], ...]]
+"""A file and its arguments."""
 _NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 
 
@@ -75,7 +77,7 @@ class _Check:
         self._findings: list[Finding] = []
         self._notes = [f"{path}: {why}" for path, why in self._sources.skipped]
         self._loaded: set[Path] = set()
-        self._robots: dict[tuple[Path, tuple[tuple[str, str], ...]], ReadRobot] = {}
+        self._robots: dict[_Expansion, ReadRobot | None] = {}
 
     def report(self) -> Report:
         """Look into everything."""
@@ -114,8 +116,10 @@ class _Check:
         self._findings += read.findings
         facts = None
         for robot in read.robots:
-            answer = self._robot(robot.file, robot.args, spawned=read.spawns)
-            facts = facts or (answer and answer.facts)
+            answer = self._read_robot(robot.file, robot.args, spawned=read.spawns)
+            if answer is not None:
+                self._findings += answer.findings
+                facts = facts or answer.facts
         self._loaded |= {
             y.location.file.resolve() for y in read.yamls if y.location.file
         }
@@ -132,25 +136,29 @@ class _Check:
             is_loaded = source.path.resolve() in self._loaded
             if is_loaded or not answer.makes_a_robot:
                 continue
-            tried = self._try(source, read_robot, source.path, {}, self._packages)
-            if tried is not None and tried.facts is None and answer.needs:
+            read = self._read_robot(source.path, {})
+            if read is not None and read.facts is None and answer.needs:
                 needs = ", ".join(answer.needs)
                 self._notes.append(
                     f"{source.path}: not expanded, since nothing here gives it {needs}"
                 )
-            else:
-                self._robot(source.path, {})
+            elif read is not None:
+                self._findings += read.findings
 
     def _urdf_files(self) -> None:
         for source in self._sources.of(Kind.URDF):
-            if source.path.resolve() not in self._loaded:
-                self._robot(source.path, None)
+            if source.path.resolve() in self._loaded:
+                continue
+            read = self._read_robot(source.path, None)
+            self._findings += () if read is None else read.findings
 
     def _yaml_files(self) -> None:
         for source in self._sources.of(Kind.PARAMETERS):
             if source.path.resolve() in self._loaded:
                 continue
-            text = source.path.read_text(encoding="utf-8", errors="replace")
+            text = self._try(source, read_text, source.path)
+            if text is None:
+                continue
             yaml = YamlText(text, SourceLocation(source.path, 1))
             if not yaml.is_about_controllers:
                 if source.was_named:
@@ -170,7 +178,8 @@ class _Check:
         found = [
             read.facts
             for (file, _), read in self._robots.items()
-            if read.facts is not None
+            if read is not None
+            and read.facts is not None
             and (self._home(file) == home or (yaml.was_named and file in named))
         ]
         return found[0] if len(found) == 1 else None
@@ -200,20 +209,21 @@ class _Check:
 
     # --- parts ---
 
-    def _robot(
+    def _read_robot(
         self, file: Path, args: Mapping[str, str] | None, *, spawned: bool = False
     ) -> ReadRobot | None:
+        """Return the robot of a file, read once for each set of arguments."""
         self._loaded.add(file.resolve())
         key = (file.resolve(), tuple(sorted((args or {}).items())))
         if key not in self._robots:
-            source = Source(file, Kind.XACRO, was_named=False)
-            answer = self._try(
-                source, read_robot, file, args, self._packages, spawned=spawned
+            self._robots[key] = self._try(
+                Source(file, Kind.XACRO, was_named=False),
+                read_robot,
+                file,
+                args,
+                self._packages,
+                spawned=spawned,
             )
-            if answer is None:
-                return None
-            self._robots[key] = answer
-            self._findings += answer.findings
         return self._robots[key]
 
     def _try(
@@ -224,6 +234,7 @@ class _Check:
         **keywords: P.kwargs,
     ) -> R | None:
         """Return what ``work`` returns; if it does not, that is a finding."""
+        where = SourceLocation(source.path)
         try:
             return bounded(work, *arguments, **keywords)
         except OutOfBoundsError as error:
@@ -231,10 +242,11 @@ class _Check:
         except RecursionError:
             message = "things stand too deep in one another to be read"
         except (Tool0Error, OSError, ValueError) as error:
-            message = f"cannot be read: {error}"
+            message = getattr(error, "message", str(error))
+            where = getattr(error, "location", None) or where
         self._findings.append(
             Finding(
-                location=SourceLocation(source.path),
+                location=where,
                 rule="unreadable",
                 message=message,
             )

@@ -80,7 +80,7 @@ def _xml_rows(lines: list[str]) -> int:
             break
         opened, closed = line.rfind("<!--"), line.rfind("-->")
         is_comment = opened > closed or (is_comment and closed < 0)
-        if depth == 1 and not is_comment and line.strip():
+        if depth == 1 and not is_comment and line.rstrip().endswith(">"):
             rows = number + 1
     return rows
 

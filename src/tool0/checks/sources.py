@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import final
 
 from tool0.description.packages import package_name
-from tool0.errors import ConfigError
+from tool0.errors import ConfigError, SourceLocation
 
 LARGEST = 5_000_000
 """[bytes] of a file that is read; descriptions are a hundredth of it."""
@@ -112,6 +112,23 @@ def _add(sources: Sources, file: Path, was_named: bool) -> None:
         )
     elif "cannot" in why or "larger" in why:
         sources.skipped.append((file, why))
+
+
+def read_text(file: Path) -> str:
+    """Return what a file holds.
+
+    Raises:
+        ConfigError: If it is not UTF-8.
+    """
+    raw = file.read_bytes()
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise ConfigError(
+            f"is not UTF-8: {error.reason}; save it as UTF-8",
+            SourceLocation(file, line),
+        ) from None
 
 
 def kind_of(file: Path) -> Kind | None:

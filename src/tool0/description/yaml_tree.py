@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 Scalar = str | float | int | bool | None
 
+MOST_ENTRIES = 30_000
+"""Of one text: a few lines of aliases can stand for billions."""
 _ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
 """rosparam's ``deg(90)`` and ``rad(pi/2)``, of which numbers are understood here."""
 
@@ -135,11 +137,19 @@ class _Reader:
         self._first_line = location.line or 1
         self._findings = findings
         self._open: list[yaml.Node] = []
+        self._left = MOST_ENTRIES
 
     def entry(self, node: yaml.Node, key: str) -> Entry:
         import yaml
 
         where = self._where(node)
+        self._left -= 1
+        if self._left < 0:
+            raise ConfigError(
+                f"holds more than {MOST_ENTRIES:,} values, its aliases counted; "
+                "look for aliases of aliases",
+                where,
+            )
         if any(node is outer for outer in self._open):
             raise ConfigError(f"'{key}' contains itself by an alias", where)
         self._open.append(node)

@@ -50,12 +50,24 @@ def controller_findings(
     """
     names = JointNames(robot)
     joints = None if robot is None else [j.name for j in robot.joints.values()]
-    for finding in lint_joints(config, joints):
-        if finding.rule not in OF_TOOL0 and _is_ours(finding, config):
-            yield finding
+    linted = [
+        finding
+        for finding in lint_joints(config, joints)
+        if finding.rule not in OF_TOOL0 and _is_ours(finding, config)
+    ]
+    yield from linted
+    wrong = {f.key.partition("/")[0] for f in linted if f.severity == "error"}
     for name, entry in (config.tree.root.children or {}).items():
         if name in config.names:
-            yield from _Controller(config, name, entry, robot, names).findings()
+            found = _Controller(config, name, entry, robot, names).findings()
+            for finding in found:
+                said = finding.rule == "missing-key" and any(
+                    f"did you mean '{finding.key.rpartition('/')[2]}'" in other.remedy
+                    for other in linted
+                )
+                follows = finding.rule == "controller-fails" and name in wrong
+                if not said and not follows:
+                    yield finding
         elif robot is None and "pid_gains" in (entry.children or {}):
             gains = (entry.children or {})["pid_gains"]  # the linter knows no joints
             yield from names.unknown(list((gains.children or {}).items()))
@@ -100,12 +112,30 @@ class _Controller:
             yield from self._unknown_type()
             return
         joints = self._joints()
-        wrong = [*self._names.unknown(joints), *self._interfaces(joints)]
+        wrong = [
+            *self._missing(),
+            *self._names.unknown(joints),
+            *self._interfaces(joints),
+        ]
         if not wrong or self._robot is None:
             wrong += self._gains(joints)
         yield from wrong
         if not wrong:
             yield from self._values(joints)
+
+    def _missing(self) -> Iterator[Finding]:
+        """Yield keys without which it does not load."""
+        patterns = parameters_of(self._type)
+        publishes = "publish_rate" in patterns
+        for key in ("publish_rate",) if publishes else ("joints", "joint"):
+            if key in patterns and key not in self._keys:
+                yield Finding(
+                    location=self._entry.location,
+                    rule="missing-key",
+                    key=f"{self._name}/{key}",
+                    message=f"is missing, and {self._type} does not load without",
+                    remedy=f"write '{key}' under '{self._name}'",
+                )
 
     def _joints(self) -> list[tuple[str, Entry]]:
         """Return the joints that it names, and where."""

@@ -68,6 +68,7 @@ def _collect(root: Entry, nodes: dict[str, Entry]) -> Iterator[Finding]:
         children = entry.children or {}
         inner = children.get(PARAMETERS)
         if inner is not None:
+            inner.location = entry.location  # a person looks for the node's name
             nodes[name] = inner
             continue
         wrong = next((key for key in _MISSPELT if key in children), None)

@@ -1,0 +1,208 @@
+"""Launch files with all they load, packages, and edits of other people's files."""
+
+from pathlib import Path
+
+import pytest
+from check_files import rules, write
+
+from tool0.checks.check import check
+
+PACKAGE = """
+<package format="3">
+  <name>{name}</name><version>1.0.0</version><description>d</description>
+  <maintainer email="a@b.c">m</maintainer><license>MIT</license>
+  {depends}
+</package>
+"""
+LAUNCH = """
+<launch>
+  <arg name="controllers" default="arm"/>
+  <param name="robot_description"
+    command="$(find xacro)/xacro $(find mine)/urdf/r.urdf.xacro side:=left"/>
+  <rosparam file="$(find mine)/config/c.yaml" command="load"/>
+  <node name="spawn" pkg="controller_manager" type="spawner" args="$(arg controllers)"/>
+</launch>
+"""
+ROBOT = """
+<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="side" default=""/>
+  <link name="world"/>
+  <joint name="$(arg side)_joint" type="continuous">
+    <parent link="world"/><child link="tip"/><axis xyz="0 0 1"/>
+    <limit effort="10" velocity="2"/>
+  </joint>
+  <link name="tip">
+    <inertial><mass value="1"/>
+      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+  </link>
+  <transmission name="t">
+    <type>transmission_interface/SimpleTransmission</type>
+    <joint name="$(arg side)_joint">
+      <hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface>
+    </joint>
+    <actuator name="m"/>
+  </transmission>
+  <gazebo><plugin name="c" filename="libgazebo_ros_control.so"/></gazebo>
+</robot>
+"""
+YAML = """
+arm:
+  type: effort_controllers/JointTrajectoryController
+  joints: [left_joint]
+  gains: {left_joint: {p: 1}}
+other:
+  type: effort_controllers/JointGroupEffortController
+  joints: [left_joint]
+"""
+DEPENDS = "xacro controller_manager gazebo_ros_control"
+
+
+def workspace(folder: Path, **changed: str) -> Path:
+    """Write a package without a fault, but for what is changed."""
+    depends = changed.pop("depends", DEPENDS).split()
+    lines = "".join(f"<exec_depend>{name}</exec_depend>" for name in depends)
+    texts = {"launch": LAUNCH, "robot": ROBOT, "yaml": YAML, **changed}
+    return write(
+        folder,
+        {
+            "mine/package.xml": PACKAGE.format(name="mine", depends=lines),
+            "mine/launch/up.launch": texts["launch"],
+            "mine/urdf/r.urdf.xacro": texts["robot"],
+            "mine/config/c.yaml": texts["yaml"],
+        },
+    )
+
+
+def test_a_good_workspace_is_clean(tmp_path: Path) -> None:
+    report = check([workspace(tmp_path)])
+    assert report.findings == ()
+    assert len(report.files) == 4
+    assert all("not on this machine" in note for note in report.notes)
+
+
+@pytest.mark.parametrize(
+    ("part", "old", "new", "expected"),
+    [
+        ("launch", '"arm"', '"arn"', ("launch/up.launch", 6, "no-controller")),
+        ("launch", '"arm"', '"arm other"', ("launch/up.launch", 6, "two-controllers")),
+        ("launch", "side:=left", "", ("config/c.yaml", 3, "unknown-joint")),
+        ("launch", "side:=", "sid:=", ("urdf/r.urdf.xacro", None, "xacro-fails")),
+        ("launch", "c.yaml", "d.yaml", ("launch/up.launch", 5, "missing-file")),
+        (
+            "launch",
+            '"spawner"',
+            '"spawner" tpye="x"',
+            ("launch/up.launch", 6, "unknown"),
+        ),
+        (
+            "yaml",
+            "joints: [left_j",
+            "joints: [l_j",
+            ("config/c.yaml", 3, "unknown-joint"),
+        ),
+        ("yaml", "{p: 1}", "{d: 1}", ("config/c.yaml", 4, "missing-gains")),
+        (
+            "robot",
+            "hardware_interface/Effort",
+            "hardware/interface/Effort",
+            ("urdf/r.urdf.xacro", 15, "interface-typo"),
+        ),
+        (
+            "robot",
+            "EffortJointI",
+            "PositionJointI",
+            ("config/c.yaml", 3, "interface-mismatch"),
+        ),
+        (
+            "robot",
+            "</robot>",
+            '<gazebo><plugin name="d" filename="libgazebo_ros_control.so"/></gazebo>'
+            "</robot>",
+            ("urdf/r.urdf.xacro", 20, "two-plugins"),
+        ),
+        ("depends", "xacro ", "", ("package.xml", 1, "missing-dependency")),
+    ],
+)
+def test_one_fault_is_named_where_it_stands(
+    tmp_path: Path,
+    part: str,
+    *,
+    old: str,
+    new: str,
+    expected: tuple[str, int | None, str],
+) -> None:
+    whole = {"launch": LAUNCH, "robot": ROBOT, "yaml": YAML, "depends": DEPENDS}[part]
+    assert old in whole
+    found = rules(workspace(tmp_path, **{part: whole.replace(old, new, 1)}))
+    file, line, rule = expected
+    assert any(
+        (f, n) == (f"mine/{file}", line) and r.startswith(rule) for f, n, r in found
+    ), found
+
+
+def test_two_stopped_controllers_may_share_a_joint(tmp_path: Path) -> None:
+    load = '<node name="s" pkg="controller_manager" type="spawner" args="{}other"/>'
+    both = LAUNCH.replace("</launch>", load.format("--stopped ") + "</launch>")
+    assert rules(workspace(tmp_path / "stopped", launch=both)) == []
+    both = LAUNCH.replace("</launch>", load.format("") + "</launch>")
+    found = rules(workspace(tmp_path / "started", launch=both))
+    assert [rule for _, _, rule in found] == ["two-controllers"]
+
+
+def test_a_package_that_is_misspelt_is_an_error_and_one_that_is_away_is_not(
+    tmp_path: Path,
+) -> None:
+    include = '<include file="$(find {})/launch/a.launch"/></launch>'
+    away = workspace(
+        tmp_path / "away",
+        launch=LAUNCH.replace("</launch>", include.format("far_away")),
+        depends=f"{DEPENDS} far_away",
+    )
+    report = check([away])
+    assert report.n_errors == 0
+    assert any("'far_away' is not on this machine" in note for note in report.notes)
+    launch = LAUNCH.replace("</launch>", include.format("tool0_descripton"))
+    typo = rules(workspace(tmp_path / "typo", launch=launch))
+    assert ("mine/launch/up.launch", 7, "unresolved-find") in typo
+
+
+def test_files_that_others_include_are_judged_with_what_they_get(
+    tmp_path: Path,
+) -> None:
+    write(
+        tmp_path,
+        {
+            "all.launch": '<launch><include file="$(dirname)/one.launch">'
+            '<arg name="needed" value="1"/></include></launch>',
+            "one.launch": '<launch><arg name="needed"/>'
+            '<param name="a" value="$(arg needed)"/></launch>',
+        },
+    )
+    assert rules(tmp_path) == []
+
+
+def test_an_edited_upstream_file_is_told(tmp_path: Path) -> None:
+    robot = """
+    <robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+    <!-- if you need a gripper, DO NOT EDIT THIS FILE -->
+    <xacro:include filename="$(dirname)/robotiq_arg2f_85_macro.xacro"/>
+    <!-- <link name="tool0_controller"/> -->
+    <link name="base_link"/>
+    </robot>
+    """
+    write(
+        tmp_path,
+        {
+            "ur_gazebo/package.xml": PACKAGE.format(name="ur_gazebo", depends=""),
+            "ur_gazebo/urdf/ur.xacro": robot,
+        },
+    )
+    found = [(n, r) for _, n, r in rules(tmp_path) if r == "edited-upstream"]
+    assert found == [(3, "edited-upstream"), (4, "edited-upstream")]
+
+
+def test_a_bad_package_file_is_told(tmp_path: Path) -> None:
+    write(tmp_path, {"a/package.xml": "<package><name>a</name></package>"})
+    assert [rule for _, _, rule in rules(tmp_path)] == ["bad-package"] * 4
+    write(tmp_path, {"a/package.xml": "<package><name>a</package>"})
+    assert [rule for _, _, rule in rules(tmp_path)] == ["bad-xml"]
