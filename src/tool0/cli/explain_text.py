@@ -76,7 +76,7 @@ class _Writer:
         if item.value is not None:
             head += f" = {self._value(item.value) or EMPTY}"
         place = "" if item.location.file is None else _place(item, file)
-        origin = ", ".join(part for part in (item.note, place) if part)
+        origin = ", ".join(part for part in (place, item.note) if part)
         yield from _wrapped(head, "      ")
         yield from _wrapped(f"  {'│' if item.items else ' '} {origin}", "      ")
         yield from self.uses(item.items, "  ", file)

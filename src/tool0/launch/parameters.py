@@ -115,7 +115,8 @@ def _read(
         tree.load(f"value:\n{inside}", SourceLocation(location.file, line))
         for leaf in tree.root.leaves():
             name = leaf.key.removeprefix("value").removeprefix("/")
-            yield ParameterValue(name=name, value=leaf.plain(), location=leaf.location)
+            where = leaf.location if name else location
+            yield ParameterValue(name=name, value=leaf.plain(), location=where)
         return
     for leaf in tree.root.leaves():
         if leaf.key:
