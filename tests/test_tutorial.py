@@ -72,7 +72,6 @@ class Reader:
             "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}",
             "ROS_HOME": str(folder / ".ros"),
             "ROS_LOG_DIR": str(folder / ".ros/log"),
-            "ROS_PACKAGE_PATH": str(folder / "catkin_UR5/src"),
         }
         for block in BLOCKS:
             if block.language in ("xml", "yaml"):
@@ -104,11 +103,13 @@ class Reader:
             stdout=subprocess.PIPE,
             text=True,
         ) as process:
-            assert process.stdout is not None
-            assert "is up in mujoco" in process.stdout.readline()
-            yield
-            process.send_signal(signal.SIGINT)
-            process.communicate(timeout=30)
+            try:
+                assert process.stdout is not None
+                assert "is up in mujoco" in process.stdout.readline()
+                yield
+            finally:
+                process.send_signal(signal.SIGINT)
+                process.communicate(timeout=30)
 
 
 def steps() -> list[tuple[Block, Block | None]]:
@@ -125,8 +126,9 @@ def shortened(command: str) -> str:
     """Return the command so that it ends by itself and opens nothing."""
     if command.startswith("tool0 bringup"):
         return f"{command} {shlex.join(SHORT)}"
-    if command.startswith("roslaunch "):  # gazebo_ros is on Noetic alone
-        words = command.replace("roslaunch ", "roslaunch --nodes ")
+    if command.startswith("roslaunch "):
+        words = f'ROS_PACKAGE_PATH="$PWD/catkin_UR5/src" {command} --nodes'
+        # gazebo_ros, which that includes, is on Noetic alone.
         return f"{words} start_gazebo:=false" if "tool0_gazebo" in words else words
     return command
 
@@ -140,11 +142,13 @@ def run(reader: Reader, command: str) -> str:
         require_ros()
     if command.startswith("roslaunch ") and shutil.which("roslaunch") is None:
         absent("ros1", "there is no roslaunch here")
-    return reader.types(shortened(command), status=command in FINDS)
+    output = reader.types(shortened(command), status=command in FINDS)
+    assert "roslaunch" not in command or "/robot_state_publisher\n" in output
+    return output
 
 
 @pytest.mark.parametrize(
-    ("block", "told"), steps(), ids=lambda b: b.commands()[0] if b else "silent"
+    ("block", "told"), steps(), ids=[block.commands()[0] for block, _ in steps()]
 )
 def test_the_commands_run_and_print_what_the_page_says(
     block: Block, told: Block | None, reader: Reader

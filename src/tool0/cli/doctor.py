@@ -10,6 +10,8 @@ from tool0.cli.readiness import tell
 
 def run(command: str, arguments: list[str]) -> int:
     """Run the command and return its exit status."""
+    if not arguments:
+        return doctor()  # without tyro, which may be what is missing
     return parse(doctor, command, arguments)
 
 

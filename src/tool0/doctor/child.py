@@ -28,9 +28,13 @@ def main(module: str, function: str, patience: float) -> None:
     os.dup2(2, 1)  # whatever a library prints is no answer
     from importlib import import_module
 
+    from tool0.doctor.dependencies import without
     from tool0.doctor.machine import Machine
 
-    lines = getattr(import_module(module), function)(Machine())
+    try:
+        lines = getattr(import_module(module), function)(Machine())
+    except ImportError as error:
+        lines = [without(function.replace("_", "-"), error)]
     with os.fdopen(answer, "w", encoding="utf-8") as stream:
         json.dump([line.as_json() for line in lines], stream)
     sys.stderr.flush()

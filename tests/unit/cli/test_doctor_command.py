@@ -3,11 +3,13 @@ import os
 import re
 import subprocess
 import sys
-from importlib.metadata import version
+import venv
+from importlib.metadata import distribution, version
 from pathlib import Path
 
 import pytest
 
+import tool0
 from tool0.cli import FAILED, OK, main
 from tool0.doctor.probes import PROBES
 
@@ -88,6 +90,27 @@ def test_a_mujoco_that_crashes_takes_nothing_else_with_it(
     assert lines["mujoco"]["state"] == "unknown"
     assert "SIGABRT" in lines["mujoco"]["found"]
     assert lines["python"]["state"] == "ready"
+
+
+def test_a_python_without_what_tool0_needs_is_told(tmp_path: Path) -> None:
+    venv.create(tmp_path, with_pip=False)
+    (folder,) = tmp_path.glob("[Ll]ib/python3*/site-packages")
+    (folder / "tool0.pth").write_text(str(Path(tool0.__file__).parents[1]))
+    (folder / "tool0.dist-info").mkdir()
+    metadata = distribution("tool0").read_text("METADATA") or ""
+    (folder / "tool0.dist-info" / "METADATA").write_text(metadata)
+    python = str(tmp_path / "bin" / "python")
+    done = subprocess.run(
+        [python, "-m", "tool0", "doctor"], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (1, "")
+    report = " ".join(done.stdout.split())
+    assert f"-> {python} -m pip install 'msgspec>=" in report
+    assert "mujoco missing No module named 'numpy'" in report
+    assert f"-> {python} -m pip install 'numpy>=" in report
+    assert "panel missing No module named" in report
+    assert "unknown" not in report
+    assert report.endswith("does not run here: see python and mujoco above")
 
 
 def test_nothing_heavy_is_imported_by_the_command_itself() -> None:
