@@ -22,6 +22,7 @@ def complaint(
     remedy: str,
     severity: Severity = "error",
 ) -> Finding:
+    """Return a finding about ``entry``."""
     return Finding(
         location=entry.location,
         rule=rule,
@@ -60,6 +61,12 @@ class _Reader:
 def controller_findings(
     entry: Entry, known: Collection[str] | None
 ) -> Iterator[Finding]:
+    """Yield what the controller of a namespace does not read, or reads in vain.
+
+    Args:
+        entry: The namespace, which has a ``type``.
+        known: The robot's movable joints, if they are known.
+    """
     type_name = str((entry.children or {})["type"].scalar)
     try:
         patterns = parameters_of(type_name)
@@ -167,11 +174,13 @@ def _not_a_joint(
 
 
 def nearest(name: str, valid: Collection[str]) -> str | None:
+    """Return the valid name most like ``name``, if any is."""
     close = difflib.get_close_matches(name, sorted(valid), n=1, cutoff=0.6)
     return close[0] if close else None
 
 
 def or_remove(near: str | None) -> str:
+    """Return the remedy for a name that nothing knows."""
     return f"did you mean '{near}'?" if near else "remove it"
 
 
