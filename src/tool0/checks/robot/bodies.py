@@ -26,7 +26,7 @@ def bodies(facts: RobotFacts) -> Mapping[str, str]:
         while at not in body and at not in path:
             path[at] = None
             joint = above.get(at)
-            if joint is None or joint.is_movable or joint.parent not in facts.links:
+            if joint is None or facts.moves(joint) or joint.parent not in facts.links:
                 break
             at = joint.parent
         body.update(dict.fromkeys(path, body.get(at, at)))

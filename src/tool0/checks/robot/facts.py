@@ -16,6 +16,8 @@ from tool0.errors import SourceLocation
 
 CONTROL_PLUGIN = "gazebo_ros_control"
 MOVABLE = ("revolute", "continuous", "prismatic", "planar", "floating")
+_APART = ("preserveFixedJoint", "disableFixedJointLumping")
+_TRUE = ("true", "1")
 DRIVABLE = ("revolute", "continuous", "prismatic")
 
 
@@ -130,6 +132,8 @@ class RobotFacts:
     gearboxes: tuple[GearboxFacts, ...] = ()
     ros2_joints: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Joints of <ros2_control>, with their command interfaces."""
+    unmerged: frozenset[str] = frozenset()
+    """Fixed joints whose links Gazebo is told to keep apart."""
     has_extensions: bool = False
     """Whether there is any <gazebo>."""
 
@@ -146,6 +150,17 @@ class RobotFacts:
             for plugin in self.plugins
             if plugin.is_mimic
         )
+
+    @property
+    def plugin_joints(self) -> frozenset[str]:
+        """What plugins name: among it the joints that they move."""
+        return frozenset(
+            text for plugin in self.plugins for _, text, _ in plugin.parameters
+        )
+
+    def moves(self, joint: JointFacts) -> bool:
+        """Return whether ``joint`` joins two bodies: a fixed one makes them one."""
+        return joint.is_movable or joint.name in self.unmerged
 
     @property
     def driven_joints(self) -> frozenset[str]:
@@ -188,6 +203,11 @@ def facts_of(root: LocatedElement | Element) -> RobotFacts:
         ),
         gearboxes=tuple(_gearboxes(extensions)),
         ros2_joints=_ros2_joints(root),
+        unmerged=frozenset(
+            attribute(extension, "reference")
+            for extension in extensions
+            if any(child_text(extension, flag).lower() in _TRUE for flag in _APART)
+        ),
         has_extensions=bool(extensions),
     )
 

@@ -212,7 +212,7 @@ def _without(
         return  # drawn only
     body = bodies(facts)
     heavy = {body[name] for name in weighed if name in body}
-    moved = {joint.child for joint in facts.joints.values() if joint.is_movable}
+    moved = {joint.child for joint in facts.joints.values() if facts.moves(joint)}
     carriers = {
         body.get(joint.parent) for joint in facts.joints.values() if joint.is_movable
     }

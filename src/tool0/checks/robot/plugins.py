@@ -54,13 +54,18 @@ def _two(facts: RobotFacts) -> Iterator[Finding]:
         earlier = first.setdefault(_description(plugin), plugin)
         if earlier is plugin:
             continue
+        where = (
+            "made by the same line, of a macro that is called twice"
+            if plugin.location == earlier.location
+            else f"at {earlier.location}"
+        )
         yield Finding(
             location=plugin.location,
             rule="two-plugins",
             key=plugin.name,
             message=(
                 f"a second {LIBRARY}, '{short(plugin.name)}'; the first, "
-                f"'{short(earlier.name)}', is at {earlier.location}. Each makes a "
+                f"'{short(earlier.name)}', is {where}. Each makes a "
                 "controller manager for every joint of the robot: their commands "
                 "fight over the joints, and in one namespace the services of one "
                 "hide those of the other"

@@ -230,9 +230,10 @@ def _typo(interface: InterfaceFacts, joints: list[str]) -> Finding:
 
 
 def _undriven(facts: RobotFacts) -> Iterator[Finding]:
-    driven = facts.driven_joints | facts.mimic_plugin_joints
+    driven = facts.driven_joints | facts.plugin_joints
     for joint in facts.joints.values():
-        if joint.is_drivable and joint.name not in driven:
+        is_caster = joint.type == "continuous" and joint.limits is None
+        if joint.is_drivable and not is_caster and joint.name not in driven:
             yield Finding(
                 location=joint.location,
                 rule="no-transmission",

@@ -39,6 +39,11 @@ def test_a_gearbox_between_bodies_that_are_not_there() -> None:
     pad = joint("f", "finger_link", "pad", "", "fixed") + link("pad")
     finding = check(*parts, pad, gearbox("pad"))[0]
     assert finding.remedy == "write <child>finger_link</child>"
+    apart = (
+        '<gazebo reference="f"><preserveFixedJoint>true</preserveFixedJoint></gazebo>'
+    )
+    found = check(*parts, pad, apart, gearbox("pad"))
+    assert rules(found) == ["loose-mimic"]  # the finger: the gearbox holds the pad
 
 
 def test_a_plugin_without_pid_teleports_it() -> None:

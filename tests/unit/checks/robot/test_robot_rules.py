@@ -52,6 +52,8 @@ def test_the_faults_of_an_arm_with_a_gripper_are_all_named() -> None:
     assert {finding.location.file for finding in found} == {FAULTY}
     assert all(finding.location.line for finding in found)
     assert all(finding.remedy for finding in found)
+    (twice,) = (finding for finding in found if finding.rule == "two-plugins")
+    assert "called twice" in twice.message
 
 
 def test_the_faults_of_its_xacro_as_it_is_written() -> None:

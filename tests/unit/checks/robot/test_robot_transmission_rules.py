@@ -95,6 +95,14 @@ def test_a_joint_without_transmission_beside_one_that_has() -> None:
     assert check(ARM, more) == []
 
 
+def test_joints_that_need_no_transmission() -> None:
+    caster = joint("wheel", "arm", "hand", "", "continuous") + link("hand")
+    assert check(DRIVEN, caster) == []
+    wheel = joint("wheel", "arm", "hand") + link("hand")
+    drive = plugin("libgazebo_ros_drive.so", "<leftJoint>wheel</leftJoint>")
+    assert check(DRIVEN, wheel, drive) == []
+
+
 @pytest.mark.parametrize(
     ("type", "severity"),
     [
