@@ -50,7 +50,7 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Let both find our packages, and a xacro that repeats what it is given."""
     require_ros()
     folder = tmp_path_factory.mktemp("packages")
-    for name in ("xacro", "roslaunch"):  # with it ROS is here: what is missing is
+    for name in ("xacro", "robot_state_publisher", "roslaunch"):  # ROS is here
         (folder / name).mkdir()
         manifest = f"<package><name>{name}</name></package>"
         (folder / name / "package.xml").write_text(manifest)

@@ -13,7 +13,7 @@ from tool0.errors import ConfigError, DescriptionError
 
 if TYPE_CHECKING:
     from tool0.description.finding import Finding
-    from tool0.launch.explanation import Item
+    from tool0.launch.item import Item
     from tool0.launch.packages import Packages
 
 OK, HAS_ERRORS = 0, 1
@@ -39,23 +39,25 @@ def explain(
         words: The launch file, or its package and its name; then its arguments.
         format: For people or for programs.
     """
-    from tool0.launch.explanation import Explainer
+    from tool0.launch.contents import contents
     from tool0.launch.packages import Packages, packages_around
     from tool0.launch.reader import read_launch
+    from tool0.launch.ways import argument_ways
+    from tool0.launch.xacro_files import xacro_robots
 
     names = [word for word in words if ":=" not in word]
     file = _file(names)
     given = dict(word.split(":=", 1) for word in words if ":=" in word)
     packages = Packages(packages_around(file))
     launch = read_launch(file, given, packages)
-    explainer = Explainer(launch, packages)
-    contents, arguments = explainer.contents(), explainer.arguments()
+    robots = xacro_robots(launch, packages)
+    tree, arguments = contents(launch, robots), argument_ways(launch, robots)
     if format == "json":
-        print(json.dumps(_json(contents, arguments, launch.findings)))
+        print(json.dumps(_json(tree, arguments, launch.findings)))
     else:
         from tool0.cli.explain_text import text_of
 
-        print(text_of(contents, arguments, launch.findings, packages), end="")
+        print(text_of(tree, arguments, launch.findings, packages), end="")
     errors = [finding for finding in launch.findings if finding.severity == "error"]
     return HAS_ERRORS if errors else OK
 

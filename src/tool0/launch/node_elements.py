@@ -6,6 +6,7 @@ from dataclasses import replace
 from xml.dom.minidom import Element
 
 from tool0.description.xml_source import children
+from tool0.errors import DescriptionError
 from tool0.launch import grammar, names
 from tool0.launch.attributes import namespace_of, split
 from tool0.launch.model import (
@@ -55,12 +56,14 @@ def read_node(element: Element, scope: Scope) -> Node:
             hold(read_remap(child, at), inside.remaps)
         elif child.tagName == "env":
             inside.environment.append(read_env(child, at))
+    package = scope.required(element, "pkg")
+    _check_package(package, scope)
     args = scope.text(element, "args")
     keys = [key for key, _ in element.attributes.items() if key not in _NODE_KEYS]
     return Node(
         place=replace(scope.place(element), namespace=outer),
         is_test=is_test,
-        package=scope.required(element, "pkg"),
+        package=package,
         type=scope.required(element, "type"),
         name=name,
         full_name=None if own is None else own.removesuffix("/"),
@@ -72,6 +75,28 @@ def read_node(element: Element, scope: Scope) -> Node:
         remaps=tuple(inside.remaps),
         environment=tuple(inside.environment),
     )
+
+
+def _check_package(package: Text, scope: Scope) -> None:
+    """Report a node's package that is not here: roslaunch cannot start the node."""
+    name, packages = package.resolved, scope.session.packages
+    if not name:
+        return
+    try:
+        packages.find(name)
+    except DescriptionError:
+        near = packages.nearest(name)
+        if near is None and not packages.has_ros:
+            return  # nothing of ROS is here, which says nothing about this package
+        scope.report(
+            package.location,
+            "missing-package",
+            name,
+            "is a package that is not found here, and roslaunch cannot start its node"
+            + (f"; did you mean '{near}'?" if near else ""),
+            f"sudo apt install ros-noetic-{name.replace('_', '-')}, or put the package "
+            "into the workspace",
+        )
 
 
 def _check_node(element: Element, name: Text, scope: Scope) -> None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Mapping
-from itertools import islice
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import final
 
@@ -19,8 +18,9 @@ from tool0.errors import DescriptionError
 
 _STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
 """Found without ROS, too: tool0 does itself what this program is asked for."""
-_MAX_PACKAGES = 1000
-"""Of one workspace."""
+_MAX_DEPTH = 6
+_MAX_FOLDERS = 5000
+"""That are looked into for packages: a ``src`` may hold anything."""
 
 
 @final
@@ -97,16 +97,49 @@ def is_package(folder: Path) -> bool:
 def packages_around(file: Path) -> dict[str, Path]:
     """Return the packages beside the one that ``file`` lies in, with it, by name.
 
-    They are sought below the catkin workspace's ``src``, or else in the folder above
-    the package.
+    They are sought below each folder ``src`` that the package lies in, as in a catkin
+    workspace, or else beside the package.
     """
     folders = file.absolute().parents
-    for folder in folders:
-        if is_package(folder):
-            sources = [f for f in folder.parents if f.name == "src"]
-            root = next(iter(sources), folder.parent)
-            return {_name(f): f for f in islice(crawl(root), _MAX_PACKAGES)}
-    return {}
+    package = next((folder for folder in folders if is_package(folder)), None)
+    if package is None:
+        return {}
+    sources = [folder for folder in package.parents if folder.name == "src"]
+    found: dict[str, Path] = {}
+    for root in sources:  # the nearest first, and its packages count
+        for folder in _below(root, depth=_MAX_DEPTH):
+            found.setdefault(_name(folder), folder)
+    for folder in () if sources else _below(package.parent, depth=1):
+        found.setdefault(_name(folder), folder)
+    found[_name(package)] = package
+    return found
+
+
+def _below(root: Path, depth: int) -> Iterator[Path]:
+    """Yield the packages below ``root``: so many levels down, and not without end."""
+    seen: set[str] = set()
+    level = [root]
+    for _ in range(depth):
+        folders = [inner for folder in level for inner in _folders(folder)]
+        level = []
+        for folder in folders:
+            real = os.path.realpath(folder)
+            if real in seen or len(seen) > _MAX_FOLDERS:
+                continue
+            seen.add(real)
+            if is_package(folder):
+                yield folder  # packages do not nest
+            else:
+                level.append(folder)
+
+
+def _folders(folder: Path) -> list[Path]:
+    try:
+        with os.scandir(folder) as entries:
+            found = [e.name for e in entries if e.name[0] != "." and e.is_dir()]
+    except OSError:
+        return []
+    return [folder / name for name in sorted(found)]
 
 
 def _name(folder: Path) -> str:

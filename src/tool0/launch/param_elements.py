@@ -19,6 +19,7 @@ from tool0.launch.model import (
 from tool0.launch.scope import Scope
 from tool0.launch.session import is_file, read_bounded
 from tool0.launch.text import Activity, Text
+from tool0.launch.xacro_files import xacro_call
 
 _SOURCES: tuple[Literal["value", "textfile", "binfile", "command"], ...] = (
     "value",
@@ -93,7 +94,7 @@ def _param(element: Element, scope: Scope) -> Parameter | None:
         require_file(content, given[0], scope)
     elif given[0] == "value":
         _check_type(content, kind, scope)
-    return Parameter(
+    parameter = Parameter(
         place=scope.place(element),
         name=scope.required(element, "name"),
         full_name=None,
@@ -102,6 +103,10 @@ def _param(element: Element, scope: Scope) -> Parameter | None:
         content=content,
         words=split(content, scope) if given[0] == "command" else (),
     )
+    call = xacro_call(parameter)
+    if call is not None and call.file is not None:
+        require_file(replace(content, resolved=str(call.file)), "xacro", scope)
+    return parameter
 
 
 def _check_type(content: Text, kind: str, scope: Scope) -> None:

@@ -11,7 +11,7 @@ from xml.dom.minidom import Element
 
 from tool0.description.xml_source import children, parse_text
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.launch.model import Parameter
+from tool0.launch.model import LaunchFile, Parameter
 from tool0.launch.packages import Packages
 from tool0.launch.session import read_bounded
 from tool0.launch.substitution import Surroundings, resolve
@@ -97,6 +97,15 @@ def xacro_call(parameter: Parameter) -> XacroCall | None:
         args=given,
         uses=uses,
     )
+
+
+def xacro_robots(launch: LaunchFile, packages: Packages) -> dict[Parameter, XacroFile]:
+    """Return what every parameter that calls xacro has it read."""
+    return {
+        parameter: xacro_files(call, packages)
+        for parameter in launch.parameters(active_only=False)
+        if (call := xacro_call(parameter)) is not None
+    }
 
 
 def xacro_files(call: XacroCall, packages: Packages) -> XacroFile:

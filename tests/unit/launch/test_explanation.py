@@ -5,17 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from tool0.launch.explanation import Explainer, Item
+from tool0.launch.contents import contents
+from tool0.launch.item import Item
 from tool0.launch.packages import Packages, packages_around
 from tool0.launch.reader import read_launch
+from tool0.launch.ways import argument_ways
+from tool0.launch.xacro_files import xacro_robots
 
 DATA = Path(__file__).parents[2] / "data" / "launch" / "src"
 BRING_UP = DATA / "arm_gazebo" / "launch" / "arm_bringup.launch"
 
 
-def explainer(file: Path, **arguments: str) -> Explainer:
+def explained(file: Path, **arguments: str) -> tuple[Item, tuple[Item, ...]]:
+    """Return the contents of a file, and the ways of its arguments."""
     packages = Packages(packages_around(file))
-    return Explainer(read_launch(file, arguments, packages), packages)
+    launch = read_launch(file, arguments, packages)
+    robots = xacro_robots(launch, packages)
+    return contents(launch, robots), argument_ways(launch, robots)
 
 
 def ways(item: Item, before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
@@ -29,7 +35,7 @@ def ways(item: Item, before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
 
 
 def test_a_value_is_followed_into_xacro() -> None:
-    root, *_ = explainer(BRING_UP).arguments()
+    root, *_ = explained(BRING_UP)[1]
     (limits,) = [item for item in root.items if item.name == "limits"]
     assert limits.value == str(DATA / "arm_description" / "config" / "limits.yaml")
     assert list(ways(limits)) == [
@@ -44,7 +50,7 @@ def test_a_value_is_followed_into_xacro() -> None:
 
 
 def test_a_value_may_end_in_several_places() -> None:
-    root, *_ = explainer(BRING_UP).arguments()
+    root, *_ = explained(BRING_UP)[1]
     (gui,) = [item for item in root.items if item.name == "gui"]
     assert [way[-1] for way in ways(gui)] == [
         "control.launch.xml:17 value of param /sim/headless",
@@ -53,7 +59,7 @@ def test_a_value_may_end_in_several_places() -> None:
 
 
 def test_in_included_files_only_what_begins_there_is_listed() -> None:
-    files = explainer(BRING_UP).arguments()
+    files = explained(BRING_UP)[1]
     listed = {Path(f.name).name: [item.name for item in f.items] for f in files[1:]}
     assert listed == {
         "load_arm2.launch.xml": ["interface"],
@@ -63,8 +69,8 @@ def test_in_included_files_only_what_begins_there_is_listed() -> None:
 
 
 def test_xacro_files_are_followed_with_what_they_are_given() -> None:
-    contents = explainer(BRING_UP).contents()
-    (robot,) = contents.items[0].items[0].items[0].items
+    tree, _ = explained(BRING_UP)
+    (robot,) = tree.items[0].items[0].items[0].items
     assert robot.kind == "xacro"
     given = {i.name: i.value for i in robot.items if i.kind == "xacro arg"}
     assert given["model"] == "arm2"
@@ -88,7 +94,7 @@ def test_conditions_and_eval_use_arguments_too(tmp_path: Path) -> None:
         <node name="m" pkg="p" type="t" unless="$(arg a)"/>
         </launch>"""
     )
-    (root,) = explainer(file).arguments()
+    (root,) = explained(file)[1]
     found = [way[1:] for item in root.items for way in ways(item)]
     assert found == [
         ("main.launch:3 argument b", "main.launch:5 args of node /n"),
@@ -110,7 +116,7 @@ def test_what_is_unresolved_says_why(tmp_path: Path) -> None:
         <param name="description" command="$(find xacro)/xacro $(dirname)/no.xacro"/>
         </launch>"""
     )
-    robot, include, other = explainer(file).contents().items
+    robot, include, other = explained(file)[0].items
     assert robot.note == "argument 'a' has no value"
     assert include.note == "package 'nowhere_at_all' is not found"
     assert other.items[0].note == "is no file"

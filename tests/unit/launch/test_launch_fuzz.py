@@ -9,10 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tool0.launch.comments import commented_elements
-from tool0.launch.explanation import Explainer
+from tool0.launch.contents import contents
 from tool0.launch.grammar import ATTRIBUTES
 from tool0.launch.packages import Packages
 from tool0.launch.reader import read_launch
+from tool0.launch.ways import argument_ways
+from tool0.launch.xacro_files import xacro_robots
 
 DATA = Path(__file__).parents[2] / "data" / "launch" / "src"
 SEEDS = [
@@ -56,9 +58,9 @@ def explained(content: bytes) -> None:
         file.write_bytes(content)
         packages = Packages({"quirks": DATA / "quirks"})
         launch = read_launch(file, {"a": "1"}, packages)
-        explainer = Explainer(launch, packages)
-        assert explainer.contents().name == str(file)
-        explainer.arguments()
+        robots = xacro_robots(launch, packages)
+        assert contents(launch, robots).name == str(file)
+        argument_ways(launch, robots)
         commented_elements(file)
 
 

@@ -156,6 +156,7 @@ FAULTS = {
     "unknown-attribute": '<node pkg="p" type="t" name="n" arg="-x"/>',
     "missing-attribute": '<node pkg="p" name="n"/>',
     "missing-file": '<rosparam file="$(dirname)/absent.yaml"/>',
+    "missing-package": '<node pkg="tool0_gazzebo" type="t" name="n"/>',
     "missing-argument": '<param name="p" value="$(arg nothing)"/>',
     "unused-argument": '<arg name="a" default="1"/>',
     "duplicate-argument": (
@@ -269,6 +270,37 @@ def test_what_is_no_launch_file_is_a_finding(
     assert launch.findings[0].location.file == file
     (include,) = launch.includes()
     assert include.reason
+
+
+def test_a_robot_s_file_must_be_there(read: Reader) -> None:
+    launch = read('<param name="p" command="$(find xacro)/xacro /absent.xacro a:=1"/>')
+    assert [(f.rule, f.key) for f in launch.findings] == [
+        ("missing-file", "/absent.xacro")
+    ]
+
+
+def test_a_node_s_package_must_be_there_where_ros_is(
+    read: Reader, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node = '<node pkg="rqt_joint_trajectory_controller" type="t" name="n"/>'
+    assert rules(read(node)) == []
+    (tmp_path / "roslaunch").mkdir()
+    (tmp_path / "roslaunch" / "package.xml").write_text("<package/>")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    (finding,) = read(node).findings
+    assert finding.rule == "missing-package"
+    assert "ros-noetic-rqt-joint-trajectory-controller" in finding.remedy
+
+
+def test_packages_of_a_workspace_are_found_however_it_is_linked(tmp_path: Path) -> None:
+    for name in ("one/deep/a", "b", "one/src/c", ".hidden/d", "a/inner"):
+        (tmp_path / "src" / name).mkdir(parents=True)
+    for name in ("one/deep/a", "b", "one/src/c", ".hidden/d"):
+        (tmp_path / "src" / name / "package.xml").write_text("<package/>")
+    (tmp_path / "src" / "one" / "loop").symlink_to(tmp_path / "src")
+    found = packages_around(tmp_path / "src" / "one" / "src" / "c" / "x.launch")
+    assert sorted(found) == ["a", "b", "c"]
+    assert packages_around(tmp_path / "x.launch") == {}
 
 
 def test_a_file_that_is_none_is_a_finding(tmp_path: Path) -> None:
