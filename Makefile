@@ -15,6 +15,9 @@ GAZEBO  := $(VENV)/.stamp-gazebo
 ROS1    := $(VENV)/.stamp-ros1
 # What `make test` may not do without; other things that are absent skip their tests.
 TOOL0_REQUIRE ?= browser
+# Tests run in as many processes as there are processors, yet at most:
+WORKERS ?= 4
+PYTEST  := $(BIN)/python -m pytest --numprocesses=auto --maxprocesses=$(WORKERS)
 
 .DEFAULT_GOAL := help
 .PHONY: help run setup dev check lint lint-python lint-web format unit unit-python unit-web
@@ -52,13 +55,13 @@ format: $(DEV)
 unit: unit-python unit-web
 
 unit-python: $(DEV)
-	$(BIN)/python -m pytest tests/unit $(ARGS)
+	$(PYTEST) tests/unit $(ARGS)
 
 unit-web: $(DEV)
 	$(WEB) run test
 
 test: $(DEV) $(PAGE) $(BROWSER) $(GAZEBO) $(ROS1) unit-web
-	TOOL0_REQUIRE='$(TOOL0_REQUIRE)' $(BIN)/python -m pytest $(ARGS)
+	TOOL0_REQUIRE='$(TOOL0_REQUIRE)' $(PYTEST) $(ARGS)
 
 bench: $(DEV)
 	$(BIN)/python benchmarks/run.py $(ARGS)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import HealthCheck, settings
 from skew_robot import build_model
 
 import tool0
@@ -23,8 +25,26 @@ if TYPE_CHECKING:
     from tool0.panel.server import Panel
 
 
+pytest_plugins = ["side_by_side"]
+
+settings.register_profile(  # a busy machine is slow, and no test fails for it
+    "tests", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("tests")
+
 PRIVATE_GAZEBO = None if find_system() else from_prefix(private_prefix())
 """Of the person who runs the tests."""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def runtime_folder() -> Iterator[Path]:
+    """Keep bring-ups away from those of other processes, which may have their names."""
+    with (  # below tmp_path, the path of a socket would be too long
+        tempfile.TemporaryDirectory(prefix="tool0-") as folder,
+        pytest.MonkeyPatch.context() as patch,
+    ):
+        patch.setenv("XDG_RUNTIME_DIR", folder)
+        yield Path(folder)
 
 
 @pytest.fixture(autouse=True)

@@ -13,7 +13,7 @@ from playwright.sync_api import Browser, ConsoleMessage, Locator, Playwright
 
 import tool0
 
-PATIENCE: Final = 20.0
+PATIENCE: Final = 60.0
 """Longest wait for anything; software GL on a busy machine is slow [wall s]."""
 _NAMES: Final = ("chromium", "google-chrome", "chromium-browser")
 _FLAGS: Final = (

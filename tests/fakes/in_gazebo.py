@@ -14,7 +14,7 @@ import tool0
 from tool0.engines.gazebo.engine import GazeboEngine
 from tool0.engines.gazebo.installation import find_installation
 
-PATIENCE = 30.0
+PATIENCE = 60.0
 """For what takes a moment on a busy machine [wall s]."""
 
 

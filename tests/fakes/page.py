@@ -12,7 +12,7 @@ from urllib.parse import urlsplit, urlunsplit
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
-PATIENCE = 10.0
+PATIENCE = 30.0
 """Longest wait for anything [wall s]."""
 
 Message = dict[str, Any]

@@ -20,11 +20,13 @@ from xmlrpc.client import ServerProxy
 
 from tool0.ros1.child import Child
 
-PATIENCE = 30.0
+PATIENCE = 60.0
 """For what takes a moment on a busy machine [wall s]."""
 _GLANCE = 0.02
 """Between two looks at what announces nothing [wall s]."""
 _CALLER = "/test"
+_LAST_LINES = 60
+"""Of what a program printed, for who reads that a test failed."""
 _UNSET = ("ROS_HOSTNAME", "ROS_NAMESPACE", "ROS_OS_OVERRIDE", "ROSCONSOLE_CONFIG_FILE")
 
 
@@ -183,6 +185,16 @@ class Ros:
             bringup.wait()
         return bringup
 
+    def said(self) -> dict[str, str]:
+        """Return what those printed that run under it: name → the last lines."""
+        names = {} if self._core is None else {"roscore": self._core.last_words()}
+        for number, one in enumerate(self._started, start=1):
+            if isinstance(one, Bringup):
+                names |= {
+                    f"{number}: {name}": text for name, text in one.said().items()
+                }
+        return names
+
     def __enter__(self) -> Ros:
         return self.start()
 
@@ -203,12 +215,17 @@ class Bringup:
 
     def __init__(self, environment: Mapping[str, str], *options: str) -> None:
         self._sockets = tempfile.TemporaryDirectory(prefix="tool0-")
+        self._began = time.monotonic()
         self.process = subprocess.Popen(
             [
                 *(sys.executable, "-m", "tool0", "bringup", "--ros1", "--headless"),
                 *options,
             ],
-            env={**environment, "XDG_RUNTIME_DIR": self._sockets.name},
+            env={
+                **environment,
+                "XDG_RUNTIME_DIR": self._sockets.name,
+                "TMPDIR": self._sockets.name,  # with its gzserver's log
+            },
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -216,7 +233,9 @@ class Bringup:
             start_new_session=True,
         )
         self.lines: list[str] = []
-        """All that it has printed."""
+        """What it printed, up to what was waited for."""
+        self._printed: list[str] = []
+        """All of it, with the time of each line [wall s from its start]."""
         self._arrived: queue.SimpleQueue[str | None] = queue.SimpleQueue()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -224,6 +243,9 @@ class Bringup:
     def _read(self) -> None:
         assert self.process.stdout is not None
         for line in self.process.stdout:
+            self._printed.append(
+                f"{time.monotonic() - self._began:7.2f} {line.rstrip()}"
+            )
             self._arrived.put(line.rstrip())
         self._arrived.put(None)
 
@@ -259,6 +281,13 @@ class Bringup:
     @property
     def text(self) -> str:
         return "\n".join(self.lines)
+
+    def said(self) -> dict[str, str]:
+        """Return what it and its Gazebo printed: name → the last lines."""
+        texts = {"bring-up": self._printed}
+        for log in Path(self._sockets.name).glob("*/*.log"):
+            texts[log.name] = log.read_text(errors="replace").splitlines()
+        return {name: "\n".join(rows[-_LAST_LINES:]) for name, rows in texts.items()}
 
     def close(self) -> None:
         """End it however it is; closing twice is allowed."""

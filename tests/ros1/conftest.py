@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import warnings
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -22,6 +22,19 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if item.path.is_relative_to(HERE):
             for category in (f"DeprecationWarning:{THEIRS}", "ResourceWarning"):
                 item.add_marker(pytest.mark.filterwarnings(f"ignore::{category}"))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item,
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Show what the programs under ROS said when a test failed."""
+    report = yield
+    if report.failed:
+        parts = getattr(item, "funcargs", {}).values()
+        for ros in (part for part in parts if isinstance(part, Ros)):
+            report.sections += ros.said().items()
+    return report
 
 
 @pytest.fixture(scope="session")
