@@ -99,10 +99,10 @@ def _too_strong(joint: JointFacts, effort: float, load: _Load) -> Finding:
         key=joint.name,
         message=(
             f"{message}: its limit stops nothing, so a controller crushes or throws "
-            "what the fingers hold"
+            "what it touches"
         ),
         remedy=(
-            f"give the motor's own limit in {unit}; a Robotiq 2F-85, whose fingers "
-            'press with 235 N, has effort="23"'
+            f"give the motor's own limit in {unit}; that of a Robotiq 2F-85, whose "
+            "fingers press with 235 N, is about 23 N·m"
         ),
     )

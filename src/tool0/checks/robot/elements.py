@@ -44,6 +44,14 @@ def to_number(text: str) -> float | None:
     return value if abs(value) <= HUGE else None  # not so for NaN
 
 
+def is_number(text: str) -> bool:
+    """Return whether ROS reads ``text`` as a finite number, however large."""
+    try:
+        return math.isfinite(float(text)) and "_" not in text
+    except ValueError:
+        return False
+
+
 def number(element: Element | None, name: str) -> float | None:
     """Return the attribute as a number; None if it is not there or is none."""
     return to_number(attribute(element, name))

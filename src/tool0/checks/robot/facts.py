@@ -195,7 +195,11 @@ def facts_of(root: LocatedElement | Element) -> RobotFacts:
         name=attribute(root, "name"),
         links=links,
         joints=joints,
-        transmissions=tuple(map(_transmission, children(root, "transmission"))),
+        transmissions=tuple(
+            _transmission(element)
+            for element in children(root, "transmission")
+            if not element.hasAttribute("type")  # that of a PR2, not of ros_control
+        ),
         plugins=tuple(
             _plugin(element)
             for extension in extensions

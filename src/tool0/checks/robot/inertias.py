@@ -13,7 +13,7 @@ from tool0.checks.robot.elements import attribute, child, number, place
 from tool0.checks.robot.facts import RobotFacts
 from tool0.checks.robot.names import short
 from tool0.checks.robot.shapes import extent_of
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, Severity
 from tool0.description.model import Inertial
 from tool0.description.urdf_links import principal_moments
 from tool0.description.xml_source import children
@@ -33,14 +33,32 @@ def inertia_findings(
 ) -> Iterator[Finding]:
     """Yield what is wrong in the links' <inertial>."""
     links = {attribute(link, "name"): link for link in children(root, "link")}
+    body = bodies(facts)
+    masses = {name: _mass(link) for name, link in links.items()}
+    heavy = {body.get(name) for name, mass in masses.items() if mass and mass > 0}
+    for_gazebo = spawned or facts.has_extensions or bool(facts.transmissions)
     for name, link in links.items():
         inertial = child(link, "inertial")
-        if inertial is not None:
-            yield from _inertial(link, inertial, name)
-    yield from _without(facts, links, spawned)
+        if inertial is None:
+            continue
+        is_alone = body.get(name, name) == name
+        yield from _incomplete(inertial, name)
+        mass = masses[name]
+        if mass is None:
+            continue
+        if mass > 0:
+            yield from _tensor(link, inertial, name, mass, is_alone)
+        elif mass < 0 or body.get(name) not in {*heavy, _WORLD}:
+            severity: Severity = "error" if mass < 0 or for_gazebo else "warning"
+            yield _bad_mass(inertial, name, mass, severity)
+    yield from _without(facts, links, for_gazebo)
 
 
-def _inertial(link: Element, inertial: Element, name: str) -> Iterator[Finding]:
+def _mass(link: Element) -> float | None:
+    return number(child(child(link, "inertial"), "mass"), "value")
+
+
+def _incomplete(inertial: Element, name: str) -> Iterator[Finding]:
     for tag in ("mass", "inertia"):
         if child(inertial, tag) is None:
             yield Finding(
@@ -53,26 +71,22 @@ def _inertial(link: Element, inertial: Element, name: str) -> Iterator[Finding]:
                 ),
                 remedy=f"add <{tag}>, or leave <inertial> out for a mere frame",
             )
-    weighed = child(inertial, "mass")
-    mass = number(weighed, "value")
-    if weighed is None or mass is None:
-        return
-    if mass <= 0:
-        yield Finding(
-            location=place(weighed),
-            rule="bad-mass",
-            key=name,
-            message=(
-                f"link '{short(name)}' has the mass {mass:g} kg: Gazebo drops a link "
-                "without mass, and all that hangs on it"
-            ),
-            remedy="give its mass in kg, or leave <inertial> out for a mere frame",
-        )
-        return
-    tensor = child(inertial, "inertia")
-    moments = None if tensor is None else _moments(tensor, mass)
-    if tensor is not None and moments is not None:
-        yield from _tensor(tensor, _Body(name, mass, moments, extent_of(link)))
+
+
+def _bad_mass(inertial: Element, name: str, mass: float, severity: Severity) -> Finding:
+    return Finding(
+        location=place(child(inertial, "mass") or inertial),
+        rule="bad-mass",
+        severity=severity,
+        key=name,
+        message=(
+            f"link '{short(name)}' has the mass {mass:g} kg, and nothing heavier is "
+            "fixed to it: Gazebo drops it, and all that hangs on it"
+            if mass == 0
+            else f"link '{short(name)}' has the mass {mass:g} kg, which no body has"
+        ),
+        remedy="give its mass in kg, or leave <inertial> out for a mere frame",
+    )
 
 
 @final
@@ -114,13 +128,22 @@ def _moments(tensor: Element, mass: float) -> tuple[float, float, float] | None:
     return (low * scale, middle * scale, high * scale)
 
 
-def _tensor(tensor: Element, body: _Body) -> Iterator[Finding]:
-    low, middle, high = body.moments
+def _tensor(
+    link: Element, inertial: Element, name: str, mass: float, is_alone: bool
+) -> Iterator[Finding]:
+    """Yield what is wrong with the inertia; less if it is merged into another."""
+    tensor = child(inertial, "inertia")
+    moments = None if tensor is None else _moments(tensor, mass)
+    if tensor is None or moments is None:
+        return
+    body = _Body(name, mass, moments, extent_of(link))
+    low, middle, high = moments
     if not low > 0:
         yield Finding(
             location=place(tensor),
             rule="bad-inertia",
-            key=body.name,
+            severity="error" if is_alone else "warning",
+            key=name,
             message=(
                 f"{body}, where all must be above zero (positive definite): the "
                 "simulator refuses it, or throws the robot away"
@@ -134,7 +157,8 @@ def _tensor(tensor: Element, body: _Body) -> Iterator[Finding]:
         yield Finding(
             location=place(tensor),
             rule="bad-inertia",
-            key=body.name,
+            severity="warning",
+            key=name,
             message=(
                 f"{body}: no body's largest exceeds the sum of the others (triangle "
                 "inequality). MuJoCo and the new Gazebo refuse it, and Gazebo "
@@ -142,7 +166,7 @@ def _tensor(tensor: Element, body: _Body) -> Iterator[Finding]:
             ),
             remedy="check units and axes, and that a CAD program's signs are kept",
         )
-    else:
+    elif is_alone:
         yield from _size(tensor, body)
 
 
@@ -203,11 +227,10 @@ def _moment_of_ball(mass: float) -> float:
 
 
 def _without(
-    facts: RobotFacts, links: Mapping[str, Element], spawned: bool
+    facts: RobotFacts, links: Mapping[str, Element], for_gazebo: bool
 ) -> Iterator[Finding]:
     """Yield the bodies that move, or that all hangs on, and have no inertia."""
     weighed = {name for name, link in links.items() if child(link, "inertial")}
-    for_gazebo = spawned or facts.has_extensions or bool(facts.transmissions)
     if not (weighed or for_gazebo):
         return  # drawn only
     body = bodies(facts)

@@ -55,10 +55,14 @@ class Packages:
             message=(
                 f"{user} needs the package '{short(name)}', which is neither here nor "
                 "in ROS_PACKAGE_PATH"
+                if is_name
+                else f"{user} names no package, and '{short(name)}' can be none"
             ),
             remedy=(
                 f"write {close}"
                 if close
+                else "write package://PACKAGE/PATH or $(find PACKAGE)"
+                if not is_name
                 else "install it, or put it into the workspace and source its "
                 "setup.bash"
             ),

@@ -64,23 +64,27 @@ def _incomplete(transmission: TransmissionFacts) -> Iterator[Finding]:
 def _type(transmission: TransmissionFacts) -> Iterator[Finding]:
     if not transmission.type or transmission.type == SIMPLE:
         return
-    known = transmission.type in _OTHERS
+    close = nearest(transmission.type, (SIMPLE, *_OTHERS), cutoff=0.95)
+    is_typo = close is not None and transmission.type not in _OTHERS
     yield Finding(
         location=transmission.location,
         rule="unknown-transmission",
-        severity="warning" if known else "error",
+        severity="error" if is_typo else "warning",
         key=transmission.name,
         message=(
             f"{_said(transmission)} has the type '{short(transmission.type)}'"
             + (
-                ", which gazebo_ros_control does not simulate: it drives one joint by "
-                "itself, and skips a transmission of several"
-                if known
-                else ", which no package has: the driver of a real robot refuses it, "
-                "and gazebo_ros_control takes it for a simple one"
+                ", which is misspelt: a real robot's driver refuses it"
+                if is_typo
+                else ", which gazebo_ros_control does not simulate: it drives one "
+                "joint by itself, and skips a transmission of several"
             )
         ),
-        remedy=f"write <type>{SIMPLE}</type>, once for each joint",
+        remedy=(
+            f"write <type>{close}</type>"
+            if is_typo
+            else f"for Gazebo write <type>{SIMPLE}</type>, once for each joint"
+        ),
     )
 
 
@@ -89,7 +93,7 @@ def _joints(
     facts: RobotFacts,
     first: dict[str, TransmissionFacts],
 ) -> Iterator[Finding]:
-    if len(transmission.joints) > 1 and transmission.type not in _OTHERS:
+    if len(transmission.joints) > 1 and transmission.type == SIMPLE:
         yield Finding(
             location=transmission.location,
             rule="incomplete-transmission",

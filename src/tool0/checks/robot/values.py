@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.dom.minidom import Element
 
-from tool0.checks.robot.elements import attribute, descendants, place, to_number
+from tool0.checks.robot.elements import attribute, descendants, is_number, place
 from tool0.checks.robot.names import short
 from tool0.description.finding import Finding
 from tool0.description.xml_source import children
@@ -45,7 +45,7 @@ def _values(element: Element, owner: str) -> Iterator[Finding]:
             continue
         text = attribute(element, name)
         words = text.split()
-        is_good = all(to_number(word) is not None for word in words)
+        is_good = all(map(is_number, words))
         if is_good and len(words) == count:
             continue
         numbers = "a number" if count == 1 else f"{count} numbers"

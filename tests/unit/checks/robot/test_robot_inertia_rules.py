@@ -105,3 +105,24 @@ def test_what_is_fixed_to_a_link_weighs_for_it() -> None:
 def test_a_robot_to_look_at_needs_no_inertia() -> None:
     parts = (link("a", ""), joint("j", "a", "b"), link("b", ""))
     assert check(*parts) == []
+
+
+def test_a_frame_that_is_fixed_to_a_body_may_weigh_nothing() -> None:
+    fixed = joint("mount", "arm", "imu", "", "fixed")
+    assert check(ARM, fixed, link("imu", inertial(0, 0, 0, 0))) == []
+    assert check(ARM, fixed, link("imu", inertial(0.001, 1e-4, 1e-4, 1e-4) + BOX)) == []
+    negative = check(ARM, fixed, link("imu", inertial(-1, 1, 1, 1)))
+    assert only(negative, "bad-mass").severity == "error"
+
+
+def test_what_gazebo_runs_all_the_same_is_a_warning() -> None:
+    moving = (ARM, joint("wrist", "arm", "hand"))
+    triangle = check(*moving, link("hand", inertial(1, 0.01, 0.01, 0.03)))
+    assert only(triangle, "bad-inertia").severity == "warning"
+    negative = check(*moving, link("hand", inertial(1, -0.01, 0.01, 0.01)))
+    assert only(negative, "bad-inertia").severity == "error"
+    massless = link("hand", inertial(0, 1, 1, 1))
+    assert only(check(*moving, massless), "bad-mass").severity == "warning"
+    assert only(
+        check(*moving, massless, plugin("libother.so")), "bad-mass"
+    ).severity == ("error")

@@ -39,6 +39,7 @@ def test_a_joint_that_is_wrong(inside: str, type: str, rule: str) -> None:
         (LIMIT, "revolute"),
         ('<limit lower="0" upper="1e-1" effort="1" velocity="1"/>', "prismatic"),
         ("", "continuous"),
+        (LIMIT.replace('"1"', '"1e+16"'), "revolute"),
         ('<limit effort="1" velocity="300"/>', "continuous"),
         ("", "fixed"),
         ("", "floating"),

@@ -53,6 +53,7 @@ def test_a_missing_package_is_another_matter(package: Path) -> None:
         ("/nowhere/hand.stl", "unresolved-uri"),
         ("~nobody/hand.stl", "relative-mesh"),
         ("hand.stl", "relative-mesh"),
+        ("package:///meshes/hand.stl", "unknown-package"),
         ("package://" + 300 * "a" + "/hand.stl", "unknown-package"),
         ("package://my_robot/" + 5000 * "a" + ".stl", "unresolved-uri"),
         ("model://hand/hand.step", "unsupported-mesh"),

@@ -108,6 +108,7 @@ def test_joints_that_need_no_transmission() -> None:
     [
         ("transmission_interface/SimpelTransmission", "error"),
         ("transmission_interface/DifferentialTransmission", "warning"),
+        ("transmission_interface/HalfDifferentialTransmission", "warning"),
     ],
 )
 def test_another_type_of_transmission(type: str, severity: str) -> None:
@@ -115,6 +116,11 @@ def test_another_type_of_transmission(type: str, severity: str) -> None:
     finding = only(found, "unknown-transmission")
     assert finding.severity == severity
     assert "SimpleTransmission" in finding.remedy
+
+
+def test_the_transmissions_of_a_pr2_are_not_those_of_ros_control() -> None:
+    old = '<transmission name="t" type="pr2_mechanism_model/SimpleTransmission"/>'
+    assert check(DRIVEN, old) == []
 
 
 def test_two_transmissions_of_one_joint() -> None:
