@@ -47,7 +47,8 @@ def explain(
 
     names = [word for word in words if ":=" not in word]
     file = _file(names)
-    given = dict(word.split(":=", 1) for word in words if ":=" in word)
+    pairs = [word.split(":=", 1) for word in words if ":=" in word]
+    given = {name: value for name, value in pairs if name and value}  # as roslaunch
     packages = Packages(packages_around(file))
     launch = read_launch(file, given, packages)
     robots = xacro_robots(launch, packages)

@@ -69,13 +69,7 @@ def _in_entry(entry: Entry, name: str) -> Iterator[Use]:
             continue
         yield _use(f"{key} of {describe(entry)}", entry.place)
     if isinstance(entry, Node):
-        inner: tuple[Entry, ...] = (
-            *entry.parameters,
-            *entry.rosparams,
-            *entry.remaps,
-            *entry.environment,
-        )
-        for part in inner:
+        for part in _inside(entry):
             for key, text in part.texts:
                 if name in text.uses and part.place.location.file == _file(entry):
                     of = describe(part)
@@ -128,17 +122,7 @@ def _in_xacro(parameter: Entry, name: str) -> Iterator[Use]:
 def _in_conditions(launch: LaunchFile, name: str) -> Iterator[Use]:
     """Yield each ``if`` and ``unless`` once, though a group's is that of many."""
     seen = set()
-    places: list[tuple[str, Place]] = [
-        (f"argument {argument.name}", argument.place) for argument in launch.arguments
-    ]
-    for entry in launch.entries:
-        places.append((describe(entry), entry.place))
-        if isinstance(entry, Include):
-            places += [(f"argument {p.name}", p.place) for p in entry.passed]
-        if isinstance(entry, Node):
-            places += [(describe(p), p.place) for p in entry.parameters]
-            places += [(describe(p), p.place) for p in entry.rosparams]
-    for what, place in places:
+    for what, place, argument in _places(launch):
         for number, condition in enumerate(reversed(place.conditions)):
             where = condition.text.location
             key = (condition.kind, where)
@@ -146,15 +130,35 @@ def _in_conditions(launch: LaunchFile, name: str) -> Iterator[Use]:
                 continue
             if key not in seen:
                 seen.add(key)
-                of = what if number == 0 and where == place.location else "the group"
+                is_own = number == 0 and where == place.location
+                goes_on = is_own and argument and place.activity is not _OFF
                 yield Use(
-                    what=f"{condition.kind} of {of}",
+                    what=f"{condition.kind} of {what if is_own else 'the group'}",
                     location=where,
                     activity=Activity.ACTIVE,
+                    argument=(launch, argument) if goes_on else None,
                 )
 
 
+def _places(launch: LaunchFile) -> Iterator[tuple[str, Place, str]]:
+    """Yield all that may have a condition; for an argument also its name."""
+    for argument in launch.arguments:
+        yield f"argument {argument.name}", argument.place, argument.name
+    for entry in launch.entries:
+        yield describe(entry), entry.place, ""
+        if isinstance(entry, Include):
+            for passed in entry.passed:
+                yield f"argument {passed.name}", passed.place, ""
+        if isinstance(entry, Node):
+            for part in _inside(entry):
+                yield describe(part), part.place, ""
+
+
 _OFF = Activity.INACTIVE
+
+
+def _inside(node: Node) -> tuple[Entry, ...]:
+    return (*node.parameters, *node.rosparams, *node.remaps, *node.environment)
 
 
 def _file(entry: Entry) -> object:

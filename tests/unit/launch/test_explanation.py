@@ -106,6 +106,23 @@ def test_conditions_and_eval_use_arguments_too(tmp_path: Path) -> None:
     ]
 
 
+def test_a_choice_between_values_is_followed(tmp_path: Path) -> None:
+    file = tmp_path / "main.launch"
+    file.write_text(
+        """<launch>
+        <arg name="paused" default="true"/>
+        <arg name="word" value="" unless="$(arg paused)"/>
+        <arg name="word" value="-u" if="$(arg paused)"/>
+        <node name="n" pkg="p" type="t" args="$(arg word)"/>
+        </launch>"""
+    )
+    (root,) = explained(file)[1]
+    assert [way[1:] for way in ways(root.items[0])] == [
+        ("main.launch:3 unless of argument word",),
+        ("main.launch:4 if of argument word", "main.launch:5 args of node /n"),
+    ]
+
+
 def test_what_is_unresolved_says_why(tmp_path: Path) -> None:
     file = tmp_path / "main.launch"
     file.write_text(
