@@ -107,6 +107,7 @@ def test_joints_that_need_no_transmission() -> None:
     ("type", "severity"),
     [
         ("transmission_interface/SimpelTransmission", "error"),
+        ("SimpleTransmission", "error"),
         ("transmission_interface/DifferentialTransmission", "warning"),
         ("transmission_interface/HalfDifferentialTransmission", "warning"),
     ],
