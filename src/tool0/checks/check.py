@@ -113,7 +113,12 @@ class _Check:
                 self._launch_file(path, answer)
 
     def _launch_file(self, path: Path, read: ReadLaunch) -> None:
-        self._findings += read.findings
+        own = {source.path.resolve() for source in self._sources.files}
+        self._findings += [  # and not what is wrong in those of others
+            finding
+            for finding in read.findings
+            if finding.location.file is None or finding.location.file.resolve() in own
+        ]
         facts = None
         for robot in read.robots:
             answer = self._read_robot(robot.file, robot.args, spawned=read.spawns)
@@ -284,7 +289,7 @@ class _Check:
 
 def _lacking(finding: Finding) -> str | None:
     """Return the package that is not found, if the finding says that."""
-    if finding.rule in ("unresolved-find", "unknown-package"):
+    if finding.rule in ("unresolved-find", "unknown-package", "missing-package"):
         return finding.key
     match = _NO_PACKAGE.search(finding.message)
     return None if match is None else match[1]
