@@ -24,11 +24,11 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "reset": ("simulation", "go back to time zero and the initial pose"),
     "estop": ("simulation", "engage or release the emergency stop"),
     "gazebo": ("gazebo", "get a Gazebo 11 to simulate with, or see which would run"),
+    "ros1": ("ros1", "get ROS 1 for bringup --ros1, or see what of it is there"),
     "check": ("check", "find what is wrong in URDF, xacro, YAML and launch files"),
+    "explain": ("explain", "tell what a launch file does, and where arguments go"),
     "workspace": ("workspace", "write the robot as catkin packages, for Noetic"),
     "doctor": ("doctor", "tell what this machine can run, and how to get the rest"),
-    "explain": ("explain", "tell what a launch file does, and where arguments go"),
-    "ros1": ("ros1", "get ROS 1 for bringup --ros1, or see what of it is there"),
 }
 """Command → its module in this package, and what it does."""
 
