@@ -57,7 +57,7 @@ def parameters(catkin: Catkin) -> dict[str, object]:
 
 @pytest.fixture(scope="module")
 def quickly(catkin: Catkin) -> tuple[str, str, str]:
-    """The bringup without the second that xacro takes, where only nodes are asked for."""
+    """Return the bringup without what takes xacro a second: for what nodes are told."""
     nothing = catkin.folder.parent / "nothing.launch.xml"
     nothing.write_text("<launch/>")
     return (*GAZEBO, f"robot_description_file:={nothing}")
@@ -77,6 +77,9 @@ def test_catkin_installs_every_file(built: Catkin) -> None:
         for path in here.rglob("*"):
             if path.is_file() and path.name != "CMakeLists.txt" and path.name[0] != ".":
                 copy = there / path.relative_to(here)
+                if path.parent.name == "scripts":
+                    copy = built.install / "lib" / name / path.name
+                    assert os.access(copy, os.X_OK)
                 assert copy.read_bytes() == path.read_bytes()
 
 
@@ -207,6 +210,7 @@ def test_without_arguments_it_is_the_tutorial(
     assert catkin.nodes(*GAZEBO) == {
         "/robot_state_publisher",
         "/spawn_gazebo_model",
+        "/unpause_when_loaded",
         "/ros_control_controller_spawner",
         "/ros_control_stopped_spawner",
         "/gui_controller",
@@ -224,8 +228,9 @@ def test_without_arguments_it_is_the_tutorial(
     }
     spawn = catkin.node_arguments("/spawn_gazebo_model", *quickly).split()
     assert spawn[-1] == "__name:=spawn_gazebo_model"
-    assert "-unpause" in spawn  # Gazebo starts paused, so that the arm does not fall
-    assert parameters["/gazebo_started/paused"] is True
+    assert parameters["/gazebo_started/paused"] is True  # or the arm would fall
+    unpause = catkin.node_arguments("/unpause_when_loaded", *quickly)
+    assert " joint_state_controller eff_joint_traj_controller gripper_c" in unpause
     given = {
         spawn[i + 1]: float(spawn[i + 2]) for i, w in enumerate(spawn) if w == "-J"
     }
@@ -250,6 +255,7 @@ def test_every_argument_for_gazebo_ends_where_it_should(
     assert found["/robot_state_publisher/publish_frequency"] == 50
     nodes = catkin.nodes(*quickly, *args)
     assert "/rviz" in nodes
+    assert "/unpause_when_loaded" not in nodes
     assert "/gui_controller" not in nodes  # by default with Gazebo's window
     assert "/gui_controller" in catkin.nodes(*quickly, "gui:=false", "rqt:=true")
     spawn = catkin.node_arguments("/spawn_gazebo_model", *quickly, *args)
@@ -380,10 +386,10 @@ def screen() -> Iterator[Screen]:
 
 
 def test_the_view_shows_the_robot(
-    catkin: Catkin, ros: Ros, screen: Screen, tmp_path: Path
+    catkin: Catkin, own_ros: Ros, screen: Screen, tmp_path: Path
 ) -> None:
     """Launched for real, but for the window of sliders: its Qt is not here."""
-    launch = ros.spawn(
+    launch = own_ros.spawn(  # without the simulated time of others
         "env",
         *exported({k: catkin.environment[k] for k in ("PATH", "ROS_PACKAGE_PATH")}),
         *(f"HOME={tmp_path}", f"XDG_RUNTIME_DIR={tmp_path}", f"DISPLAY={screen.name}"),

@@ -11,6 +11,8 @@ from tool0.description.packages import BUNDLED
 PACKAGES: Final = ("tool0_description", "tool0_gazebo")
 UPSTREAM_PACKAGES: Final = ("ur_description", "robotiq_2f_85_gripper_visualization")
 """Whose meshes stand in for ours."""
+SCRIPTS: Final = "scripts"
+"""The folder of programs."""
 
 _OWN_MESHES: Final = b'name="meshes" default="tool0"'
 _UPSTREAM_MESHES: Final = b'name="meshes" default="upstream"'

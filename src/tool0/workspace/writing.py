@@ -10,7 +10,7 @@ from typing import final
 
 from tool0.errors import ConfigError
 from tool0.workspace.changes import Action, Change, changes
-from tool0.workspace.contents import PACKAGES, contents
+from tool0.workspace.contents import PACKAGES, SCRIPTS, contents
 from tool0.workspace.places import source_folder
 from tool0.workspace.record import NAME, Record, digest, read_record, record_text
 
@@ -99,6 +99,9 @@ def _write(path: Path, data: bytes) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             new.write_bytes(data)
+            if path.parent.name == SCRIPTS:
+                mode = new.stat().st_mode
+                new.chmod(mode | (mode & 0o444) >> 2)  # who may read it may run it
             new.replace(path)
         finally:
             new.unlink(missing_ok=True)

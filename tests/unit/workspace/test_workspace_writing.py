@@ -67,6 +67,8 @@ def test_files_are_as_readable_as_any_that_a_person_makes(tmp_path: Path) -> Non
     finally:
         os.umask(before)
     assert (tmp_path / "src" / LAUNCH).stat().st_mode & 0o777 == 0o640
+    (script,) = tmp_path.glob("src/*/scripts/*")
+    assert script.stat().st_mode & 0o777 == 0o750
 
 
 def test_twice_changes_nothing(tmp_path: Path) -> None:
