@@ -15,7 +15,12 @@ from tool0.checks.launch_file import ReadLaunch
 from tool0.checks.package_file import declared_dependencies, package_findings
 from tool0.checks.parameters.file import YamlText, yaml_findings
 from tool0.checks.robot.facts import RobotFacts
-from tool0.checks.robot_file import ReadRobot, read_robot, read_xacro_source
+from tool0.checks.robot_file import (
+    ReadRobot,
+    XacroSource,
+    read_robot,
+    read_xacro_source,
+)
 from tool0.checks.sources import Kind, Source, collect, read_text
 from tool0.checks.upstream import edit_findings, known_findings
 from tool0.description.finding import Finding
@@ -133,22 +138,27 @@ class _Check:
         self._findings += found or ()
 
     def _xacro_files(self) -> None:
+        read: dict[Path, XacroSource] = {}
         for source in self._sources.of(Kind.XACRO):
             answer = self._try(source, read_xacro_source, source.path, self._packages)
-            if answer is None:
-                continue
-            self._findings += answer.findings
-            is_loaded = source.path.resolve() in self._loaded
-            if is_loaded or not answer.makes_a_robot:
-                continue
-            read = self._read_robot(source.path, {})
-            if read is not None and read.facts is None and answer.needs:
-                needs = ", ".join(answer.needs)
-                self._notes.append(
-                    f"{source.path}: not expanded, since nothing here gives it {needs}"
-                )
-            elif read is not None:
-                self._findings += read.findings
+            if answer is not None:
+                self._findings += answer.findings
+                read[source.path] = answer
+        parts = {path for answer in read.values() for path in answer.includes}
+        for path, answer in read.items():
+            if answer.makes_a_robot and path.resolve() not in parts | self._loaded:
+                self._xacro_robot(path, answer)
+
+    def _xacro_robot(self, path: Path, answer: XacroSource) -> None:
+        """Look into the robot that a file makes which nothing else loads."""
+        read = self._read_robot(path, {})
+        if read is not None and read.facts is None and answer.needs:
+            needs = ", ".join(answer.needs)
+            self._notes.append(
+                f"{path}: not expanded, since nothing here gives it {needs}"
+            )
+        elif read is not None:
+            self._findings += read.findings
 
     def _urdf_files(self) -> None:
         for source in self._sources.of(Kind.URDF):
@@ -195,7 +205,9 @@ class _Check:
     def _package_files(self) -> None:
         files = self._sources.files
         for source in self._sources.of(Kind.PACKAGE):
-            found = self._try(source, _listed, package_findings, source.path, files)
+            found = self._try(
+                source, _listed, package_findings, source.path, files, self._packages
+            )
             self._findings += found or ()
 
     def _documents(self) -> None:
@@ -204,7 +216,8 @@ class _Check:
             self._findings += found or ()
 
     def _edits(self) -> None:
-        for source in self._sources.of(Kind.XACRO, Kind.LAUNCH, Kind.URDF):
+        kinds = (Kind.XACRO, Kind.LAUNCH, Kind.URDF, Kind.PARAMETERS)
+        for source in self._sources.of(*kinds):
             text = source.path.read_text(encoding="utf-8", errors="replace")
             package = self._places.package_of(source.path.absolute())
             self._findings += edit_findings(source.path, text, package)

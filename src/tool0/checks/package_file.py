@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from xml.dom.minidom import Element
 
@@ -12,6 +12,7 @@ from tool0.description.attributes import text_of
 from tool0.description.finding import Finding
 from tool0.description.xml_source import LocatedElement, children, locate, parse_file
 from tool0.errors import DescriptionError, SourceLocation
+from tool0.launch.packages import Packages
 
 DEPENDENCIES = ("depend", "exec_depend", "run_depend", "build_depend", "test_depend")
 _REQUIRED = ("name", "version", "description", "maintainer", "license")
@@ -33,12 +34,15 @@ def declared_dependencies(package: Path) -> frozenset[str]:
     )
 
 
-def package_findings(file: Path, sources: Iterable[Source]) -> Iterator[Finding]:
+def package_findings(
+    file: Path, sources: Iterable[Source], given: Mapping[str, Path]
+) -> Iterator[Finding]:
     """Yield what is wrong with a package.xml.
 
     Args:
         file: The package.xml.
         sources: The files to check, of which those below it count.
+        given: Name → folder of the packages beside it.
     """
     try:
         root = parse_file(file).documentElement
@@ -71,16 +75,46 @@ def package_findings(file: Path, sources: Iterable[Source]) -> Iterator[Finding]
     declared = {
         text_of(item) for item in children(root) if item.tagName in DEPENDENCIES
     }
+    reached, is_whole = _reached(declared, Packages(given))
     for used, where in sorted(_used(file.parent, sources).items()):
-        if used not in declared and used != name:
-            yield Finding(
-                location=here,
-                rule="missing-dependency",
-                key=used,
-                message=f"{where} uses '{used}', which package.xml does not name: "
-                "rosdep does not install it, and on another machine it is missing",
-                remedy=f"add <exec_depend>{used}</exec_depend>",
+        if used in declared or used == name:
+            continue
+        if used in reached:
+            comes: str | None = f"today it comes with '{reached[used]}', which is named"
+        elif not is_whole and used not in given:
+            comes = (
+                "unless a package that is named brings it, rosdep does not install it"
             )
+        else:
+            comes = None
+        yield Finding(
+            location=here,
+            rule="missing-dependency",
+            severity="warning" if comes else "error",
+            key=used,
+            message=f"{where} uses '{used}', which package.xml does not name: "
+            + (comes or "rosdep does not install it; on another machine it is missing"),
+            remedy=f"add <exec_depend>{used}</exec_depend>",
+        )
+
+
+def _reached(
+    declared: Iterable[str], packages: Packages
+) -> tuple[dict[str, str], bool]:
+    """Return what else gets installed and by which dependency, and if that is all."""
+    by: dict[str, str] = {}
+    waiting, is_whole = [(name, name) for name in sorted(declared)], True
+    while waiting:
+        name, first = waiting.pop()
+        try:
+            further = declared_dependencies(packages.find(name))
+        except DescriptionError:
+            is_whole = False
+            continue
+        for other in sorted(further - by.keys()):
+            by[other] = first
+            waiting.append((other, first))
+    return by, is_whole
 
 
 def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
 from tool0.checks.robot.facts import RobotFacts, facts_of
 from tool0.checks.robot.rules import robot_findings, xacro_findings
+from tool0.checks.robot.xacro_includes import included_files
 from tool0.description.expansion import expand
 from tool0.description.finding import Finding
 from tool0.description.packages import preferring
@@ -36,6 +38,8 @@ class XacroSource:
     findings: tuple[Finding, ...]
     makes_a_robot: bool
     """Whether it makes something by itself, rather than defining macros."""
+    includes: tuple[Path, ...]
+    """The files that it includes, whatever its arguments are; absolute."""
     needs: tuple[str, ...]
     """The arguments that have no default, or an empty one."""
 
@@ -70,10 +74,12 @@ def read_robot(
         facts = facts_of(root)
         if any(finding.severity == "error" for finding in findings):
             return ReadRobot(facts, findings)
-        try:  # what else keeps it from being a robot
+        try:  # what else keeps tool0 from simulating it, though ROS may take it
             read_model(document)
         except Tool0Error as error:
-            findings += (_as_finding(error, "no-model", file),)
+            found = _as_finding(error, "no-model", file)
+            if found.location not in {finding.location for finding in findings}:
+                findings += (replace(found, severity="warning"),)
         return ReadRobot(facts, findings)
 
 
@@ -84,16 +90,25 @@ def read_xacro_source(file: Path, packages: Mapping[str, Path]) -> XacroSource:
             root = parse_file(file).documentElement
         except Tool0Error as error:
             finding = _as_finding(error, "bad-xml", file)
-            return XacroSource((finding,), makes_a_robot=False, needs=())
+            return XacroSource((finding,), makes_a_robot=False, includes=(), needs=())
         if not isinstance(root, LocatedElement):
-            return XacroSource((), makes_a_robot=False, needs=())
+            return XacroSource((), makes_a_robot=False, includes=(), needs=())
         makes = any(item.tagName not in _DEFINES for item in children(root))
         needs = tuple(
             item.getAttribute("name")
             for item in children(root, "xacro:arg")
             if not item.getAttribute("default")
         )
-        return XacroSource(tuple(xacro_findings(root, packages)), makes, needs)
+        return XacroSource(
+            findings=tuple(xacro_findings(root, packages)),
+            makes_a_robot=makes,
+            includes=tuple(map(_resolved, included_files(root, packages))),
+            needs=needs,
+        )
+
+
+def _resolved(path: Path) -> Path:
+    return Path(os.path.realpath(path))
 
 
 def _as_finding(error: Tool0Error, rule: str, file: Path) -> Finding:

@@ -31,9 +31,19 @@ _FOREIGN: Final = {
 """What the files of each never mention as they are published."""
 _DO_NOT_EDIT = re.compile(r"do not (?:edit|change) this file", re.IGNORECASE)
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
+_YAML_COMMENT = re.compile(r"#[^\n]*")
+_YAML = (".yaml", ".yml")
 _WHOLE_ELEMENT = re.compile(
     r"^\s*<([A-Za-z_][\w:.-]*)\b[^>]*(?:/>|>.*</\1\s*>)", re.DOTALL
 )
+_PARTS = frozenset(
+    {
+        *("link", "joint", "gazebo", "plugin", "transmission"),
+        *("include", "node", "param", "xacro:include"),
+    }
+)
+"""Elements whose absence changes what the file does; those who publish such files leave
+others in comments, too."""
 KNOWN_FAULTS: Final[Mapping[tuple[str, str], tuple[str, ...]]] = {
     ("robotiq_2f_85_gripper_gazebo", "robotiq_arg2f_85_macro.xacro"): (
         "its macro hard-codes an empty prefix, so that a prefix has no effect and a "
@@ -62,11 +72,14 @@ def edit_findings(file: Path, text: str, package: str | None) -> Iterator[Findin
     is_upstream = package in UPSTREAM
     if not is_upstream and asks is None:
         return
+    if not is_upstream and package is not None:
+        return  # a copy in a package of one's own, as the file asks
     foreign = next(
         (p for prefix, p in _FOREIGN.items() if (package or "ur_").startswith(prefix)),
         None,
     )
-    bare = _COMMENT.sub(lambda match: _blank(match[0]), text)
+    comment = _YAML_COMMENT if file.suffix in _YAML else _COMMENT
+    bare = comment.sub(lambda match: _blank(match[0]), text)
     match = foreign.search(bare) if foreign is not None else None
     if match is not None:
         whose = "that asks not to be edited" if asks else f"of '{package}'"
@@ -77,11 +90,11 @@ def edit_findings(file: Path, text: str, package: str | None) -> Iterator[Findin
         )
     if not is_upstream:
         return
-    for comment in _COMMENT.finditer(text):
-        element = _WHOLE_ELEMENT.match(comment[1])
-        if element is not None:
+    for found in _COMMENT.finditer(text):
+        element = _WHOLE_ELEMENT.match(found[1])
+        if element is not None and element[1] in _PARTS:
             yield _finding(
-                _place(file, text, comment.start()),
+                _place(file, text, found.start()),
                 f"<{element[1]}> is commented out in a file of '{package}': the next "
                 "update, or the next person's clone, has it again",
             )

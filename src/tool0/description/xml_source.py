@@ -199,9 +199,10 @@ class _Builder:
                 self._prefixes.add(key.removeprefix("xmlns:"))
         prefix, colon, _ = name.partition(":")
         if colon and prefix not in self._prefixes:
+            meaning = "http://www.ros.org/wiki/xacro" if prefix == "xacro" else prefix
             raise DescriptionError(
                 f"<{name}> has an undeclared prefix; declare it in <robot>: "
-                f'xmlns:{prefix}="http://www.ros.org/wiki/xacro"',
+                f'xmlns:{prefix}="{meaning}"',
                 element.location,
             )
         if len(self._around) >= MAX_DEPTH:

@@ -37,6 +37,13 @@ OTHER_TYPES: Final = (
 _ROS2_MARKS = ("joint_trajectory_controller/", "joint_state_broadcaster/")
 _LIKE_A_CONTROLLER = frozenset({"joints", "joint", "gains", "constraints", "pid"})
 _TYPO = 0.75
+_OF_MOVEIT = frozenset(
+    {
+        *("controller_list", "controller_manager_name", "controller_manager_ns"),
+        *("moveit_controller_manager", "moveit_simple_controller_manager"),
+    }
+)
+"""Keys that MoveIt reads, whose setup assistant writes them into the same files."""
 
 
 def controller_findings(
@@ -49,7 +56,9 @@ def controller_findings(
         robot: The robot that it is for, if it is known.
     """
     names = JointNames(robot)
-    joints = None if robot is None else [j.name for j in robot.joints.values()]
+    joints = None
+    if robot is not None:  # nobody commands those that are fixed
+        joints = [j.name for j in robot.joints.values() if j.is_movable]
     linted = [
         finding
         for finding in lint_joints(config, joints)
@@ -80,6 +89,8 @@ def _is_ours(finding: Finding, config: ControllerConfig) -> bool:
     """
     if finding.rule != "no-type":
         return True
+    if finding.key in _OF_MOVEIT:
+        return False
     entry = (config.tree.root.children or {})[finding.key]
     keys = entry.children or {}
     return (

@@ -237,7 +237,8 @@ class _Controller:
             base = self._parameters.key if self._parameters else ""
             path = leaf.key[len(base) + 1 :].split("/")
             pattern = "/".join("*" if part in joints else part for part in path)
-            if any(_covers(candidate, pattern) for candidate in read):
+            dotted = pattern.replace(".", "/")  # ROS 2 reads a dot as a level
+            if any(_covers(known, p) for known in read for p in (pattern, dotted)):
                 continue
             if path[0] in told and len(path) > 1 and path[1] not in joints:
                 continue

@@ -36,14 +36,31 @@ def include_findings(root: Element, known: Mapping[str, Path]) -> Iterator[Findi
             yield from _missing(element, text, packages)
 
 
-def _missing(element: Element, text: str, packages: Packages) -> Iterator[Finding]:
+def included_files(root: Element, known: Mapping[str, Path]) -> Iterator[Path]:
+    """Yield the files that a xacro file includes, whatever its arguments are."""
+    packages = Packages(known)
+    for element in descendants(root):
+        if element.tagName == "xacro:include":
+            path = _included(element, attribute(element, "filename"), packages)
+            if path is not None:
+                yield path
+
+
+def _included(element: Element, text: str, packages: Packages) -> Path | None:
+    """Return the file that an include is about, if it is always the same."""
     location = place(element)
     folder = Path() if location.file is None else location.file.parent
     filled = _FIND.sub(lambda match: str(packages.find(match.group(1))), text)
     filled = filled.replace("$(dirname)", str(folder))
     if "$" in filled or _PATTERN.search(text):
+        return None
+    return folder / filled  # an absolute one stays as it is
+
+
+def _missing(element: Element, text: str, packages: Packages) -> Iterator[Finding]:
+    location, path = place(element), _included(element, text, packages)
+    if path is None:
         return
-    path = folder / filled  # an absolute one stays as it is
     if text and os.path.isfile(path):  # noqa: PTH113  # Path.is_file may raise
         return
     close = nearest_file(path)
