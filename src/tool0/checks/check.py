@@ -96,9 +96,13 @@ class _Check:
             self._edits,
         ):
             look()
-        findings = dict.fromkeys(map(self._judged, self._findings))
+        judged = filter(None, map(self._judged, self._findings))
+        once = {  # a macro's source and what it expands to have the same faults
+            (item.location, item.rule, item.remedy, item.severity): item
+            for item in sorted(judged, key=_place)
+        }
         return Report(
-            findings=tuple(sorted(filter(None, findings), key=_place)),
+            findings=tuple(once.values()),
             files=tuple(source.path for source in self._sources.files),
             notes=tuple(dict.fromkeys(self._notes)),
         )
