@@ -159,3 +159,24 @@ def test_every_type_is_known(name: str) -> None:
 )
 def test_types_of_others_are_let_be(name: str) -> None:
     assert of_yaml(f"c: {{type: {name}, anything: 1}}") == []
+
+
+def test_what_moveit_reads_is_no_controller_without_a_type() -> None:
+    moveit = "controller_list:\n  - {name: arm, type: FollowJointTrajectory}\n"
+    assert of_yaml(f"{ARM}\n{moveit}") == []
+    assert of_yaml(f"{ARM}\n{moveit.replace('_list', '_lisp')}") != []
+
+
+def test_a_fixed_joint_is_not_what_was_meant() -> None:
+    text = """
+    <robot name="r"><link name="a"/><link name="b"/><link name="c"/>
+    <joint name="right_outer_finger_joint" type="fixed">
+      <parent link="a"/><child link="b"/></joint>
+    <joint name="right_finger_joint" type="continuous">
+      <parent link="b"/><child link="c"/></joint></robot>
+    """
+    robot = parse_text(text).documentElement
+    assert robot is not None
+    gains = "ros_control:\n  pid_gains:\n    right_outer_knuckle_joint: {p: 1}\n"
+    unknown = [f for f in of_yaml(gains, facts_of(robot)) if f.rule == "unknown-joint"]
+    assert [item.remedy for item in unknown] == ["did you mean 'right_finger_joint'?"]

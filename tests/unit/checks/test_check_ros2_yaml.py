@@ -139,3 +139,12 @@ def test_a_missing_level_is_told_once() -> None:
 def test_a_key_that_no_known_version_reads_is_suspicious_only() -> None:
     (finding,) = of_yaml(GOOD.replace("stall_timeout: 0.5", "colour: red"))
     assert (finding.rule, finding.severity) == ("unread-key", "warning")
+
+
+def test_a_dot_in_a_key_is_a_level() -> None:
+    line = "    constraints.wrist_1_joint: {trajectory: 0.2, GOAL: 0.1}\n"
+    before = "    constraints:\n"
+    assert before in GOOD
+    good = GOOD.replace(before, line.replace("GOAL", "goal") + before, 1)
+    assert of_yaml(good) == []
+    assert of_yaml(GOOD.replace(before, line + before, 1)) != []
