@@ -44,17 +44,28 @@ _PARTS = frozenset(
 )
 """Elements whose absence changes what the file does; those who publish such files leave
 others in comments, too."""
-KNOWN_FAULTS: Final[Mapping[tuple[str, str], tuple[str, ...]]] = {
+KNOWN_FAULTS: Final[Mapping[tuple[str, str], tuple[tuple[str, str], ...]]] = {
     ("robotiq_2f_85_gripper_gazebo", "robotiq_arg2f_85_macro.xacro"): (
-        "its macro hard-codes an empty prefix, so that a prefix has no effect and a "
-        "second gripper cannot be added",
-        "its default interface is 'hardware/interface/EffortJointInterface', a typo "
-        "that gazebo_ros_control does not know",
-        "its mimic plugins have no <hasPID/>, so that Gazebo teleports the fingers and "
-        "gains for them are never read",
+        (
+            "its macro hard-codes an empty prefix, so that a prefix has no effect and "
+            "a second gripper cannot be added",
+            'write prefix="${prefix}" there',
+        ),
+        (
+            "its default interface is 'hardware/interface/EffortJointInterface', a "
+            "typo that gazebo_ros_control does not know",
+            "hand transmission_hw_interface to the macro, or write "
+            "hardware_interface/EffortJointInterface",
+        ),
+        (
+            "its mimic plugins have no <hasPID/>, so that Gazebo teleports the fingers "
+            "and gains for them are never read",
+            "hold them with gearbox joints, as robotiq_2f_85_macro.xacro of "
+            "tool0_description does",
+        ),
     ),
 }
-"""Package and file → what is wrong with it as it is published."""
+"""Package and file → what is wrong with it as it is published, and what to do."""
 _INSTEAD = (
     "put it into a file of your own that includes this one; `tool0 workspace` does"
 )
@@ -107,14 +118,14 @@ def known_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
         match = re.search(pattern, _COMMENT.sub(lambda m: _blank(m[0]), text))
         if match is None:
             continue
-        for fault in faults:
+        for fault, remedy in faults:
             yield Finding(
                 location=_within(text, match.start(), first),
                 rule="known-fault",
                 severity="warning",
                 key=file,
                 message=f"of {package}: {fault}",
-                remedy="take tool0_description's robotiq_2f_85_macro.xacro instead",
+                remedy=remedy,
             )
 
 

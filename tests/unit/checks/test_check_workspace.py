@@ -296,3 +296,12 @@ def test_a_missing_dependency_may_come_with_another(
     (tmp_path / "xacro").mkdir()
     found = [f for f in check([tmp_path]).findings if f.rule == "missing-dependency"]
     assert [(item.key, item.severity) for item in found] == [("xacro", severity)]
+
+
+def test_each_known_fault_of_a_published_file_is_told(tmp_path: Path) -> None:
+    include = "$(find robotiq_2f_85_gripper_gazebo)/urdf/robotiq_arg2f_85_macro.xacro"
+    text = f'```xml\n<xacro:include filename="{include}"/>\n```\n'
+    found = check([write(tmp_path, {"how.md": text}) / "how.md"]).findings
+    said = " ".join(item.text for item in found if item.rule == "known-fault")
+    for fault in ("empty prefix", "hardware/interface/EffortJointInterface", "hasPID"):
+        assert fault in said
