@@ -38,26 +38,35 @@ PRIVATE_GAZEBO = None if find_system() else from_prefix(private_prefix())
 
 @pytest.fixture(scope="session", autouse=True)
 def runtime_folder() -> Iterator[Path]:
-    """Keep bring-ups away from those of other processes, which may have their names."""
+    """Keep bring-ups away from those of other processes, which may have their names.
+
+    What is brought up for many tests knows nothing that the person saved, either.
+    """
     with (  # below tmp_path, the path of a socket would be too long
         tempfile.TemporaryDirectory(prefix="tool0-") as folder,
         pytest.MonkeyPatch.context() as patch,
     ):
         patch.setenv("XDG_RUNTIME_DIR", folder)
+        keep_data_in(Path(folder, "data"), patch)
         yield Path(folder)
 
 
 @pytest.fixture(autouse=True)
 def data_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Keep what a test saves away from what the person who runs it has saved.
+    """Keep what a test saves away from what others have saved."""
+    folder = tmp_path / "data"
+    keep_data_in(folder, monkeypatch)
+    return folder
+
+
+def keep_data_in(folder: Path, patch: pytest.MonkeyPatch) -> None:
+    """Let nothing be read from where the person who runs the tests has saved it.
 
     Their Gazebo is in the same place; a test finds it nevertheless.
     """
     if PRIVATE_GAZEBO is not None and NAMED_BY not in os.environ:
-        monkeypatch.setenv(NAMED_BY, str(PRIVATE_GAZEBO.prefix))
-    folder = tmp_path / "data"
-    monkeypatch.setenv("XDG_DATA_HOME", str(folder))
-    return folder
+        patch.setenv(NAMED_BY, str(PRIVATE_GAZEBO.prefix))
+    patch.setenv("XDG_DATA_HOME", str(folder))
 
 
 @pytest.fixture

@@ -189,7 +189,7 @@ class Ros:
         """Return what those printed that run under it: name → the last lines."""
         names = {} if self._core is None else {"roscore": self._core.last_words()}
         for number, one in enumerate(self._started, start=1):
-            if isinstance(one, Bringup):
+            if isinstance(one, Bringup) and not one.is_closed:
                 names |= {
                     f"{number}: {name}": text for name, text in one.said().items()
                 }
@@ -281,6 +281,10 @@ class Bringup:
     @property
     def text(self) -> str:
         return "\n".join(self.lines)
+
+    @property
+    def is_closed(self) -> bool:
+        return self.process.stdout is None or self.process.stdout.closed
 
     def said(self) -> dict[str, str]:
         """Return what it and its Gazebo printed: name → the last lines."""

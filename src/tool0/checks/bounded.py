@@ -102,8 +102,10 @@ def _work(start: int, work: Callable[[], object]) -> None:
 
 
 def _limit() -> None:
+    import faulthandler
     import resource
 
+    faulthandler.disable()  # a crash is told once, by the parent
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends us
     seconds = int(PATIENCE) + 1  # also when the parent was killed
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))

@@ -97,10 +97,7 @@ class _Check:
         ):
             look()
         judged = filter(None, map(self._judged, self._findings))
-        once = {  # a macro's source and what it expands to have the same faults
-            (item.location, item.rule, item.remedy, item.severity): item
-            for item in sorted(judged, key=_place)
-        }
+        once = {_identity(item): item for item in sorted(judged, key=_place)}
         return Report(
             findings=tuple(once.values()),
             files=tuple(source.path for source in self._sources.files),
@@ -314,6 +311,15 @@ def _lacking(finding: Finding) -> str | None:
 
 def _listed(work: Callable[P, Iterable[R]], *args: P.args, **kw: P.kwargs) -> list[R]:
     return list(work(*args, **kw))
+
+
+def _identity(finding: Finding) -> tuple[object, ...]:
+    """Return what two findings share that tell the same.
+
+    A macro's source and what it expands to have the same typo, under two keys.
+    """
+    key = finding.remedy if finding.rule == "interface-typo" else finding.key
+    return finding.location, finding.rule, key, finding.remedy
 
 
 def _place(finding: Finding) -> tuple[str, int, str]:

@@ -13,13 +13,15 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
+from types import MappingProxyType
 
 from tool0.errors import DescriptionError, SourceLocation, nearest_name
 
 BUNDLED = Path(__file__).resolve().parent.parent / "ros_packages"
 
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
-_PREFERRED: ContextVar[Mapping[str, Path]] = ContextVar("preferred", default={})
+_NONE: Mapping[str, Path] = MappingProxyType({})
+_PREFERRED: ContextVar[Mapping[str, Path]] = ContextVar("preferred", default=_NONE)
 _IGNORE = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 
 

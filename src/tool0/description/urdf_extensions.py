@@ -7,6 +7,7 @@ elements they do not know.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Collection
 from dataclasses import replace
 from xml.dom.minidom import Element
@@ -30,6 +31,8 @@ from tool0.description.model import (
 )
 from tool0.description.xml_source import children, locate
 from tool0.errors import DescriptionError, LimitsError, ModelError, nearest_name
+
+logger = logging.getLogger(__name__)
 
 _PREFIX = "hardware_interface/"
 _BOOLEANS = ("true", "false")
@@ -138,11 +141,13 @@ def apply_gazebo(
         if not reference or reference in joints:
             continue  # for the whole model, or for a joint: Gazebo's own matter
         if reference not in links:
-            hint = nearest_name(reference, [*links, *joints])
-            raise ModelError(
-                f"<gazebo> refers to the unknown link '{reference}'{hint}",
+            logger.warning(  # as Gazebo does; published robots have such
+                "%s: <gazebo> refers to '%s', which is no link: it has no effect%s",
                 locate(element),
+                reference,
+                nearest_name(reference, [*links, *joints]),
             )
+            continue
         changed[reference] = _with_contact(changed[reference], element)
     return changed
 

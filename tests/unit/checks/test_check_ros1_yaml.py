@@ -180,3 +180,11 @@ def test_a_fixed_joint_is_not_what_was_meant() -> None:
     gains = "ros_control:\n  pid_gains:\n    right_outer_knuckle_joint: {p: 1}\n"
     unknown = [f for f in of_yaml(gains, facts_of(robot)) if f.rule == "unknown-joint"]
     assert [item.remedy for item in unknown] == ["did you mean 'right_finger_joint'?"]
+
+
+def test_yaml_on_one_line_is_read_too() -> None:
+    text = "arm: {type: effort_controllers/JointEffortController, a: 1, b: 2, joint: j}"
+    assert told(of_yaml(text)) == [
+        (1, "unread-key", "arm/a"),
+        (1, "unread-key", "arm/b"),
+    ]

@@ -89,7 +89,6 @@ def test_reads_the_motor() -> None:
         (transmission(in_joint=interface(EFFORT),
                       in_actuator="<rotorInertia>x</rotorInertia>"),
          "'x' is not a finite number"),
-        ('<gazebo reference="pads"><mu1>1</mu1></gazebo>', "did you mean 'pad'"),
         ('<gazebo reference="pad"><mu1>-1</mu1></gazebo>', "<mu1> is -1"),
         ('<gazebo reference="pad"><kp>stiff</kp></gazebo>', "'stiff' is not a finite"),
         ('<gazebo reference="pad"><selfCollide>maybe</selfCollide></gazebo>',
@@ -103,6 +102,14 @@ def test_refuses_what_cannot_be_driven_or_touched(body: str, message: str) -> No
     with pytest.raises((ModelError, DescriptionError), match=message) as caught:
         read(body)
     assert str(caught.value.location) == "r.urdf:4"
+
+
+def test_a_reference_to_what_is_not_there_is_told(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    read('<gazebo reference="pads"><mu1>1</mu1></gazebo>')
+    assert "r.urdf:4: <gazebo> refers to 'pads'" in caplog.text
+    assert "did you mean 'pad'" in caplog.text
 
 
 def test_refuses_speeds_the_wrong_way_round() -> None:

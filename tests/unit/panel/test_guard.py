@@ -17,6 +17,19 @@ from tool0.panel.server import Panel
 HTML = "<!doctype html><title>Panel</title>"
 
 
+@pytest.fixture(scope="module")
+def robot() -> Iterator[tool0.Robot]:
+    """Bring one up for all tests here: none of them drives it."""
+    with tool0.bringup() as robot:
+        yield robot
+
+
+@pytest.fixture(scope="module")
+def panel(robot: tool0.Robot) -> Iterator[Panel]:
+    with Panel(robot) as panel:
+        yield panel
+
+
 @pytest.fixture
 def door() -> Iterator[Door]:
     door = open_door()

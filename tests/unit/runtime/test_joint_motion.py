@@ -106,7 +106,7 @@ def test_from_rest_it_keeps_to_the_limits_and_arrives_at_rest(seed: int) -> None
 def test_from_rest_it_is_a_straight_line_that_ends_for_all_at_once(seed: int) -> None:
     rng = np.random.default_rng(seed)
     start, ends = moving(random_place(rng)), random_place(rng)
-    _, q, _, _ = sampled(start, plan_motion(ARM, start, ends, speed=0.5))
+    _, q, _, _ = sampled(start, plan_motion(ARM, start, ends, speed=0.5), 5e-3)
     done = (q - start.positions) / (ends - np.array(start.positions))
     np.testing.assert_allclose(
         done, np.broadcast_to(done[:, :1], done.shape), atol=1e-6
