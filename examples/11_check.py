@@ -1,6 +1,7 @@
 """What is wrong with a YAML of controllers, found before anything is run."""
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from tool0.checks.check import check
 
@@ -13,9 +14,10 @@ gripper_controller:
   stall_timeout: 1.0
 """
 
-file = Path("controllers.yaml")
-file.write_text(YAML, encoding="utf-8")
-report = check([file])
+with TemporaryDirectory() as folder:
+    file = Path(folder, "controllers.yaml")
+    file.write_text(YAML, encoding="utf-8")
+    report = check([file])
 for finding in report.findings:
     print(f"line {finding.location.line}, {finding.severity}: {finding.text}")
 print(f"{report.n_errors} errors, {report.n_warnings} warnings")
