@@ -219,12 +219,13 @@ class _Check:
     def _edits(self) -> None:
         kinds = (Kind.XACRO, Kind.LAUNCH, Kind.URDF, Kind.PARAMETERS)
         for source in self._sources.of(*kinds):
-            text = source.path.read_text(encoding="utf-8", errors="replace")
-            package = self._places.package_of(source.path.absolute())
-            self._findings += edit_findings(source.path, text, package)
-            for finding in known_findings(text, SourceLocation(source.path, 1)):
-                if not self._is_here(finding.message.split(":")[0].split()[-1]):
-                    self._findings.append(finding)
+            self._findings += self._try(source, self._edits_of, source.path) or ()
+
+    def _edits_of(self, file: Path) -> list[Finding]:
+        text = file.read_text(encoding="utf-8", errors="replace")
+        package = self._places.package_of(file.absolute())
+        known = known_findings(text, SourceLocation(file, 1), self._is_here)
+        return [*edit_findings(file, text, package), *known]
 
     # --- parts ---
 

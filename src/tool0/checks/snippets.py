@@ -16,6 +16,8 @@ _YAML_START = re.compile(r"^\s*[A-Za-z_/][\w/]*: *(?:#.*|&\w+ *)?$")
 _YAML = re.compile(r"^\s*(?:#.*|- .*|\"?[A-Za-z_/][\w/]*\"? *:(?: .*)?|[}\]],?)?$")
 _LONGEST = 2000
 """[lines] of one snippet."""
+_MOST_READ = 300_000
+"""[lines] that are tried in one text, those of which nothing came counted."""
 
 
 @final
@@ -32,12 +34,13 @@ class Snippet:
 def snippets(text: str) -> Iterator[Snippet]:
     """Yield the XML fragments and the YAML of a text, in order."""
     lines = text.splitlines()
-    row = 0
+    row = n_read = 0
     while row < len(lines):
         kind: Literal["xml", "yaml"] = "xml"
         n_rows = 0
-        if _XML.match(_NUMBER.sub("", lines[row])):
-            n_rows = _xml_rows(lines[row : row + _LONGEST])
+        if _XML.match(_NUMBER.sub("", lines[row])) and n_read < _MOST_READ:
+            n_rows, n_tried = _xml_rows(lines[row : row + _LONGEST])
+            n_read += n_tried
         if not n_rows and _YAML_START.match(lines[row]):
             kind, n_rows = "yaml", _yaml_rows(lines[row : row + _LONGEST])
         if not n_rows:
@@ -50,9 +53,12 @@ def snippets(text: str) -> Iterator[Snippet]:
         row += n_rows
 
 
-def _xml_rows(lines: list[str]) -> int:
-    """Return how many lines from the first on are a well-formed fragment."""
-    depth, is_comment, rows = 0, False, 0
+def _xml_rows(lines: list[str]) -> tuple[int, int]:
+    """Return how many lines from the first on are a well-formed fragment.
+
+    With it comes how many were read to find that out.
+    """
+    depth, is_comment, rows, number = 0, False, 0, 0
 
     def start(*_: object) -> None:
         nonlocal depth
@@ -82,7 +88,7 @@ def _xml_rows(lines: list[str]) -> int:
         is_comment = opened > closed or (is_comment and closed < 0)
         if depth == 1 and not is_comment and line.rstrip().endswith(">"):
             rows = number + 1
-    return rows
+    return rows, number + 1
 
 
 def _yaml_rows(lines: list[str]) -> int:

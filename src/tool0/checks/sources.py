@@ -10,6 +10,7 @@ from enum import Enum
 from pathlib import Path
 from typing import final
 
+from tool0.checks.xml_comments import without_comments
 from tool0.description.packages import package_name
 from tool0.errors import ConfigError, SourceLocation
 
@@ -18,7 +19,6 @@ LARGEST = 5_000_000
 _NOT_SOURCES = ("build", "devel", "install", "log", "logs", "node_modules")
 _IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 _ROOT = re.compile(r"<\s*([A-Za-z_][\w.-]*)(?=[\s/>])")
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 class Kind(Enum):
@@ -147,7 +147,7 @@ def kind_of(file: Path) -> Kind | None:
     if suffix not in (".xml", ".urdf"):
         return None
     text = file.read_text(encoding="utf-8", errors="replace")
-    match = _ROOT.search(_COMMENT.sub("", text))
+    match = _ROOT.search(without_comments(text))
     root = match[1] if match else ""
     if root == "launch":
         return Kind.LAUNCH

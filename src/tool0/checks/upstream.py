@@ -7,10 +7,11 @@ ros-industrial/universal_robot (noetic).
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
+from tool0.checks.xml_comments import blank, comments, inside, without_comments
 from tool0.description.finding import Finding
 from tool0.errors import SourceLocation
 
@@ -30,7 +31,6 @@ _FOREIGN: Final = {
 }
 """What the files of each never mention as they are published."""
 _DO_NOT_EDIT = re.compile(r"do not (?:edit|change) this file", re.IGNORECASE)
-_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 _YAML_COMMENT = re.compile(r"#[^\n]*")
 _YAML = (".yaml", ".yml")
 _WHOLE_ELEMENT = re.compile(
@@ -89,8 +89,10 @@ def edit_findings(file: Path, text: str, package: str | None) -> Iterator[Findin
         (p for prefix, p in _FOREIGN.items() if (package or "ur_").startswith(prefix)),
         None,
     )
-    comment = _YAML_COMMENT if file.suffix in _YAML else _COMMENT
-    bare = comment.sub(lambda match: _blank(match[0]), text)
+    if file.suffix in _YAML:
+        bare = _YAML_COMMENT.sub(lambda match: blank(match[0]), text)
+    else:
+        bare = without_comments(text)
     match = foreign.search(bare) if foreign is not None else None
     if match is not None:
         whose = "that asks not to be edited" if asks else f"of '{package}'"
@@ -101,21 +103,31 @@ def edit_findings(file: Path, text: str, package: str | None) -> Iterator[Findin
         )
     if not is_upstream:
         return
-    for found in _COMMENT.finditer(text):
-        element = _WHOLE_ELEMENT.match(found[1])
+    for start, end in comments(text):
+        element = _WHOLE_ELEMENT.match(inside(text, start, end))
         if element is not None and element[1] in _PARTS:
             yield _finding(
-                _place(file, text, found.start()),
+                _place(file, text, start),
                 f"<{element[1]}> is commented out in a file of '{package}': the next "
                 "update, or the next person's clone, has it again",
             )
 
 
-def known_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
-    """Yield what is wrong with published files that a text includes."""
+def known_findings(
+    text: str, first: SourceLocation, is_here: Callable[[str], bool]
+) -> Iterator[Finding]:
+    """Yield what is wrong with published files that a text includes.
+
+    Args:
+        text: The text.
+        first: Where its first line stands.
+        is_here: Whether a package can be looked into, which tells more.
+    """
+    bare = without_comments(text)
     for (package, file), faults in KNOWN_FAULTS.items():
-        pattern = rf"\$\(find {package}\)/[\w/]*{re.escape(file)}"
-        match = re.search(pattern, _COMMENT.sub(lambda m: _blank(m[0]), text))
+        if is_here(package):
+            continue
+        match = re.search(rf"\$\(find {package}\)/[\w/]*{re.escape(file)}", bare)
         if match is None:
             continue
         for fault, remedy in faults:
@@ -137,11 +149,6 @@ def _finding(location: SourceLocation, message: str) -> Finding:
         message=message,
         remedy=_INSTEAD,
     )
-
-
-def _blank(text: str) -> str:
-    """Return ``text`` as white space of the same length and lines."""
-    return re.sub(r"[^\n]", " ", text)
 
 
 def _place(file: Path, text: str, offset: int) -> SourceLocation:

@@ -16,7 +16,7 @@ from tool0.description.yaml_tree import Tree
 from tool0.errors import ConfigError, SourceLocation
 
 _MARKS = re.compile(
-    r"(?:^|[{,])\s*(?:[\w/*]*type *: *['\"]?[\w]+/\w*(?:Controller|Broadcaster)\b"
+    r"(?:^|[{,])[ \t]*(?:[\w/*]*type *: *['\"]?[\w]+/\w*(?:Controller|Broadcaster)\b"
     r"|[\w/]*pid_gains *:|gazebo_ros_control *:|ros_+parameters? *:"
     r"|controller_manager *:)",
     re.MULTILINE,
