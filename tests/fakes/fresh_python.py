@@ -5,17 +5,32 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+_INTERRUPTIBLE = """\
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+"""
+"""Who is started in a shell's background is deaf to Ctrl-C, and so are its children."""
 
 
-def start(program: str, *arguments: str, **variables: str) -> subprocess.Popen[str]:
-    """Start a program, in which warnings are errors too."""
-    return subprocess.Popen(
-        [sys.executable, "-W", "error", "-c", program, *arguments],
+@contextmanager
+def start(
+    program: str, *arguments: str, **variables: str
+) -> Iterator[subprocess.Popen[str]]:
+    """Run a program, in which warnings are errors too; in the end it is ended."""
+    with subprocess.Popen(
+        [sys.executable, "-W", "error", "-c", _INTERRUPTIBLE + program, *arguments],
         env=os.environ | variables,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-    )
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 def run(program: str, *arguments: str, **variables: str) -> str:
