@@ -1,3 +1,4 @@
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -72,8 +73,9 @@ def test_what_is_made_is_compiled_where_it_is_read_from(
 
 
 def test_several_at_once_make_one(tmp_path: Path) -> None:
-    processes = [start(IMPORT + WHERE) for _ in range(3)]
-    answers = [process.communicate(timeout=60) for process in processes]
+    with ExitStack() as stack:
+        processes = [stack.enter_context(start(IMPORT + WHERE)) for _ in range(3)]
+        answers = [process.communicate(timeout=60) for process in processes]
     assert [process.returncode for process in processes] == [0, 0, 0], answers
     assert len({out for out, _ in answers}) == 1
     folder, lock = made(tmp_path / "cache")
