@@ -55,7 +55,7 @@ format: $(DEV)
 unit: unit-python unit-web
 
 unit-python: $(DEV)
-	$(PYTEST) tests/unit $(ARGS)
+	$(PYTEST) tests/unit -m 'not slow' $(ARGS)
 
 unit-web: $(DEV)
 	$(WEB) run test

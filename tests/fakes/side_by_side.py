@@ -28,6 +28,9 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers", "alone: it measures wall time; nothing beside it"
     )
+    config.addinivalue_line(
+        "markers", "slow: it starts programs or tries much; `make check` leaves it out"
+    )
 
 
 @pytest.hookimpl(optionalhook=True)  # not without the plugin pytest-xdist

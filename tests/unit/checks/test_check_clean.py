@@ -15,6 +15,8 @@ from tool0.checks.document import document_findings
 from tool0.description.packages import BUNDLED
 from tool0.errors import ConfigError
 
+pytestmark = pytest.mark.slow
+
 SEEDS = [
     *sorted((DATA / "controllers").glob("*.yaml")),
     *sorted((BUNDLED / "tool0_gazebo").rglob("*.launch")),

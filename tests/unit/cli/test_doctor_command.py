@@ -13,6 +13,8 @@ import tool0
 from tool0.cli import FAILED, OK, main
 from tool0.doctor.probes import PROBES
 
+pytestmark = pytest.mark.slow
+
 STATES = {"ready", "missing", "not supported", "unknown"}
 
 

@@ -20,6 +20,8 @@ from tool0.cli.options import PanelOptions
 from tool0.cli.panel import show
 from tool0.panel.address import Door, open_door
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

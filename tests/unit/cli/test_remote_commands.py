@@ -14,6 +14,8 @@ from served import serving, use_folder
 from tool0.cli import FAILED, GOAL_FAILED, INTERRUPTED, OK, main
 from tool0.control.goal import GoalStatus
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(autouse=True)
 def robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[FakeRobot]:

@@ -176,6 +176,7 @@ class Pair:
             controller.cancel(controller.active_goal, robot.time)
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(st.lists(requests, min_size=1, max_size=4))
 def test_pieces_made_when_played_are_those_made_at_once(asked: list[Request]) -> None:

@@ -12,6 +12,8 @@ from tool0.doctor.examination import Report, examine
 from tool0.doctor.line import Line
 from tool0.doctor.probes import PROBES
 
+pytestmark = pytest.mark.slow
+
 PROBE_MODULE = """
 import os, signal, subprocess, sys, time
 from tool0.doctor.line import Line

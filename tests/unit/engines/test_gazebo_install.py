@@ -10,9 +10,10 @@ from tool0.engines.gazebo.install import Wish, ready, uninstall
 from tool0.engines.gazebo.installation import Installation, private_prefix
 from tool0.errors import ConfigError, EngineUnavailableError
 
-pytestmark = pytest.mark.skipif(
-    not CAN_BE_MADE, reason="needs apt-get, dpkg-deb and gpg"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not CAN_BE_MADE, reason="needs apt-get, dpkg-deb and gpg"),
+]
 
 
 @pytest.fixture(scope="module")

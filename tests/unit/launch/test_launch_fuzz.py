@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,6 +16,8 @@ from tool0.launch.packages import Packages
 from tool0.launch.reader import read_launch
 from tool0.launch.ways import argument_ways
 from tool0.launch.xacro_files import xacro_robots
+
+pytestmark = pytest.mark.slow
 
 DATA = Path(__file__).parents[2] / "data" / "launch" / "src"
 SEEDS = [

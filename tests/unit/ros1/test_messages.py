@@ -5,6 +5,8 @@ import pytest
 from fresh_python import run, start
 from promised import absent, require_ros
 
+pytestmark = pytest.mark.slow
+
 IMPORT = "from tool0.ros1.messages import import_messages; import_messages()\n"
 WHERE = "import control_msgs.msg; print(control_msgs.msg.__file__)\n"
 

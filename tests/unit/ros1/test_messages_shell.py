@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from promised import require_ros
 
+pytestmark = pytest.mark.slow
+
 FORGET = ("PYTHONPATH", "ROS_PACKAGE_PATH")
 EVALUATE = f'eval "$({sys.executable} -m tool0 ros1 env)" && '
 

@@ -19,6 +19,8 @@ from meshes.gripper import (
 from meshes.model import Box, ModelShape
 from meshes.solid import rounded, turned
 
+pytestmark = pytest.mark.slow
+
 BUNDLED = make_meshes.PACKAGE
 MODELS = [*ARMS, "2f85"]
 

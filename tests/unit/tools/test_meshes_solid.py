@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from meshes.solid import AXES, block, plate, rounded, turned
 
+pytestmark = pytest.mark.slow
+
 SOLIDS = {
     "cylinder": turned(rounded(0.05, 0.0, 0.1)),
     "cylinder downwards": turned(rounded(0.05, 0.1, 0.0)),

@@ -6,6 +6,7 @@ import random
 import time
 from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from robot_xml import DRIVEN, joint, link, root_of
@@ -16,6 +17,8 @@ from tool0.checks.robot.rules import robot_findings, xacro_findings
 from tool0.description.catalogue import assemble
 from tool0.description.expansion import expand
 from tool0.description.xml_source import LocatedElement, parse_file, parse_text
+
+pytestmark = pytest.mark.slow
 
 DATA = Path(__file__).parents[3] / "data" / "checks" / "robot"
 FAULTY = DATA / "arm_with_gripper.urdf.xacro"
