@@ -74,7 +74,7 @@ def test_the_emergency_stop_stops_a_moving_arm(
     tab.get("estop-banner").wait_for()
     assert robot.snapshot.is_stopped
     eventually(lambda: is_at_rest(robot), "the brakes hold")
-    assert robot.joint_state.position["elbow_joint"] > 0.5
+    assert robot.joint_state.position["elbow_joint"] > 0.1  # short of the pose zero
     assert tab.get("enable-toggle").is_disabled()
 
     # Escape never releases; the button does, and nothing moves on its own then

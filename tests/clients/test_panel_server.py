@@ -400,7 +400,6 @@ def test_a_page_that_never_reads_hinders_nobody_and_is_given_up(
         page.wait_for_joint("elbow_joint", 1.5)
 
 
-@pytest.mark.alone
 def test_a_flooding_page_is_slowed_down_and_others_are_not(panel: Panel) -> None:
     is_over = threading.Event()
 

@@ -38,7 +38,6 @@ def end_of(robot: tool0.Robot) -> tuple[str, float]:
     raise AssertionError("never told")
 
 
-@pytest.mark.alone
 @pytest.mark.parametrize(
     ("number", "told"),
     [

@@ -124,7 +124,6 @@ def test_meshes_that_gazebo_would_leave_out_are_refused(
     assert robot.objects == ()
 
 
-@pytest.mark.alone
 @pytest.mark.parametrize(
     ("name", "whose"),
     [

@@ -125,7 +125,6 @@ def test_a_client_that_dies_amid_its_goal(
     assert moves(ros, 0.1)
 
 
-@pytest.mark.alone
 def test_a_subscriber_that_stalls_delays_nobody(ros: Ros, bringup: Bringup) -> None:
     script = CLIENT + (
         "import os, signal\n"

@@ -86,7 +86,6 @@ def limits_of(ros: Ros) -> dict[str, tuple[float, ...]]:
     }
 
 
-@pytest.mark.alone
 def test_its_stream_of_positions_moves_the_arm_smoothly(
     ros: Ros, rospy: ModuleType, bringup: Bringup
 ) -> None:

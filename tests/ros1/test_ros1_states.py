@@ -69,7 +69,6 @@ def test_the_clock_goes_on_and_never_back(rospy: ModuleType, bringup: Bringup) -
     assert np.median(steps) == 8_000_000
 
 
-@pytest.mark.alone
 def test_rostopic_measures_125_joint_states_a_second(
     ros: Ros, bringup: Bringup
 ) -> None:

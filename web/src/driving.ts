@@ -24,8 +24,13 @@ export const chosenController = signal<string | null>(null);
 export const goals = signal<ReadonlyMap<string, Signal<number>> | null>(null);
 export const endReason = signal<EndReason | null>(null);
 
+/** So long the server may head for what this page wanted before: slow messages are its own. */
+const REMEMBERED_MS = 5000;
+
 /** Joint → what the server should be heading for; it is somebody else's doing if it is not. */
 let expected: ReadonlyMap<string, number> = new Map();
+/** What it should have been heading for lately, and until when. */
+let before: { targets: ReadonlyMap<string, number>; until: number }[] = [];
 let differsSince: number | null = null;
 let settlesUntil = -Infinity;
 let lastTime = -Infinity;
@@ -52,6 +57,7 @@ export function enable(): void {
   chosenController.value = controller.name;
   endReason.value = null;
   expect(now.targets);
+  before = [];
   goals.value = new Map(
     controller.joints.map((joint) => [joint, signal(wantedNow(joint) ?? 0)]),
   );
@@ -110,17 +116,27 @@ function wantedNow(joint: string): number | undefined {
 }
 
 function expect(targets: Readonly<Record<string, number>>): void {
+  const now = performance.now();
+  before = before.filter(({ until }) => now - until < REMEMBERED_MS);
+  before.push({ targets: expected, until: now });
   expected = new Map(Object.entries(targets));
   settlesUntil = -Infinity;
   differsSince = null;
 }
 
 /** Return whether the robot is heading where this page did not send it. */
-function isElsewhere(now: Status): boolean {
-  return [...(goals.value?.keys() ?? [])].some((joint) => {
-    const [target, mine] = [now.targets[joint], expected.get(joint)];
-    if (target === undefined || mine === undefined) return false;
-    return Math.abs(target - mine) > SAME_TARGET;
+function isElsewhere(now: Status, wallTimeMs: number): boolean {
+  const late = before.filter(({ until }) => wallTimeMs - until < REMEMBERED_MS);
+  return ![{ targets: expected }, ...late].some(({ targets }) =>
+    isHeadingFor(targets, now),
+  );
+}
+
+function isHeadingFor(mine: ReadonlyMap<string, number>, now: Status): boolean {
+  return [...(goals.value?.keys() ?? [])].every((joint) => {
+    const [target, wanted] = [now.targets[joint], mine.get(joint)];
+    if (target === undefined || wanted === undefined) return true;
+    return Math.abs(target - wanted) <= SAME_TARGET;
   });
 }
 
@@ -129,6 +145,7 @@ function takeTargets({ targets }: Status): void {
   for (const [joint, goal] of goals.value ?? []) {
     goal.value = targets[joint] ?? goal.value;
   }
+  before = [];
   expected = new Map(Object.entries(targets));
   differsSince = null;
 }
@@ -147,7 +164,7 @@ export function review(now: Status | null, wallTimeMs: number): void {
     disable("controller");
   } else if (wallTimeMs < settlesUntil) {
     takeTargets(now);
-  } else if (now.paused || !isElsewhere(now)) {
+  } else if (now.paused || !isElsewhere(now, wallTimeMs)) {
     differsSince = null;
   } else {
     differsSince ??= wallTimeMs;

@@ -160,6 +160,23 @@ describe("the trajectory panel", () => {
     expect(endReason.value).toBeNull();
   });
 
+  it("takes what it wanted a while ago for its own: a busy server is late", async () => {
+    enable();
+    drag("pan", 1);
+    await pass(100);
+    drag("pan", 1.4);
+    for (let time = 1.1; time < 2; time += 0.1) {
+      await pass(300);
+      await say({ targets: { pan: 1, lift: -0.99 } }, time);
+    }
+    expect(endReason.value).toBeNull();
+    await pass(5000); // so late is nobody
+    await say({ targets: { pan: 1, lift: -0.99 } }, 7);
+    await pass(600);
+    await say({ targets: { pan: 1, lift: -0.99 } }, 8);
+    expect(endReason.value).toBe("elsewhere");
+  });
+
   it("takes a pose and a stop of its own for its own", async () => {
     enable();
     adopt({ pan: 2, lift: 1, another: 7 });

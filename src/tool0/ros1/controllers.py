@@ -19,6 +19,9 @@ from tool0.ros1.trajectory_edge import TrajectoryEdge
 from tool0.runtime.bus import Snapshot
 from tool0.runtime.robot import Robot
 
+_PATIENCE = 10.0
+"""For one controller's names at a busy master [wall s]; one that is gone refuses at
+once."""
 _EDGES: dict[type, Callable[..., Part]] = {
     JointStateSpec: JointStateEdge,
     JointTrajectorySpec: TrajectoryEdge,
@@ -41,6 +44,7 @@ class ControllerEdges:
         self._edges: dict[str, tuple[object, Part]] = {}  # by name, with the spec
         self._seen: tuple[str, ...] = ()
         self._changing = threading.Lock()
+        self._is_closing = False
         # Who registers waits for the master, which those who publish must not.
         self._registrar = Worker("tool0 ros1 registrar")
         self.follow()
@@ -72,7 +76,7 @@ class ControllerEdges:
                 if name not in edges:
                     edge.close()
             for name, spec in specs.items():
-                if name not in edges:
+                if name not in edges and not self._is_closing:
                     make = _EDGES[type(spec)]
                     controller = self._robot.controller(name)
                     edges[name] = spec, make(self._node, spec, controller)
@@ -84,5 +88,9 @@ class ControllerEdges:
             edge.restart()
 
     def close(self) -> None:
-        """Stop following; the node unregisters everything by itself."""
-        self._registrar.close()
+        """Stop following; the node unregisters everything by itself.
+
+        What is being registered is waited for: after the node it would stay behind.
+        """
+        self._is_closing = True
+        self._registrar.close(_PATIENCE)

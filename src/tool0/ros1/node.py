@@ -48,10 +48,10 @@ class Worker:
         """Have ``task`` called soon; never waits."""
         self._tasks.put(task)
 
-    def close(self) -> None:
-        """Finish what was deferred, as far as it goes within a second."""
+    def close(self, patience: float = 1.0) -> None:
+        """Finish what was deferred, as far as it goes within ``patience`` [wall s]."""
         self._tasks.put(None)
-        self._thread.join(1.0)
+        self._thread.join(patience)
 
     def _run(self) -> None:
         while (task := self._tasks.get()) is not None:
