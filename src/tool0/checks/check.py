@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ParamSpec, TypeVar, final
 
 from tool0.checks import launch_file
+from tool0.checks.absence import absence_judged
 from tool0.checks.bounded import OutOfBoundsError, bounded
 from tool0.checks.document import document_findings
 from tool0.checks.launch_file import ReadLaunch
-from tool0.checks.package_file import declared_dependencies, package_findings
+from tool0.checks.package_file import package_findings
 from tool0.checks.parameters.file import YamlText, yaml_findings
 from tool0.checks.robot.facts import RobotFacts
 from tool0.checks.robot_file import (
@@ -32,7 +32,6 @@ P = ParamSpec("P")
 
 _Expansion = tuple[Path, tuple[tuple[str, str], ...]]
 """A file and its arguments."""
-_NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 
 
 @final
@@ -96,8 +95,10 @@ class _Check:
             self._edits,
         ):
             look()
-        judged = filter(None, map(self._judged, self._findings))
-        once = {_identity(item): item for item in sorted(judged, key=_place)}
+        judged = [absence_judged(finding) for finding in self._findings]
+        self._notes += [item for item in judged if isinstance(item, str)]
+        findings = [item for item in judged if isinstance(item, Finding)]
+        once = {_identity(item): item for item in sorted(findings, key=_place)}
         return Report(
             findings=tuple(once.values()),
             files=tuple(source.path for source in self._sources.files),
@@ -279,35 +280,6 @@ class _Check:
         except Tool0Error:
             return False
         return True
-
-    def _judged(self, finding: Finding) -> Finding | None:
-        """Tell a package that this machine lacks from one that is misspelt.
-
-        What the file's own package depends on is no fault of the file.
-        """
-        lacking, file = _lacking(finding), finding.location.file
-        if lacking is None or file is None:
-            return finding
-        folder = next(
-            (f for f in file.absolute().parents if (f / "package.xml").is_file()), None
-        )
-        if folder is not None and lacking in declared_dependencies(folder):
-            self._notes.append(
-                f"{file}: '{lacking}' is not on this machine; what it holds was not "
-                "looked into"
-            )
-            return None
-        if folder is None and "did you mean" not in finding.text:
-            return replace(finding, severity="warning")
-        return finding
-
-
-def _lacking(finding: Finding) -> str | None:
-    """Return the package that is not found, if the finding says that."""
-    if finding.rule in ("unresolved-find", "unknown-package", "missing-package"):
-        return finding.key
-    match = _NO_PACKAGE.search(finding.message)
-    return None if match is None else match[1]
 
 
 def _listed(work: Callable[P, Iterable[R]], *args: P.args, **kw: P.kwargs) -> list[R]:
