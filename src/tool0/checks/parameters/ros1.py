@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator
 from typing import Final, final
 
 from tool0.checks.parameters.names import JointNames
 from tool0.checks.robot.facts import RobotFacts
+from tool0.checks.robot.names import nearest
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES
 from tool0.control.lint import OF_TOOL0, lint_joints
+from tool0.control.lint_controller import complaint
 from tool0.control.parameter_tables import parameters_of
 from tool0.control.parameters import INTERFACE_OF_PACKAGE, Robot
 from tool0.description.finding import Finding
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_tree import Entry
-from tool0.errors import ConfigError, SourceLocation
+from tool0.errors import ConfigError
 
 OTHER_TYPES: Final = (
     "ackermann_steering_controller/AckermannSteeringController",
@@ -165,11 +166,11 @@ class _Controller:
             message = f"'{written}' is a controller of ROS 2, in a file for ROS 1"
             remedy = "write effort_controllers/… or position_controllers/…"
         else:
-            near = difflib.get_close_matches(written, known, n=1, cutoff=_TYPO)
+            near = nearest(written, known, _TYPO)
             package = written.partition("/")[0]
             of_package = [name for name in known if name.startswith(f"{package}/")]
-            if near:
-                remedy = f"did you mean '{near[0]}'?"
+            if near is not None:
+                remedy = f"did you mean '{near}'?"
             elif of_package:
                 remedy = f"valid: {', '.join(of_package)}"
             elif "/" not in written:
@@ -177,7 +178,7 @@ class _Controller:
             else:
                 return  # somebody's own
             message = f"there is no controller type '{written}', so it does not load"
-        yield self._finding("unknown-type", self._type_entry, message, remedy)
+        yield complaint(self._type_entry, "unknown-type", message, remedy)
 
     def _interfaces(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
         """Yield joints that this controller cannot command."""
@@ -191,25 +192,25 @@ class _Controller:
                 continue
             offered = robot.interfaces_of(name)
             if not offered and joint.mimic_of:
-                yield self._finding(
-                    "no-transmission",
+                yield complaint(
                     entry,
+                    "no-transmission",
                     f"'{name}' follows '{joint.mimic_of}' and takes no command",
                     f"name '{joint.mimic_of}' instead",
                 )
             elif not offered:
-                yield self._finding(
-                    "no-transmission",
+                yield complaint(
                     entry,
+                    "no-transmission",
                     f"'{name}' has no <transmission>, so ros_control cannot find it",
                     "give it one in the robot's description",
                 )
             elif wanted is not None and not offered[0].written.endswith(wanted.value):
                 is_clear = offered[0].meant is not None
                 if is_clear or offered[0].written:
-                    yield self._finding(
-                        "interface-mismatch",
+                    yield complaint(
                         entry,
+                        "interface-mismatch",
                         f"{self._type} commands {wanted.value}, but the <transmission> "
                         f"of '{name}' ({offered[0].location}) offers "
                         f"'{offered[0].written}'",
@@ -231,9 +232,9 @@ class _Controller:
                 if gains is not None and "p" in (gains.children or {}):
                     continue
                 outer = gains or self._at(path.format(name).rpartition("/")[0])
-                yield self._finding(
-                    "missing-gains",
+                yield complaint(
                     outer or self._entry,
+                    "missing-gains",
                     f"lacks the gains of '{name}': {self._type} closes the loop itself "
                     "and needs at least p",
                     f"write {self._name}/{path.format(name)}: {{p: …, i: …, d: …}}",
@@ -268,13 +269,3 @@ class _Controller:
                 key=self._name,
                 message=error.message,
             )
-
-    def _finding(self, rule: str, entry: Entry, message: str, remedy: str) -> Finding:
-        location: SourceLocation = entry.location
-        return Finding(
-            location=location,
-            rule=rule,
-            key=entry.key,
-            message=message,
-            remedy=remedy,
-        )

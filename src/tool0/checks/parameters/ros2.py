@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator, Mapping
 from typing import final
 
@@ -15,7 +14,9 @@ from tool0.checks.parameters.ros2_tables import (
     TYPES,
 )
 from tool0.checks.robot.facts import RobotFacts
+from tool0.checks.robot.names import nearest
 from tool0.control.controller_types import TYPES as TYPES_OF_ROS1
+from tool0.control.lint_controller import complaint
 from tool0.description.finding import Finding, Severity
 from tool0.description.yaml_tree import Entry
 
@@ -49,7 +50,7 @@ def controller_findings(root: Entry, robot: RobotFacts | None) -> Iterator[Findi
         if "type" in (entry.children or {}):
             declared[name] = (entry.children or {})["type"]
         elif name not in MANAGER and entry.children is None:
-            near = _nearest(name, MANAGER)
+            near = nearest(name, MANAGER, _TYPO)
             if near is not None:
                 yield _unread(entry, "the controller manager", near)
     for name, entry in nodes.items():
@@ -104,7 +105,7 @@ def _misnamed(
     """Yield parameters whose controller is declared under a similar name."""
     without = [name for name in declared if name not in nodes]
     for name, entry in nodes.items():
-        near = _nearest(name, without)
+        near = nearest(name, without, _TYPO)
         if name not in declared and near is not None:
             yield Finding(
                 location=entry.location,
@@ -114,12 +115,6 @@ def _misnamed(
                 "parameters are read by none",
                 remedy=f"did you mean '{near}'?",
             )
-
-
-def _nearest(name: str, valid: object) -> str | None:
-    names = sorted(map(str, valid))  # type: ignore[call-overload]  # any collection
-    close = difflib.get_close_matches(name, names, n=1, cutoff=_TYPO)
-    return close[0] if close else None
 
 
 def _unread(entry: Entry, who: str, near: str) -> Finding:
@@ -168,7 +163,7 @@ class _Controller:
     def _unknown_type(self) -> Iterator[Finding]:
         if self._type in OTHER_TYPES:
             return
-        near = _nearest(self._type, (*TYPES, *OTHER_TYPES))
+        near = nearest(self._type, (*TYPES, *OTHER_TYPES), _TYPO)
         if self._type in TYPES_OF_ROS1 and self._type not in TYPES:
             kind = self._type.partition("/")[2]
             same = [name for name in TYPES if name.endswith(f"/{kind}")]
@@ -179,16 +174,16 @@ class _Controller:
             remedy = f"did you mean '{near}'?"
         else:
             return  # somebody's own
-        yield self._finding("unknown-type", self._type_entry, message, remedy)
+        yield complaint(self._type_entry, "unknown-type", message, remedy)
 
     def _missing(self) -> Iterator[Finding]:
         missing = [key for key in REQUIRED.get(self._type, ()) if key not in self._keys]
         if not missing:
             return
         where = self._parameters or self._type_entry
-        yield self._finding(
-            "missing-key",
+        yield complaint(
             where,
+            "missing-key",
             f"{self._type} does not configure without {' and '.join(missing)}",
             f"write them under '{self._name}: {PARAMETERS}:'",
         )
@@ -201,9 +196,9 @@ class _Controller:
             and "gains" not in self._keys
             and "position" not in wanted
         ):
-            yield self._finding(
-                "missing-gains",
+            yield complaint(
                 entry or self._type_entry,
+                "missing-gains",
                 "commands effort, so it closes the loop itself and needs gains",
                 f"write gains: {{<joint>: {{p: …}}}} under {self._name}",
             )
@@ -213,16 +208,16 @@ class _Controller:
             offered = self._robot.ros2_joints.get(name)
             lacking = [kind for kind in wanted if kind not in (offered or ())]
             if offered is None and name in self._robot.joints:
-                yield self._finding(
-                    "no-transmission",
+                yield complaint(
                     place,
+                    "no-transmission",
                     f"'{name}' is not in the robot's <ros2_control>",
                     "add it there, with its command interfaces",
                 )
             elif offered is not None and lacking:
-                yield self._finding(
-                    "interface-mismatch",
+                yield complaint(
                     place,
+                    "interface-mismatch",
                     f"commands {', '.join(lacking)}, but <ros2_control> offers "
                     f"{', '.join(offered) or 'nothing'} for '{name}'",
                     "change command_interfaces, or the robot's <ros2_control>",
@@ -255,7 +250,7 @@ class _Controller:
             if candidate.count("/") >= len(path) - 1
             and candidate.split("/")[: len(path) - 1] == pattern.split("/")[:-1]
         }
-        near = _nearest(path[-1], siblings)
+        near = nearest(path[-1], siblings, _TYPO)
         severity: Severity = "error"
         kind = self._type.partition("/")[2]
         if near is not None:
@@ -266,24 +261,7 @@ class _Controller:
         else:
             rule, severity = "unread-key", "warning"
             message = f"no version of {kind} that is known here reads it"
-        return self._finding(rule, leaf, message, "remove it", severity)
-
-    def _finding(
-        self,
-        rule: str,
-        entry: Entry,
-        message: str,
-        remedy: str,
-        severity: Severity = "error",
-    ) -> Finding:
-        return Finding(
-            location=entry.location,
-            rule=rule,
-            severity=severity,
-            key=entry.key,
-            message=message,
-            remedy=remedy,
-        )
+        return complaint(leaf, rule, message, "remove it", severity)
 
 
 def _covers(candidate: str, pattern: str) -> bool:
