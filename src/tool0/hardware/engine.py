@@ -25,6 +25,25 @@ class ObjectState:
     """[rad/s]"""
 
 
+@final
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """What one thing does to another where they touch: all their points as one.
+
+    Links and objects go by their names, also links that are fixed to others; the
+    engine's own ground is ``ground``.  Vectors are in the axes of the robot's root.
+    """
+
+    first: str
+    second: str
+    point: tuple[float, float, float]
+    """Where, on average, weighted by how hard the points press [m]."""
+    force: tuple[float, float, float]
+    """That ``first`` exerts on ``second`` [N]."""
+    torque: tuple[float, float, float]
+    """That it exerts beside that, about ``point`` [N·m]."""
+
+
 class Engine(Protocol):
     """Physics, as the control loop sees it: read, write, step, in that order.
 
@@ -93,6 +112,27 @@ class Engine(Protocol):
         Raises:
             EngineError: If there is none, or it stands still and is to move.
         """
+
+    def contacts(self) -> tuple[Contact, ...]:
+        """Return the forces of the last step's contacts, one item for each pair.
+
+        None before the first step after a reset.
+        """
+
+    def attach(self, name: str, link: str) -> None:
+        """Fix a movable object to a link as it is now, until it is detached.
+
+        No hand does so: this is for who asks to cheat (``--grasp-assist``).  A reset,
+        a deletion and a placement detach it.
+
+        Raises:
+            ModelError: If there is no such link.
+            EngineError: If there is no such object, it stands still, or it is
+                attached already.
+        """
+
+    def detach(self, name: str) -> None:
+        """Let an object go; one that is attached to nothing is left alone."""
 
     def close(self) -> None:
         """End the engine and what it started; closing twice is allowed."""
