@@ -131,6 +131,12 @@ class ReadSpec:
 
 @final
 @dataclass(frozen=True, slots=True)
+class ReadContacts:
+    """What presses on what, in the last step."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
 class SpawnObject:
     """Put a further object into the scene, at its pose and at rest."""
 
@@ -214,6 +220,7 @@ CoreCommand = (
     | QueryState
     | ReadController
     | ReadSpec
+    | ReadContacts
     | SpawnObject
     | DeleteObject
     | PlaceObject

@@ -128,6 +128,8 @@ class Core:
                 return self._running(name, JointTrajectoryController).state()
             case ask.ReadSpec(name):
                 return self.manager.spec(name)
+            case ask.ReadContacts():
+                return self.engine.contacts()
             case ask.SpawnObject(item):
                 self.surroundings.spawn(item)
             case ask.DeleteObject(name):

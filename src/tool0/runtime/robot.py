@@ -17,7 +17,7 @@ from tool0.description.kinematics import Transform, link_pose
 from tool0.description.model import JointLimits
 from tool0.description.scene import SceneObject
 from tool0.errors import ControlError, nearest_name
-from tool0.hardware.engine import Engine
+from tool0.hardware.engine import Contact, Engine
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Bus, Snapshot, Subscription
 from tool0.runtime.gripper import Gripper
@@ -162,6 +162,15 @@ class Robot:
         self._loop.call(
             ask.PlaceObject(object_state(name, position, quat_wxyz, linear, angular))
         )
+
+    def contacts(self) -> tuple[Contact, ...]:
+        """Return what presses on what, and how hard, in the last step of the physics.
+
+        One item for each pair of links or objects that touch.  Asking costs some
+        microseconds of the tick; the engine works nothing out while nobody asks.
+        """
+        contacts: tuple[Contact, ...] = self._loop.call(ask.ReadContacts())
+        return contacts
 
     def pose(self, link: str, relative_to: str | None = None) -> Transform:
         """Return the frame of ``link`` in ``relative_to``, the root if left out."""

@@ -1,0 +1,76 @@
+"""The two links that a parallel gripper grips with, and the frame between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from tool0.description.kinematics import Transform, transforms
+from tool0.description.model import ParallelGripper, RobotModel
+from tool0.errors import ControlError
+from tool0.runtime.initial_pose import joint_positions
+
+
+def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
+    """Return the links of ``gripper`` whose surface is made for gripping.
+
+    Raises:
+        ControlError: If there are not two of them.
+    """
+    base = model.joint(gripper.joint).parent
+    pads = [name for name in _below(model, base) if model.link(name).surface]
+    if len(pads) != 2:
+        raise ControlError(
+            f"gripper '{gripper.name}' needs two links with a <gazebo> surface, its "
+            f"pads; below '{base}' there are {len(pads)}"
+        )
+    return pads[0], pads[1]
+
+
+def grasp_frame(
+    model: RobotModel, gripper: ParallelGripper, opening: float, relative_to: str
+) -> Transform:
+    """Return the frame midway between the pads, in the link ``relative_to``.
+
+    y points from pad to pad and z away from the gripper's base, so that the tool that
+    comes down on something has z down.  Both pads ride on circles: they are farther
+    out at some openings than at others (14 mm for a 2F-85).
+
+    Args:
+        model: The robot.
+        gripper: One of its grippers.
+        opening: Distance between the pads [m].
+        relative_to: A link that the gripper is fixed to, such as ``tool0``.
+
+    Raises:
+        ModelError: If there is no such link, or ``opening`` is out of reach.
+        ControlError: If the gripper has no two pads.
+    """
+    names = [joint.name for joint in model.movable_joints]
+    positions = joint_positions(
+        model, {gripper.joint: gripper.position(opening)}, [0.0] * len(names)
+    )
+    found = transforms(model, dict(zip(names, positions, strict=True)))
+    base = model.joint(gripper.joint).parent
+    back = found[model.link(relative_to).name].inverse()
+    p_base, p_first, p_second = (
+        np.array((back @ found[link]).position)
+        for link in (base, *pad_links(model, gripper))
+    )
+    middle = (p_first + p_second) / 2.0
+    y = (p_second - p_first) / np.linalg.norm(p_second - p_first)
+    away = middle - p_base
+    z = away - (away @ y) * y
+    z /= np.linalg.norm(z)
+    rows = np.column_stack([np.cross(y, z), y, z]).tolist()
+    return Transform(
+        position=tuple(middle.tolist()),  # type: ignore[arg-type]  # of three
+        rotation=tuple(map(tuple, rows)),  # type: ignore[arg-type]
+    )
+
+
+def _below(model: RobotModel, link: str) -> Iterator[str]:
+    yield link
+    for joint in model.child_joints[link]:
+        yield from _below(model, joint.child)
