@@ -13,12 +13,13 @@ import numpy as np
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.engines.mujoco.contacts import names_of_geoms, read_contacts
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.object_states import ObjectStates
 from tool0.engines.mujoco.objects import add_objects, compile_with, object_of
 from tool0.engines.mujoco.succession import carry_over, read_meshes
 from tool0.errors import ConfigError, DivergenceError, EngineError, ModelError
-from tool0.hardware.engine import ObjectState
+from tool0.hardware.engine import Contact, ObjectState
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.pick import picker
 
@@ -59,6 +60,8 @@ class MujocoEngine:
         self._joint_names = tuple(joint.name for joint in model.movable_joints)
         self._dt = dt
         self._steps = 0
+        self._contacts: tuple[int, tuple[Contact, ...]] = (0, ())
+        """After how many steps they were read last, and what was read."""
         self._effort = [0.0] * len(self._joint_names)
         self._have(scene or Scene())
         n = len(self._joint_names)
@@ -89,6 +92,7 @@ class MujocoEngine:
         self._position[:] = position
         self._effort = [0.0] * len(self._joint_names)
         self._steps = round(time / self._dt)
+        self._contacts = (self._steps, ())
         self.data.time = time
         mujoco.mj_forward(self.model, self.data)
         self._warn_of_overlaps()
@@ -146,6 +150,13 @@ class MujocoEngine:
         """Put an object somewhere, moving so, or raise EngineError."""
         self._objects.place(state)
 
+    def contacts(self) -> tuple[Contact, ...]:
+        """Return the forces of the last step's contacts, one item for each pair."""
+        if self._contacts[0] != self._steps:
+            found = read_contacts(self.model, self.data, self._geom_names)
+            self._contacts = (self._steps, found)
+        return self._contacts[1]
+
     def close(self) -> None:
         """Nothing to end: MuJoCo lives inside the process."""
 
@@ -156,6 +167,7 @@ class MujocoEngine:
         files = read_meshes(spec, self._mesh_files)
         model = compile_with(spec, scene)
         self.model, self.data = model, mujoco.MjData(model)
+        self._geom_names = names_of_geoms(model)
         self._mesh_files = files
         self._scene = scene
         self._objects = ObjectStates(self.model, self.data, scene)
@@ -169,6 +181,7 @@ class MujocoEngine:
     def _succeed(self, scene: Scene) -> None:
         """Have another scene; everything that stays goes on as it was."""
         model, data, objects = self.model, self.data, self._objects
+        self.contacts()  # those of the new model know nothing of the last step
         self._have(scene)
         carry_over(model, data, self.model, self.data)
         self._objects.take_over(objects)
