@@ -12,6 +12,7 @@ Tool0Error
 │   ├── ClaimError              two controllers want one joint
 │   ├── GoalRejectedError       carries a reason; edges map it to ROS codes
 │   └── GoalTimeoutError        a goal is still active; a TimeoutError too
+├── RenderError                 no picture or video can be made
 └── TransportError              a peer misbehaved, or an address is taken
 """
 
@@ -120,6 +121,10 @@ class GoalRejectedError(ControlError):
 
 class GoalTimeoutError(ControlError, TimeoutError):
     """A goal was still active when the wait for it ended."""
+
+
+class RenderError(Tool0Error):
+    """A picture or a video that cannot be made: something is not installed."""
 
 
 class TransportError(Tool0Error):

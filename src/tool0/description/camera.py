@@ -1,0 +1,206 @@
+"""Cameras as frozen values: where one is, and how it forms its picture."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, final
+
+from tool0.description.kinematics import Transform, to_transform
+from tool0.description.model import Pose, RobotModel, Vector3
+from tool0.description.motion import to_pose
+from tool0.errors import ConfigError, ModelError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+LARGEST = 4096
+"""Pixels along an edge: what every OpenGL can draw into."""
+
+_NAME = re.compile(r"[A-Za-z]\w*")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Camera:
+    """A pinhole camera without distortion; its pixels are square.
+
+    Its frame is an optical one (REP-103): z looks forward, x goes right in the
+    picture and y down.
+    """
+
+    name: str
+    """Topics and frames of ROS begin with it."""
+    link: str | None = None
+    """What carries it; None stands still in the robot's root."""
+    pose: Pose = field(default_factory=Pose)
+    """Of the optical frame, in the link."""
+    width: int = 640
+    """[pixels]"""
+    height: int = 480
+    """[pixels]"""
+    field_of_view: float = math.radians(45.0)
+    """From the upper to the lower edge of the picture [rad]."""
+    near: float = 0.01
+    """What is nearer along z is not seen [m]."""
+    far: float = 10.0
+    """What is farther along z is not seen [m]."""
+
+    def __post_init__(self) -> None:
+        if not _NAME.fullmatch(self.name):
+            raise ConfigError(
+                f"'{self.name}' cannot name a camera; use letters, digits and '_', "
+                "a letter first: ROS's topics begin with it"
+            )
+        of = f"of camera '{self.name}'"
+        if not all(map(math.isfinite, (*self.pose.xyz, *self.pose.rpy))):
+            raise ConfigError(f"the pose {of} must be finite, got {self.pose}")
+        for what, pixels in (("width", self.width), ("height", self.height)):
+            if not (isinstance(pixels, int) and 1 <= pixels <= LARGEST):
+                raise ConfigError(
+                    f"the {what} {of} must be 1 … {LARGEST} pixels, got {pixels}"
+                )
+        if not 0.0 < self.field_of_view < math.pi:
+            raise ConfigError(
+                f"the field of view {of} must be above 0 and below pi rad, "
+                f"got {self.field_of_view:g}"
+            )
+        if not 0.0 < self.near < self.far < math.inf:
+            raise ConfigError(
+                f"camera '{self.name}' needs 0 < near < far in metres, "
+                f"got near {self.near:g} and far {self.far:g}"
+            )
+
+    @property
+    def focal_length(self) -> float:
+        """In pixels, along both edges."""
+        return self.height / (2.0 * math.tan(self.field_of_view / 2.0))
+
+    @property
+    def intrinsics(self) -> NDArray[np.float64]:
+        """``K``, shape (3, 3): ``K @ p_optical`` is ``z * (u, v, 1)`` in pixels.
+
+        The middle of the upper left pixel is (0, 0), as in ROS and OpenCV; so that of
+        the picture is ((width - 1) / 2, (height - 1) / 2).
+        """
+        import numpy as np
+
+        f = self.focal_length
+        cx, cy = (self.width - 1) / 2.0, (self.height - 1) / 2.0
+        return np.array([[f, 0.0, cx], [0.0, f, cy], [0.0, 0.0, 1.0]])
+
+    @property
+    def T_link_camera(self) -> Transform:
+        """The optical frame in the link."""
+        return to_transform(self.pose)
+
+    def check_on(self, model: RobotModel) -> None:
+        """Raise ConfigError unless the robot has the link that carries it."""
+        if self.link is None:
+            return
+        try:
+            model.link(self.link)
+        except ModelError as error:
+            raise ConfigError(f"camera '{self.name}': {error.message}") from None
+
+
+def looking(
+    position: Sequence[float],
+    at: Sequence[float],
+    up: Sequence[float] = (0.0, 0.0, 1.0),
+) -> Pose:
+    """Return the pose of an optical frame that looks from one point at another.
+
+    Args:
+        position: Where the camera is [m].
+        at: What is to be in the middle of the picture [m].
+        up: What is to point up in the picture.
+
+    Raises:
+        ConfigError: If the points coincide, or ``up`` points at what is looked at.
+    """
+    x, y, z = position
+    forward = _unit(tuple(b - a for a, b in zip(position, at, strict=True)))
+    right = _unit(_cross(forward, tuple(up))) if forward else None
+    if forward is None or right is None:
+        raise ConfigError(
+            f"a camera at {tuple(position)} cannot look at {tuple(at)} with "
+            f"{tuple(up)} up; move it, or choose another direction for up"
+        )
+    down = _cross(forward, right)
+    a, b, c = zip(right, down, forward, strict=True)
+    return to_pose(Transform(position=(x, y, z), rotation=(a, b, c)))
+
+
+def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
+    """Return ``scene``, and ``wrist`` if there is one gripper's mount to carry it."""
+    scene = Camera(
+        name="scene",
+        pose=looking(SCENE_POSITION, SCENE_TARGET),
+        field_of_view=SCENE_FIELD_OF_VIEW,
+    )
+    flanges = [link.name for link in model.links if link.name.endswith("tool0")]
+    if len(flanges) != 1:
+        return (scene,)
+    wrist = Camera(
+        name="wrist",
+        link=flanges[0],
+        pose=looking(WRIST_POSITION, WRIST_TARGET, up=WRIST_UP),
+        field_of_view=WRIST_FIELD_OF_VIEW,
+        far=5.0,
+    )
+    return (wrist, scene)
+
+
+SCENE_POSITION: Vector3 = (1.35, -0.95, 0.85)
+SCENE_TARGET: Vector3 = (0.35, 0.05, 0.15)
+"""In the robot's root [m]: arm, gripper and what lies within its reach."""
+SCENE_FIELD_OF_VIEW = math.radians(50.0)
+
+WRIST_POSITION: Vector3 = (0.0, -0.075, 0.03)
+"""On tool0 [m], beside the gripper's body, in the plane between its fingers: where a
+bracket of a depth camera holds it."""
+WRIST_TARGET: Vector3 = (0.0, 0.0, 0.17)
+"""A little beyond the tips of the fingers [m]."""
+WRIST_UP: Vector3 = (0.0, -1.0, 0.0)
+WRIST_FIELD_OF_VIEW = math.radians(58.0)
+"""As of the depth image of a RealSense D435 (87° x 58°, https://www.intelrealsense.com
+/depth-camera-d435/); its picture is wider than ours of 4:3."""
+
+
+def merged(*groups: Iterable[Camera]) -> dict[str, Camera]:
+    """Return cameras by name; those of later groups replace earlier ones.
+
+    Raises:
+        ConfigError: If one group has a name twice.
+    """
+    found: dict[str, Camera] = {}
+    for group in groups:
+        names: set[str] = set()
+        for camera in group:
+            if camera.name in names:
+                raise ConfigError(
+                    f"two cameras are called '{camera.name}'; rename one"
+                )
+            names.add(camera.name)
+            found[camera.name] = camera
+    return found
+
+
+def _unit(vector: Sequence[float]) -> Vector3 | None:
+    length = math.hypot(*vector)
+    if not 1e-9 < length < math.inf:
+        return None
+    x, y, z = (part / length for part in vector)
+    return x, y, z
+
+
+def _cross(a: Sequence[float], b: Sequence[float]) -> Vector3:
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )

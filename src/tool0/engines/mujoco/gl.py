@@ -1,0 +1,101 @@
+"""Which OpenGL there is to render with when there is no screen.
+
+MuJoCo's own modules make the contexts.  They are imported one by one here, because
+``mujoco`` itself takes what ``MUJOCO_GL`` says at its first import, and without it
+wants a screen on Linux.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import os
+import sys
+from typing import Any, Final
+
+from tool0.errors import RenderError
+
+PACKAGES: Final = "libegl1 libgl1-mesa-dri"
+"""What Debian and Ubuntu have for it; or libosmesa6, which needs no EGL."""
+
+_MODULES: Final = {
+    "egl": "mujoco.egl",
+    "osmesa": "mujoco.osmesa",
+    "glfw": "mujoco.glfw",
+    "glx": "mujoco.glfw",
+    "glew": "mujoco.glfw",
+    "cgl": "mujoco.cgl",
+}
+"""What MUJOCO_GL may say → who makes the context."""
+
+
+def make_context(width: int, height: int) -> Any:  # none of MuJoCo's is typed
+    """Return a GL context that is not current yet; its user frees it.
+
+    Args:
+        width: Of the largest picture [pixels].
+        height: Of the largest picture [pixels].
+
+    Raises:
+        RenderError: If there is none here; it says what to install.
+    """
+    kind = _kind()
+    try:
+        return importlib.import_module(_MODULES[kind]).GLContext(width, height)
+    except Exception as error:  # each library fails in its own ways
+        raise RenderError(
+            f"no picture can be rendered: OpenGL by {kind} does not work here "
+            f"({error or type(error).__name__}); on Debian and Ubuntu "
+            f"`apt-get install {PACKAGES}` sees to it"
+        ) from error
+
+
+def _kind() -> str:
+    wanted = os.environ.get("MUJOCO_GL", "").lower().strip()
+    if wanted in _MODULES:
+        return wanted
+    if wanted not in ("", "on", "enable", "enabled", "true", "1"):
+        raise RenderError(
+            f"no picture can be rendered: MUJOCO_GL is '{wanted}'; unset it, or set it "
+            "to egl or osmesa"
+        )
+    if sys.platform != "linux":
+        return "cgl" if sys.platform == "darwin" else "glfw"
+    # PyOpenGL stays with the library it looked for first: so only one is tried.
+    platform = os.environ.get("PYOPENGL_PLATFORM", "")
+    if platform in ("", "egl") and _egl_has_device():
+        return "egl"
+    if platform in ("", "osmesa") and _has("libOSMesa.so.8", "libOSMesa.so.6"):
+        return "osmesa"
+    raise RenderError(
+        "no picture can be rendered: there is neither EGL with a device, be it Mesa's "
+        "in software, nor OSMesa here; on Debian and Ubuntu "
+        f"`apt-get install {PACKAGES}`, or `libosmesa6`, sees to it"
+    )
+
+
+def _has(*libraries: str) -> bool:
+    for name in libraries:
+        try:
+            ctypes.CDLL(name)
+        except OSError:
+            continue
+        return True
+    return False
+
+
+def _egl_has_device() -> bool:
+    """Return whether EGL finds something that draws: the library alone does not."""
+    try:
+        egl = ctypes.CDLL("libEGL.so.1")
+        egl.eglGetProcAddress.restype = ctypes.c_void_p
+        address = egl.eglGetProcAddress(b"eglQueryDevicesEXT")
+    except (OSError, AttributeError):
+        return False
+    if not address:
+        return False
+    query = ctypes.CFUNCTYPE(
+        ctypes.c_uint, ctypes.c_int, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int)
+    )(address)
+    count = ctypes.c_int(0)
+    return bool(query(0, None, ctypes.byref(count))) and count.value > 0

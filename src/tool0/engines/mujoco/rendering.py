@@ -1,0 +1,203 @@
+"""Pictures of a robot and its scene, by MuJoCo's renderer, whatever engine steps.
+
+The model is one of its own: it has the visual meshes, which physics does without, and
+only its kinematics are computed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, final
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.description.camera import Camera
+from tool0.description.kinematics import Transform
+from tool0.description.model import RobotModel
+from tool0.description.scene import Scene, SceneObject
+from tool0.engines.mujoco.gl import make_context
+from tool0.engines.mujoco.model import build_spec
+from tool0.engines.mujoco.objects import add_objects, compile_with, free_joint_name
+from tool0.engines.mujoco.succession import read_meshes
+from tool0.hardware.engine import ObjectState
+
+GEOMS_MOST = 10000
+"""Shapes in one picture; MuJoCo leaves out what is beyond."""
+
+Picture = tuple[NDArray[np.uint8], NDArray[np.float32], Transform]
+
+
+@final
+class Renderer:
+    """Draws states of one robot.  The thread that makes it must use and close it."""
+
+    def __init__(
+        self, model: RobotModel, ground: float | None, width: int, height: int
+    ) -> None:
+        """Get OpenGL ready.
+
+        Args:
+            model: The robot.
+            ground: Height of the ground [m], in the robot's root; None for none.
+            width: Of the widest picture [pixels].
+            height: Of the highest picture [pixels].
+
+        Raises:
+            RenderError: If there is no OpenGL here.
+        """
+        self._robot = model
+        self._bare = build_spec(model, dt=0.001, visuals=True, ground=ground)
+        _furnish(self._bare, width, height)
+        self._mesh_files: Mapping[str, bytes] = {}
+        self._objects: tuple[SceneObject, ...] | None = None
+        self._context = make_context(width, height)
+        self._drawing: Any = None  # MuJoCo's MjrContext
+
+    def render(
+        self,
+        camera: Camera,
+        position: Mapping[str, float],
+        objects: tuple[SceneObject, ...],
+        states: Sequence[ObjectState],
+    ) -> Picture:
+        """Return colours, depth and where the camera is in the robot's root.
+
+        Args:
+            camera: What looks.
+            position: Of every movable joint, by name [rad | m].
+            objects: What is around the robot.
+            states: Where that is, in this order.
+
+        Returns:
+            Colours (height, width, 3) from 0 to 255, and depth (height, width): the
+            distance along the camera's z [m]; infinite where nothing is.
+
+        Raises:
+            ModelError: If MuJoCo cannot have such an object.
+        """
+        self._context.make_current()
+        if objects is not self._objects:
+            self._compile(objects)
+        self._pose(position, states)
+        frame = self._frame(camera)
+        self._aim(camera, frame)
+        return (*self._draw(camera), frame)
+
+    def close(self) -> None:
+        """Give back what OpenGL holds."""
+        self._context.make_current()
+        self._forget()
+        self._context.free()
+
+    def _compile(self, objects: tuple[SceneObject, ...]) -> None:
+        """Take a scene over; or change nothing."""
+        spec = self._bare.copy()
+        scene = Scene(objects)
+        add_objects(spec, self._robot, scene)
+        files = read_meshes(spec, self._mesh_files)
+        model = compile_with(spec, scene)
+        self._forget()
+        self._model, self._data = model, mujoco.MjData(model)
+        self._mesh_files = files
+        self._drawing = mujoco.MjrContext(
+            model, mujoco.mjtFontScale.mjFONTSCALE_100.value
+        )
+        # Reverse depth: most exact far away, where numbers near 1 would be coarse.
+        self._drawing.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
+        mujoco.mjr_setBuffer(
+            mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing
+        )
+        self._visible = mujoco.MjvScene(model, maxgeom=GEOMS_MOST)
+        self._options = mujoco.MjvOption()
+        self._options.geomgroup[:] = [1, 1, 1, 0, 0, 0]  # no collision shapes
+        self._options.sitegroup[:] = 0
+        self._objects = objects
+
+    def _forget(self) -> None:
+        if self._drawing is not None:
+            self._drawing.free()
+            self._drawing = self._objects = None
+
+    def _pose(
+        self, position: Mapping[str, float], states: Sequence[ObjectState]
+    ) -> None:
+        for name, value in position.items():
+            self._data.joint(name).qpos[0] = value
+        for item, state in zip(self._objects or (), states, strict=True):
+            if item.mass is None:
+                body = self._model.body(item.name)
+                body.pos[:], body.quat[:] = state.position, state.quat_wxyz
+            else:
+                joint = self._data.joint(free_joint_name(item.name))
+                joint.qpos[:] = (*state.position, *state.quat_wxyz)
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+
+    def _frame(self, camera: Camera) -> Transform:
+        """Return the optical frame in the robot's root."""
+        if camera.link is None:
+            return camera.T_link_camera
+        site = self._data.site(camera.link)
+        x, y, z = site.xpos.tolist()
+        a, b, c = map(tuple, site.xmat.reshape(3, 3).tolist())
+        return Transform(position=(x, y, z), rotation=(a, b, c)) @ camera.T_link_camera
+
+    def _aim(self, camera: Camera, frame: Transform) -> None:
+        """Look by our own frustum: so no camera need be in the model."""
+        _, down, forward = zip(*frame.rotation, strict=True)
+        half = camera.near * math.tan(camera.field_of_view / 2.0)
+        for eye in self._visible.camera:  # two, for stereo; the mean is what counts
+            eye.pos, eye.forward = frame.position, forward
+            eye.up = [-part for part in down]
+            eye.frustum_center, eye.orthographic = 0.0, 0
+            eye.frustum_bottom, eye.frustum_top = -half, half
+            eye.frustum_width = half * camera.width / camera.height
+            eye.frustum_near, eye.frustum_far = camera.near, camera.far
+        view = mujoco.MjvCamera()
+        view.type = mujoco.mjtCamera.mjCAMERA_USER.value  # leave it as it is
+        mujoco.mjv_updateScene(
+            self._model,
+            self._data,
+            self._options,
+            None,
+            view,
+            mujoco.mjtCatBit.mjCAT_ALL.value,
+            self._visible,
+        )
+
+    def _draw(self, camera: Camera) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+        viewport = mujoco.MjrRect(0, 0, camera.width, camera.height)
+        rgb = np.empty((camera.height, camera.width, 3), np.uint8)
+        depth = np.empty((camera.height, camera.width), np.float32)
+        mujoco.mjr_render(viewport, self._visible, self._drawing)
+        mujoco.mjr_readPixels(rgb, depth, viewport, self._drawing)
+        near, far = camera.near, camera.far
+        # 1 at near, 0 at far, and linear in 1 / z between.
+        with np.errstate(divide="ignore"):
+            z = near * far / (near + depth.astype(np.float64) * (far - near))
+        z[depth <= 0.0] = np.inf  # REP-117: nothing within reach
+        # OpenGL's rows go upwards.
+        return rgb[::-1].copy(), z[::-1].astype(np.float32)
+
+
+def _furnish(spec: Any, width: int, height: int) -> None:
+    """Add light and sky, and room for pictures of this size."""
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
+    spec.visual.quality.shadowsize = 2048
+    spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
+    spec.visual.headlight.diffuse = [0.3, 0.3, 0.3]
+    spec.visual.headlight.specular = [0.1, 0.1, 0.1]
+    spec.worldbody.add_light(
+        pos=[0.3, -0.6, 3.0],
+        dir=[0.05, 0.2, -1.0],
+        cutoff=60.0,
+        diffuse=[0.6, 0.6, 0.6],
+        specular=[0.2, 0.2, 0.2],
+    )
+    sky = spec.add_texture(name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX)
+    sky.builtin = mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
+    sky.rgb1, sky.rgb2 = [0.93, 0.95, 0.97], [0.8, 0.85, 0.9]
+    sky.width, sky.height = 64, 384
