@@ -23,7 +23,7 @@ import tool0
 from tool0.user_data import cache_folder, data_folder
 
 ROOT = Path(__file__).resolve().parent.parent
-SCENE = ROOT / "examples/scenes/table_and_cubes.yaml"
+SCENE = "table_and_cubes"
 _PATIENCE = 60.0
 """Longest wait for the window [wall s]."""
 _LOOKS = 15

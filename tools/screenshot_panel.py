@@ -18,7 +18,7 @@ import tool0
 from tool0.panel.server import Panel
 
 ROOT = Path(__file__).resolve().parent.parent
-SCENE = ROOT / "examples/scenes/table_and_cubes.yaml"
+SCENE = "table_and_cubes"
 _SLOW = 120_000
 """Longest wait for software GL at its best quality [ms]."""
 

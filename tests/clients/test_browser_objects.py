@@ -78,19 +78,19 @@ def test_every_page_shows_what_is_there_now(
     old.see(READY)
     old.page.set_viewport_size(SMALL)
     shows(old, magenta=False, green=False)
-    robot.spawn(thing("box", Box(size=(0.2, 0.2, 0.2)), 0.5, MAGENTA))
+    robot.scene.add(thing("box", Box(size=(0.2, 0.2, 0.2)), 0.5, MAGENTA))
     shows(old, magenta=True, green=False)
-    robot.spawn(thing("part", mesh, -0.6, GREEN))
+    robot.scene.add(thing("part", mesh, -0.6, GREEN))
     new = open_tab(panel.url)
     new.see(READY)
     new.page.set_viewport_size(SMALL)
     for tab in (old, new):
         shows(tab, magenta=True, green=True)
-    robot.delete("box")
+    robot.scene.remove("box")
     for tab in (old, new):
         shows(tab, magenta=False, green=True)
     robot.pause()  # what comes then is seen, too
-    robot.spawn(thing("box", Box(size=(0.1, 0.1, 0.4)), 0.5, MAGENTA))
-    robot.delete("part")
+    robot.scene.add(thing("box", Box(size=(0.1, 0.1, 0.4)), 0.5, MAGENTA))
+    robot.scene.remove("part")
     for tab in (old, new):
         shows(tab, magenta=True, green=False)

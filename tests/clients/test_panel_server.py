@@ -69,14 +69,14 @@ def test_pages_see_objects_come_and_go(panel: Panel, robot: tool0.Robot) -> None
 
     with page_at(panel.url) as old:
         shown(old, [])
-        robot.spawn(box("one"))
+        robot.scene.add(box("one"))
         assert shown(old, ["one"])["objects"] == [[[1.5, 0, 0], [1, 0, 0, 0]]]
-        robot.spawn(box("two"))
+        robot.scene.add(box("two"))
         with page_at(panel.url) as new:
             for page in (old, new):
                 shown(page, ["one", "two"])
-            robot.delete("one")
-            robot.place("two", (1.0, 2.0, 3.0))
+            robot.scene.remove("one")
+            robot.scene.place("two", (1.0, 2.0, 3.0))
             for page in (old, new):
                 shown(page, ["two"])
                 page.see("frame", lambda frame: frame["objects"][0][0] == [1, 2, 3])

@@ -98,17 +98,17 @@ def test_a_reset_puts_the_objects_back(bring_up: BringUp) -> None:
 def test_the_robot_tells_what_is_around_it(bring_up: BringUp) -> None:
     scene = scene_with(Sphere(radius=EDGE / 2))
     robot = bring_up(scene=scene, spawn_z=0.25)
-    assert robot.objects == scene.objects
+    assert robot.scene.objects == scene.objects
     assert robot.ground == -0.25
     assert [pose.name for pose in robot.snapshot.objects] == ["table", "thing"]
     assert all(math.isfinite(x) for x in thing(robot))
-    assert bring_up().objects == ()
+    assert bring_up().scene.objects == ()
 
 
 def test_a_scene_is_read_from_its_file(bring_up: BringUp, tmp_path: Path) -> None:
     path = tmp_path / "scene.yaml"
     path.write_text("objects:\n- {name: left_tool0, sphere: {radius: 0.1}}\n")
-    (ball,) = bring_up(scene=str(path)).objects
+    (ball,) = bring_up(scene=str(path)).scene.objects
     assert ball.geometry == Sphere(radius=0.1)
     with pytest.raises(
         ConfigError, match=r"scene\.yaml:2: object 'left_tool0' has the name of a link"

@@ -47,7 +47,7 @@ def state_of(robot: tool0.Robot, name: str) -> ObjectState:
 
 
 def names(robot: tool0.Robot) -> list[str]:
-    named = [item.name for item in robot.objects]
+    named = [item.name for item in robot.scene.objects]
     assert named == [state.name for state in robot.snapshot.objects]
     return named
 
@@ -58,7 +58,7 @@ def test_an_object_that_comes_disturbs_nothing_else(bring_up: BringUp) -> None:
         each.controller(ARM).follow([point(AWAY, 1.0)])
         each.run(0.3)
     before = robot.snapshot
-    robot.spawn(thing("second", 0.3))
+    robot.scene.add(thing("second", 0.3))
     after = robot.snapshot
     assert after.time == before.time
     assert after.position == before.position
@@ -76,7 +76,7 @@ def test_an_object_that_comes_disturbs_nothing_else(bring_up: BringUp) -> None:
 def test_what_comes_falls_and_comes_to_rest(bring_up: BringUp, engine: str) -> None:
     robot = bring_up()
     robot.run(0.1)
-    robot.spawn(thing(z=0.5))
+    robot.scene.add(thing(z=0.5))
     assert state_of(robot, "cube").linear == (0.0, 0.0, 0.0)
     robot.run(0.2)
     falling = state_of(robot, "cube")
@@ -92,14 +92,14 @@ def test_what_comes_falls_and_comes_to_rest(bring_up: BringUp, engine: str) -> N
 def test_what_has_no_mass_stands_and_carries(bring_up: BringUp) -> None:
     robot = bring_up(scene=Scene((thing(z=0.25),)))
     table = thing("table", 0.18, geometry=Box(size=(0.4, 0.4, 0.04)), mass=None)
-    robot.spawn(table)
+    robot.scene.add(table)
     robot.run(0.5)
     assert state_of(robot, "cube").position[2] == pytest.approx(0.22, abs=NEAR)
     assert state_of(robot, "table").position == pytest.approx(table.pose.xyz)
-    robot.place("table", (*AWAY_FROM_ARM, 0.08))
+    robot.scene.place("table", (*AWAY_FROM_ARM, 0.08))
     robot.run(0.5)
     assert state_of(robot, "cube").position[2] == pytest.approx(0.12, abs=NEAR)
-    robot.delete("table")
+    robot.scene.remove("table")
     assert names(robot) == ["cube"]
     robot.run(0.5)
     assert state_of(robot, "cube").position[2] < 0.0
@@ -107,11 +107,11 @@ def test_what_has_no_mass_stands_and_carries(bring_up: BringUp) -> None:
 
 def test_what_is_placed_moves_as_it_is_told(bring_up: BringUp, engine: str) -> None:
     robot = bring_up()
-    robot.spawn(thing())
+    robot.scene.add(thing())
     robot.run(0.1)
     half = 0.35  # [rad]
     turned = (math.cos(half), math.sin(half), 0.0, 0.0)
-    robot.place(
+    robot.scene.place(
         "cube", (1.0, 0.5, 0.5), turned, linear=(0.3, -0.2, 1.0), angular=(0, 0, 2.0)
     )
     placed = state_of(robot, "cube")
@@ -137,17 +137,17 @@ def test_what_is_placed_moves_as_it_is_told(bring_up: BringUp, engine: str) -> N
 
 def test_what_went_can_come_again_as_something_else(bring_up: BringUp) -> None:
     robot = bring_up(scene=Scene((thing("stays", x=2.0),)))
-    robot.spawn(thing())
+    robot.scene.add(thing())
     robot.run(0.1)
-    robot.delete("cube")
+    robot.scene.remove("cube")
     assert names(robot) == ["stays"]
     ball = thing(geometry=Sphere(radius=0.03), z=GROUND + 0.03)
-    robot.spawn(ball)
-    assert robot.objects[1] == ball
+    robot.scene.add(ball)
+    assert robot.scene.objects[1] == ball
     robot.run(0.5)
     assert state_of(robot, "cube").position[2] == pytest.approx(GROUND + 0.03, abs=NEAR)
-    robot.delete("stays")
-    robot.delete("cube")
+    robot.scene.remove("stays")
+    robot.scene.remove("cube")
     assert names(robot) == []
     robot.run(0.1)
 
@@ -155,27 +155,27 @@ def test_what_went_can_come_again_as_something_else(bring_up: BringUp) -> None:
 def test_a_refusal_changes_nothing(bring_up: BringUp, tmp_path: Path) -> None:
     robot = bring_up(scene=Scene((thing(),)))
     robot.run(0.1)
-    before, objects = robot.snapshot, robot.objects
+    before, objects = robot.snapshot, robot.scene.objects
     broken = tmp_path / "broken.stl"
     broken.write_bytes(b"no mesh")
     mesh = Mesh(uri="broken.stl", path=broken)
     with pytest.raises(EngineError, match="'cube'"):
-        robot.spawn(thing())
+        robot.scene.add(thing())
     with pytest.raises(ConfigError, match="'tool0' has the name of a link"):
-        robot.spawn(thing("tool0"))
+        robot.scene.add(thing("tool0"))
     with pytest.raises((ModelError, EngineError), match=r"part|broken"):
-        robot.spawn(thing("part", geometry=mesh))
+        robot.scene.add(thing("part", geometry=mesh))
     with pytest.raises(EngineError, match="'cubes'"):
-        robot.delete("cubes")
+        robot.scene.remove("cubes")
     with pytest.raises(EngineError, match="'cubes'"):
-        robot.place("cubes", (0.0, 0.0, 1.0))
+        robot.scene.place("cubes", (0.0, 0.0, 1.0))
     for wrong in ({"position": (1.0, 2.0)}, {"quat_wxyz": (0.0, 0.0, 0.0, 0.0)}):
         with pytest.raises(ControlError, match="'cube'"):
-            robot.place("cube", **{"position": (0.0, 0.0, 1.0), **wrong})  # type: ignore[arg-type]
+            robot.scene.place("cube", **{"position": (0.0, 0.0, 1.0), **wrong})  # type: ignore[arg-type]
     after = robot.snapshot
     assert after.objects == before.objects
     assert after.scene is before.scene
-    assert robot.objects is objects
+    assert robot.scene.objects is objects
     robot.run(0.1)
     assert state_of(robot, "cube").position == pytest.approx(
         before.objects[0].position, abs=NEAR
@@ -185,7 +185,7 @@ def test_a_refusal_changes_nothing(bring_up: BringUp, tmp_path: Path) -> None:
 def test_what_stands_still_cannot_be_placed_moving(bring_up: BringUp) -> None:
     robot = bring_up(scene=Scene((thing("post", mass=None),)))
     with pytest.raises(EngineError, match="'post'"):
-        robot.place("post", (1.0, 1.0, 0.0), linear=(0.1, 0.0, 0.0))
+        robot.scene.place("post", (1.0, 1.0, 0.0), linear=(0.1, 0.0, 0.0))
 
 
 def test_a_reset_puts_back_what_came_later_and_what_was_placed(
@@ -194,18 +194,18 @@ def test_a_reset_puts_back_what_came_later_and_what_was_placed(
     post = thing("post", 0.0, x=2.0, mass=None)
     robot = bring_up(scene=Scene((post,)))
     robot.run(0.1)
-    robot.spawn(thing(z=0.5))
+    robot.scene.add(thing(z=0.5))
     before = robot.snapshot.objects
     robot.run(0.2)
-    robot.place("cube", (1.0, 1.0, 1.0), linear=(1.0, 0.0, 0.0))
-    robot.place("post", (2.0, 1.0, 0.0))
+    robot.scene.place("cube", (1.0, 1.0, 1.0), linear=(1.0, 0.0, 0.0))
+    robot.scene.place("post", (2.0, 1.0, 0.0))
     robot.reset()
     assert robot.time == robot.snapshot.time == 0.0
     assert names(robot) == ["post", "cube"]
     for was, now in zip(before, robot.snapshot.objects, strict=True):
         assert now.position == pytest.approx(was.position, abs=1e-12)
         assert now.linear == now.angular == (0.0, 0.0, 0.0)
-    robot.delete("cube")
+    robot.scene.remove("cube")
     robot.reset()
     assert names(robot) == ["post"]
 
@@ -242,14 +242,14 @@ def test_the_same_commands_give_the_same_bits(bring_up: BringUp) -> None:
 
         robot.controller(ARM).follow([point(AWAY, 0.5)])
         go_on()
-        robot.spawn(thing(z=0.0))
-        robot.spawn(thing("other", 0.06))
+        robot.scene.add(thing(z=0.0))
+        robot.scene.add(thing("other", 0.06))
         go_on()
-        robot.place("other", (1.5, 0.01, 0.1), linear=(0.0, 0.0, -1.0))
+        robot.scene.place("other", (1.5, 0.01, 0.1), linear=(0.0, 0.0, -1.0))
         go_on()
-        robot.spawn(thing("third", 0.3))
+        robot.scene.add(thing("third", 0.3))
         go_on()
-        robot.delete("cube")
+        robot.scene.remove("cube")
         go_on()
         robot.reset(keep_time=True)
         go_on()

@@ -34,7 +34,7 @@ def push_too_hard(robot: tool0.Robot, engine: GazeboEngine) -> None:
 
 
 def throw_too_fast(robot: tool0.Robot, engine: GazeboEngine) -> None:
-    robot.spawn(CUBE)
+    robot.scene.add(CUBE)
     xyz, upright = CUBE.pose.xyz, (1.0, 0.0, 0.0, 0.0)
     fast = (TOO_FAST, TOO_FAST, 0.0)
     engine.place(ObjectState("cube", xyz, upright, fast, (0.0, 0.0, 0.0)))
@@ -44,7 +44,7 @@ def throw_too_fast(robot: tool0.Robot, engine: GazeboEngine) -> None:
     (cube,) = engine.object_states()
     assert cube.position == pytest.approx(xyz)
     assert not any((*cube.linear, *cube.angular))
-    robot.delete("cube")
+    robot.scene.remove("cube")
 
 
 @pytest.mark.parametrize("diverge", [push_too_hard, throw_too_fast])
@@ -69,8 +69,8 @@ def test_a_deep_overlap_is_undone_gently(bring_up: BringUp) -> None:
     table = SceneObject(
         name="table", geometry=Box(size=(0.2, 0.2, 0.4)), pose=Pose(xyz=(2.0, 0.0, 0.1))
     )
-    robot.spawn(table)
-    robot.spawn(replace(CUBE, pose=Pose(xyz=(2.0, 0.0, 0.3))))
+    robot.scene.add(table)
+    robot.scene.add(replace(CUBE, pose=Pose(xyz=(2.0, 0.0, 0.3))))
     fastest = 0.0
     for _ in range(30):
         robot.run(0.001)
@@ -88,7 +88,7 @@ def test_a_table_that_comes_into_the_gripper_pushes_it_out_of_the_way(
 ) -> None:
     robot, _ = bring_up()
     robot.run(0.014)
-    robot.spawn(
+    robot.scene.add(
         SceneObject(
             name="table",
             geometry=Box(size=(0.2, 0.2, 0.4)),

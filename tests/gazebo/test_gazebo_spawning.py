@@ -49,8 +49,8 @@ def height(robot: tool0.Robot, name: str) -> float:
 def test_what_comes_under_the_name_of_what_went_stays(bring_up: BringUp) -> None:
     robot, engine = bring_up(scene=Scene((TABLE, CUBE)))
     robot.run(0.3)
-    robot.delete("table")
-    robot.spawn(TABLE)
+    robot.scene.remove("table")
+    robot.scene.add(TABLE)
     # Gazebo deletes by name what it was told, and looks every 0.2 s of wall time.
     robot.run(5.0)
     assert gz(engine, "model", "-m", "table", "-p").split()[:3] == ["2", "0", "0.6"]
@@ -63,9 +63,9 @@ def test_what_slept_on_what_goes_falls(way: str, bring_up: BringUp) -> None:
     robot.run(3.0)
     assert robot.snapshot.objects[1].linear == (0.0, 0.0, 0.0)  # ODE put it to sleep
     if way == "deleted":
-        robot.delete("table")
+        robot.scene.remove("table")
     else:
-        robot.place("table", (3.0, 0.0, 0.5))
+        robot.scene.place("table", (3.0, 0.0, 0.5))
     robot.run(0.2)
     assert height(robot, "cube") < 0.54 - 0.15
 
@@ -76,7 +76,7 @@ def test_velocities_are_those_of_the_origin_wherever_the_mass_is(
     path = tmp_path / "tetrahedron.obj"
     path.write_text(TETRAHEDRON)
     robot, engine = bring_up()
-    robot.spawn(meshed(path, mass=1.0))
+    robot.scene.add(meshed(path, mass=1.0))
     told = ObjectState(
         "part", (2.0, 0.0, 0.5), (1.0, 0.0, 0.0, 0.0), (0.1, 0.2, 1.0), (0.0, 0.0, 3.0)
     )
@@ -100,9 +100,9 @@ def test_what_somebody_else_deleted_can_be_deleted_and_come_again(
         robot.run(1.0)
         robot.reset()
     with pytest.raises(EngineError, match="'cube' already"):
-        robot.spawn(CUBE)
-    robot.delete("cube")
-    robot.spawn(CUBE)
+        robot.scene.add(CUBE)
+    robot.scene.remove("cube")
+    robot.scene.add(CUBE)
     robot.run(2.0)
     assert height(robot, "cube") == pytest.approx(0.54, abs=1e-4)
 
@@ -114,14 +114,14 @@ def test_meshes_that_gazebo_would_leave_out_are_refused(
     robot, engine = bring_up()
     path = tmp_path / f"part{suffix}"
     with pytest.raises(ModelError, match=f"cannot read the mesh {path}"):
-        robot.spawn(meshed(path))
+        robot.scene.add(meshed(path))
     path.write_text("nonsense")
     with pytest.raises((ModelError, EngineError), match=str(path)):
-        robot.spawn(meshed(path))
+        robot.scene.add(meshed(path))
     with pytest.raises(EngineError, match="no model 'part'"):
         engine.delete("part")
     robot.run(0.1)
-    assert robot.objects == ()
+    assert robot.scene.objects == ()
 
 
 @pytest.mark.parametrize(
@@ -139,8 +139,8 @@ def test_a_name_in_gazebos_world_is_refused_without_waiting(
     robot, engine = bring_up()
     start = perf_counter()
     with pytest.raises(EngineError, match=f"'{name}' is taken .* by '{whose}'"):
-        robot.spawn(replace(CUBE, name=name))
+        robot.scene.add(replace(CUBE, name=name))
     assert perf_counter() - start < 1.0
-    assert robot.objects == ()
+    assert robot.scene.objects == ()
     with pytest.raises(EngineError, match=f"no model '{name}'"):
         engine.delete(name)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -14,7 +13,7 @@ from ur5_rig import GRIPPER
 
 from tool0.description.presets import config_file
 
-SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "table_and_cubes.yaml"
+SCENE = "table_and_cubes"
 READY = ("shoulder_lift_joint=-1.2", "elbow_joint=1.9", "wrist_1_joint=-2.2708")
 """With the red cube of 4 cm between the fingers."""
 FILE = config_file("ur5_2f85", "controllers_gripper_action.yaml")
@@ -27,7 +26,7 @@ ABORTED, PREEMPTED, REJECTED, SUCCEEDED = 4, 2, 5, 3
 def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
     require_engine(request.param)
     bringup = ros.bring_up(
-        *("--engine", request.param, "--scene", str(SCENE)),
+        *("--engine", request.param, "--scene", SCENE),
         *("--controllers-file", str(FILE), "--initial-pose", *READY),
     )
     yield bringup

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tool0.description.model import Mesh, Vector3
 from tool0.description.packages import resolve_uri
 from tool0.errors import DescriptionError, SourceLocation
 
@@ -32,3 +33,19 @@ def find_mesh(uri: str, location: SourceLocation | None) -> Path:
             f"there is no mesh '{path}' (written '{uri}'); check the path", location
         )
     return path
+
+
+def mesh(file: Path | str, scale: float | Vector3 = 1.0) -> Mesh:
+    """Return the shape in a file, STL or OBJ.
+
+    Args:
+        file: Its path, or ``package://``, ``file://``.
+        scale: What its lengths are multiplied by to be [m], in all or each direction:
+            0.001 for millimetres.
+
+    Raises:
+        DescriptionError: If it is not there, or of a kind that nothing reads.
+    """
+    path = find_mesh(str(file), None).absolute()
+    three = (scale, scale, scale) if isinstance(scale, (int, float)) else scale
+    return Mesh(uri=str(file), path=path, scale=three)

@@ -25,6 +25,19 @@ DEFAULT_FRICTION = 1.0
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
 """Orange: no part of the robots that tool0 brings has it."""
 
+STILL_RGBA: RGBA = (0.78, 0.74, 0.66, 1.0)
+"""Of what stands still and names no colour: pale wood."""
+PALETTE: tuple[RGBA, ...] = (
+    (0.90, 0.60, 0.00, 1.0),  # orange
+    (0.00, 0.62, 0.45, 1.0),  # bluish green
+    (0.80, 0.47, 0.65, 1.0),  # reddish purple
+    (0.94, 0.89, 0.26, 1.0),  # yellow
+    (0.84, 0.37, 0.00, 1.0),  # vermilion
+    (0.00, 0.45, 0.70, 1.0),  # blue
+)
+"""Of movable objects that name no colour, in turn: told apart by colour-blind people
+too (Okabe and Ito, https://jfly.uni-koeln.de/color/)."""
+
 _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 
 

@@ -6,6 +6,10 @@ The keys are those of ``SceneObject``, but that the geometry goes by its kind::
       - {name: table, box: {size: [0.6, 0.8, 0.04]}, pose: {xyz: [0.6, 0, 0]}}
       - {name: can, cylinder: {radius: 0.03, length: 0.1}, mass: 0.2, friction: 0.6}
       - {name: part, mesh: {file: part.stl, scale: [0.001, 0.001, 0.001]}, mass: 0.1}
+      - {name: tray, bin: {size: [0.3, 0.2, 0.1], wall: 0.004}}
+
+A bin is an open box that stands still; it becomes the objects ``tray.floor``,
+``tray.front``, ….
 """
 
 from __future__ import annotations
@@ -15,40 +19,34 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tool0.description.bins import DEFAULT_WALL, bin_walls
 from tool0.description.mesh_files import find_mesh
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
 from tool0.description.scene import (
     DEFAULT_FRICTION,
+    PALETTE,
     RGBA,
+    STILL_RGBA,
     Scene,
     SceneObject,
     check_geometry,
 )
+from tool0.description.shipped_scenes import scene_path
 from tool0.description.yaml_tree import Entry, read_files
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, DescriptionError, SourceLocation
 
-STILL_RGBA: RGBA = (0.78, 0.74, 0.66, 1.0)
-"""Of what stands still and names no colour: pale wood."""
-PALETTE: tuple[RGBA, ...] = (
-    (0.90, 0.60, 0.00, 1.0),  # orange
-    (0.00, 0.62, 0.45, 1.0),  # bluish green
-    (0.80, 0.47, 0.65, 1.0),  # reddish purple
-    (0.94, 0.89, 0.26, 1.0),  # yellow
-    (0.84, 0.37, 0.00, 1.0),  # vermilion
-    (0.00, 0.45, 0.70, 1.0),  # blue
-)
-"""Of movable objects that name no colour, in turn: told apart by colour-blind people
-too (Okabe and Ito, https://jfly.uni-koeln.de/color/)."""
-
 
 def load_scene(path: Path | str) -> Scene:
-    """Return the objects in a YAML file; none, if it is empty.
+    """Return the objects in a YAML file, or in a scene that comes along.
+
+    Args:
+        path: The file, or the name of one of ``shipped_scenes``.
 
     Raises:
         ConfigError: If anything in it is wrong, with file and line.
     """
-    tree = read_files([Path(path).expanduser()])
+    tree = read_files([scene_path(path)])
     for finding in tree.findings:  # no later key may hide an earlier one
         raise ConfigError(
             f"'{finding.key}' stands twice; {finding.remedy}", finding.location
@@ -59,20 +57,21 @@ def load_scene(path: Path | str) -> Scene:
     objects: dict[str, SceneObject] = {}
     locations: dict[str, SourceLocation] = {}
     for entry in root.items("objects"):
-        item = _object(entry, colors)
-        if item.name in objects:
-            raise ConfigError(
-                f"two objects are called '{item.name}', the other at "
-                f"{locations[item.name]}; rename one",
-                entry.location,
-            )
-        objects[item.name], locations[item.name] = item, entry.location
+        for item in _objects(entry, colors):
+            if item.name in objects:
+                raise ConfigError(
+                    f"two objects are called '{item.name}', the other at "
+                    f"{locations[item.name]}; rename one",
+                    entry.location,
+                )
+            objects[item.name], locations[item.name] = item, entry.location
     return Scene(tuple(objects.values()), locations)
 
 
-def _object(entry: Entry, colors: Iterator[RGBA]) -> SceneObject:
+def _objects(entry: Entry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
+    """Return what an entry stands for: one object, or the walls of a bin."""
     values = Namespace.of(entry)
-    values.only("name", "pose", "mass", "friction", "rgba", *_SHAPES)
+    values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
     mass = values.number("mass") if values.find("mass") is not None else None
     if values.find("rgba") is not None:
         red, green, blue, alpha = values.numbers("rgba", 4)
@@ -80,33 +79,51 @@ def _object(entry: Entry, colors: Iterator[RGBA]) -> SceneObject:
     else:
         rgba = STILL_RGBA if mass is None else next(colors)
     name = values.text("name")
-    geometry = _geometry(values, name)
+    kind, shape = _shape(values, name)
+    friction = values.number("friction", DEFAULT_FRICTION)
+    if kind == _BIN:
+        shape.only("size", "wall")
+        if mass is not None:
+            raise ConfigError(
+                f"bin '{name}' stands still; leave out its mass", entry.location
+            )
+        with _located(shape.entry):
+            return bin_walls(
+                name,
+                size=shape.vector("size"),
+                wall=shape.number("wall", DEFAULT_WALL),
+                pose=_pose(values),
+                friction=friction,
+                rgba=rgba,
+            )
+    geometry = _SHAPES[kind](shape)
+    with _located(shape.entry):
+        check_geometry(geometry, f"of object '{name}'")
     with _located(entry):
-        return SceneObject(
+        item = SceneObject(
             name=name,
             geometry=geometry,
             pose=_pose(values),
             mass=mass,
-            friction=values.number("friction", DEFAULT_FRICTION),
+            friction=friction,
             rgba=rgba,
         )
+    return (item,)
 
 
-def _geometry(values: Namespace, name: str) -> Geometry:
-    kinds = [kind for kind in _SHAPES if values.find(kind) is not None]
+def _shape(values: Namespace, name: str) -> tuple[str, Namespace]:
+    """Return the kind of an object's only shape, and what is said of it."""
+    kinds = [kind for kind in _KINDS if values.find(kind) is not None]
     if len(kinds) != 1:
         raise ConfigError(
             f"object '{name}' has {' and '.join(kinds) or 'no shape'}; "
-            f"give it one of {', '.join(_SHAPES)}",
+            f"give it one of {', '.join(_KINDS)}",
             values.location,
         )
     (kind,) = kinds
     shape = values.namespace(kind)
     assert shape is not None  # it was just found
-    geometry = _SHAPES[kind](shape)
-    with _located(shape.entry):
-        check_geometry(geometry, f"of object '{name}'")
-    return geometry
+    return kind, shape
 
 
 def _box(shape: Namespace) -> Box:
@@ -143,6 +160,8 @@ _SHAPES: dict[str, Callable[[Namespace], Geometry]] = {
     "sphere": _sphere,
     "mesh": _mesh,
 }
+_BIN = "bin"
+_KINDS = (*_SHAPES, _BIN)
 
 
 def _pose(values: Namespace) -> Pose:

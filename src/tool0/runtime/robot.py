@@ -15,7 +15,6 @@ from tool0.description.catalogue import RobotDescription
 from tool0.description.finding import Finding
 from tool0.description.kinematics import Transform, link_pose
 from tool0.description.model import JointLimits
-from tool0.description.scene import SceneObject
 from tool0.errors import ControlError, nearest_name
 from tool0.hardware.engine import Contact, Engine
 from tool0.runtime import commands as ask
@@ -25,8 +24,8 @@ from tool0.runtime.handles import ControllerHandle, GoalHandle
 from tool0.runtime.joint_motion import import_planner
 from tool0.runtime.loop import Loop
 from tool0.runtime.poses import NamedPose, PoseBook
+from tool0.runtime.scene import SceneHandle
 from tool0.runtime.summary import summarize
-from tool0.runtime.surroundings import object_state
 
 
 @final
@@ -82,6 +81,8 @@ class Robot:
         self._loop = loop
         self._bus = bus
         self._wall_start = time.perf_counter()
+        self.scene = SceneHandle(loop, lambda: self.snapshot)
+        """What is around it: objects that come, go and are put somewhere."""
         self._grippers = {
             gripper.name: Gripper(gripper, self)
             for gripper in description.model.grippers
@@ -113,54 +114,6 @@ class Robot:
             position=dict(zip(names, snapshot.position, strict=True)),
             velocity=dict(zip(names, snapshot.velocity, strict=True)),
             effort=dict(zip(names, snapshot.effort, strict=True)),
-        )
-
-    @property
-    def objects(self) -> tuple[SceneObject, ...]:
-        """What is around it now; ``snapshot.objects`` says where, in this order."""
-        return self.snapshot.scene
-
-    def spawn(self, item: SceneObject) -> None:
-        """Put a further object into the scene at its pose, at rest.
-
-        What moves goes on moving.  The loop stands still for it: some milliseconds in
-        MuJoCo, more for a large mesh, 0.2 s in Gazebo.  In real time it catches up.
-
-        Raises:
-            ConfigError: If it has the name of a link.
-            ModelError: If the engine cannot have such an object.
-            EngineError: If an object has this name, or the engine refuses.
-        """
-        self._loop.call(ask.SpawnObject(item))
-
-    def delete(self, name: str) -> None:
-        """Take an object out of the scene, or raise EngineError if there is none."""
-        self._loop.call(ask.DeleteObject(name))
-
-    def place(
-        self,
-        name: str,
-        position: Sequence[float],
-        quat_wxyz: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
-        *,
-        linear: Sequence[float] = (0.0, 0.0, 0.0),
-        angular: Sequence[float] = (0.0, 0.0, 0.0),
-    ) -> None:
-        """Put an object somewhere at once, at rest or moving; ``reset`` puts it back.
-
-        Args:
-            name: The object.
-            position: Where its origin is to be, in the robot's root [m].
-            quat_wxyz: How it is to be turned there, of any length.
-            linear: Velocity of its origin, in the root's axes [m/s].
-            angular: How fast it is to turn, in the root's axes [rad/s].
-
-        Raises:
-            ControlError: If a value has another number of parts, or is not finite.
-            EngineError: If there is no such object, or it has no mass and is to move.
-        """
-        self._loop.call(
-            ask.PlaceObject(object_state(name, position, quat_wxyz, linear, angular))
         )
 
     def contacts(self) -> tuple[Contact, ...]:

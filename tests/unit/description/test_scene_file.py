@@ -4,8 +4,8 @@ from pathlib import Path
 import pytest
 
 from tool0.description.model import Box, Cylinder, Mesh, Pose, Sphere
-from tool0.description.scene import Scene, SceneObject
-from tool0.description.scene_file import PALETTE, STILL_RGBA, load_scene
+from tool0.description.scene import PALETTE, STILL_RGBA, Scene, SceneObject
+from tool0.description.scene_file import load_scene
 from tool0.errors import ConfigError
 
 FULL = """
@@ -156,6 +156,22 @@ BAD = {
         3,
         r"'objects\[1\]/pose/xyz\[2\]' must be a finite number",
     ),
+    "bin with a mass": (
+        HEAD + "- {name: a, bin: {size: [1, 1, 1]}, mass: 1}",
+        3,
+        "bin 'a' stands still; leave out its mass",
+    ),
+    "bin of walls alone": (
+        HEAD + "- name: a\n  bin:\n    size: [0.1, 0.1, 0.1]\n    wall: 0.05",
+        4,
+        "the walls of bin 'a' must be above 0 m and leave room inside, got wall 0.05",
+    ),
+    "bin and another": (
+        HEAD
+        + "- {name: a.left, sphere: {radius: 1}}\n- {name: a, bin: {size: [1, 1, 1]}}",
+        4,
+        "two objects are called 'a.left'",
+    ),
     "no mesh file": (HEAD + "- {name: a, mesh: {}}", 3, "lacks 'file'"),
     "absent mesh": (HEAD + "- {name: a, mesh: {file: b.stl}}", 3, "there is no mesh"),
     "strange mesh": (HEAD + "- {name: a, mesh: {file: b.step}}", 3, "convert it"),
@@ -179,3 +195,24 @@ def test_what_is_wrong_is_told_with_file_and_line(
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"none\.yaml: cannot read the file"):
         load_scene(tmp_path / "none.yaml")
+
+
+def test_a_bin_is_floor_and_walls(tmp_path: Path) -> None:
+    text = "objects:\n- {name: tray, bin: {size: [3, 2, 1], wall: 0.1}, friction: 0.4}"
+    scene = scene_of(text, tmp_path)
+    assert [item.name for item in scene.objects] == [
+        f"tray.{part}" for part in ("floor", "front", "back", "left", "right")
+    ]
+    assert {item.friction for item in scene.objects} == {0.4}
+    assert {place.line for place in scene.locations.values()} == {2}
+
+
+def test_a_scene_that_comes_along_goes_by_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert "cube" in [item.name for item in load_scene("table_and_bin").objects]
+    with pytest.raises(ConfigError, match="'table_and_bn'; did you mean"):
+        load_scene("table_and_bn")
+    monkeypatch.chdir(tmp_path)  # a person's own file of this name comes first
+    Path("table_and_bin").write_text("objects: []")
+    assert load_scene("table_and_bin") == Scene()

@@ -164,8 +164,10 @@ def test_what_an_object_was_made_of_goes_with_it(
 ) -> None:
     changes = GazeboChanges(robot, world)
     changes.spawn(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
-    robot.delete("ball")
-    robot.spawn(SceneObject(name="ball", geometry=TABLE.geometry))  # by the panel, say
+    robot.scene.remove("ball")
+    robot.scene.add(
+        SceneObject(name="ball", geometry=TABLE.geometry)
+    )  # by the panel, say
     view = world.now()
     assert view.link("ball::body") is None
     ball = view.model("ball")

@@ -138,8 +138,8 @@ def robot() -> Iterator[tool0.Robot]:
 
 
 def test_positions_may_be_any_sequence_of_numbers(robot: tool0.Robot) -> None:
-    robot.spawn(cube())
-    robot.place("cube", np.array([1, 2, 3]), [0, 0, 0, 2], linear=np.ones(3))
+    robot.scene.add(cube())
+    robot.scene.place("cube", np.array([1, 2, 3]), [0, 0, 0, 2], linear=np.ones(3))
     (state,) = robot.snapshot.objects
     assert (state.position, state.quat_wxyz) == ((1, 2, 3), (0, 0, 0, 1))
     assert state.linear == (1, 1, 1)
@@ -158,9 +158,9 @@ def test_positions_may_be_any_sequence_of_numbers(robot: tool0.Robot) -> None:
 def test_each_part_has_its_number_of_values(
     robot: tool0.Robot, options: dict[str, tuple[float, ...]], complaint: str
 ) -> None:
-    robot.spawn(cube())
+    robot.scene.add(cube())
     with pytest.raises(ControlError, match=complaint):
-        robot.place("cube", **{"position": HERE, **options})  # type: ignore[arg-type]
+        robot.scene.place("cube", **{"position": HERE, **options})  # type: ignore[arg-type]
 
 
 def test_a_controller_tells_its_parameters(robot: tool0.Robot) -> None:
@@ -177,9 +177,9 @@ def test_what_comes_in_real_time_makes_no_goal_fail() -> None:
         goal = arm.move({"elbow_joint": 1.4}, speed=1.0)
         goal.when_finished(lambda _: done.set())
         for i in range(10):
-            robot.spawn(cube(f"cube{i}", mass=None))
+            robot.scene.add(cube(f"cube{i}", mass=None))
         for i in range(10):
-            robot.delete(f"cube{i}")
+            robot.scene.remove(f"cube{i}")
         assert done.wait(10.0)
         assert goal.status.value == "SUCCEEDED"
-        assert robot.objects == ()
+        assert robot.scene.objects == ()

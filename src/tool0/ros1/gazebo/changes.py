@@ -38,13 +38,13 @@ class GazeboChanges:
         T_world_model = T_world_frame @ asked @ made_of.placement
         T_root_model = self._world.T_world_root.inverse() @ T_world_model
         item = made_of.scene_object(name, T_root_model)
-        self._robot.spawn(item)
+        self._robot.scene.add(item)
         self._world.remember(item, made_of)
         return "Successfully spawned entity"
 
     def delete(self, request: Message, answer: Message) -> str:
         self._object(self._world.now(), request.model_name, "taken away")
-        self._robot.delete(request.model_name)
+        self._robot.scene.remove(request.model_name)
         return "successfully deleted model"
 
     def set_model_state(self, request: Message, answer: Message) -> str:
@@ -59,7 +59,7 @@ class GazeboChanges:
         asked = to_motion(state.pose, state.twist).placed_in(frame)
         T_root_world = self._world.T_world_root.inverse()
         shape = asked.carry(made_of.T_model_shape).placed_in(T_root_world)
-        self._robot.place(
+        self._robot.scene.place(
             name,
             shape.pose.position,
             shape.pose.quat_wxyz,
@@ -100,7 +100,7 @@ class GazeboChanges:
             }
             robot.reset({**here, **asked}, keep_time=True)
             for state in snapshot.objects:
-                robot.place(
+                robot.scene.place(
                     state.name,
                     state.position,
                     state.quat_wxyz,

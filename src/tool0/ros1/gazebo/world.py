@@ -41,7 +41,7 @@ class GazeboWorld:
 
     def remember(self, item: SceneObject, model: RigidModel) -> None:
         """Note what an object was made of."""
-        alive = {name.name: name for name in self._robot.objects}
+        alive = {name.name: name for name in self._robot.scene.objects}
         self._made_of = {
             name: (known, made_of)
             for name, (known, made_of) in self._made_of.items()

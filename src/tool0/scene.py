@@ -1,0 +1,31 @@
+"""What stands and lies around a robot: shapes, objects, and scenes of them.
+
+For ``robot.scene`` and ``tool0.bringup(scene=…)``::
+
+    from tool0.scene import Box
+
+    robot.scene.add("cube", Box(size=(0.04, 0.04, 0.04)), xyz=(0.5, 0, 0.3), mass=0.1)
+"""
+
+from __future__ import annotations
+
+from tool0.description.bins import bin_walls
+from tool0.description.mesh_files import mesh
+from tool0.description.model import Box, Cylinder, Mesh, Pose, Sphere
+from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_file import load_scene
+from tool0.description.shipped_scenes import shipped_scenes
+
+__all__ = [
+    "Box",
+    "Cylinder",
+    "Mesh",
+    "Pose",
+    "Scene",
+    "SceneObject",
+    "Sphere",
+    "bin_walls",
+    "load_scene",
+    "mesh",
+    "shipped_scenes",
+]
