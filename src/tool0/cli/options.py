@@ -28,6 +28,8 @@ class RobotOptions:
     """The arm."""
     gripper: str = "2f85"
     """The gripper on the arm's tool0, or none."""
+    gripper_model: Literal["mimic", "linkage"] = "mimic"
+    """Fingers that follow their drive, or real ones that wrap around (MuJoCo)."""
     prefix: str = ""
     """Put before the name of every link and joint, as in left_."""
     robot: Path | None = None

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 NO_GRIPPER = "none"
 MESHES = ("tool0", "upstream")
+GRIPPER_MODELS = ("mimic", "linkage")
+"""Fingers that follow their drive, or each a five-bar with its spring."""
 
 _PREFIX = re.compile(r"\w*")
 
@@ -97,6 +99,8 @@ def assemble(
             "use letters, digits and underscores, such as left_"
         )
     _check("meshes", str(args.get("meshes") or MESHES[0]), MESHES)
+    gripper_model = str(args.get("gripper_model") or GRIPPER_MODELS[0])
+    _check("gripper model", gripper_model, GRIPPER_MODELS)
     path = _package() / "urdf" / "ur_robotiq.urdf.xacro"
     given = {
         key: _to_text(key, value) for key, value in args.items() if value is not None

@@ -184,6 +184,17 @@ class Mimic:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Spring:
+    """effort = stiffness · (reference - position)."""
+
+    stiffness: float
+    """[N·m/rad | N/m]"""
+    reference: float = 0.0
+    """Where it is slack [rad | m]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
     name: str
     type: JointType
@@ -196,6 +207,9 @@ class Joint:
     damping: float = 0.0
     friction: float = 0.0
     mimic: Mimic | None = None
+    passive: bool = False
+    """Whether nothing but a loop holds it: it mimics while nothing touches the loop."""
+    spring: Spring | None = None
     safety: SafetyController | None = None
 
     @property
@@ -230,6 +244,17 @@ class Transmission:
     def armature(self) -> float:
         """Rotor inertia as the joint feels it [kg·m²]."""
         return self.rotor_inertia * self.mechanical_reduction**2
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopJoint:
+    """Two points of different links that are one: it closes a loop, as no tree can."""
+
+    name: str
+    links: tuple[str, str]
+    points: tuple[Vector3, Vector3]
+    """The point in the frame of the first link, and in that of the second [m]."""
 
 
 @final
@@ -291,6 +316,7 @@ class RobotModel:
     """Depth first from the root, children in the order of the URDF."""
     transmissions: tuple[Transmission, ...] = ()
     grippers: tuple[ParallelGripper, ...] = ()
+    loops: tuple[LoopJoint, ...] = ()
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )

@@ -14,6 +14,12 @@ from tool0.description.urdf_extensions import (
     read_transmissions,
 )
 from tool0.description.urdf_joints import check_mimics, read_joint
+from tool0.description.urdf_linkages import (
+    apply_springs,
+    check_loops,
+    mark_passive,
+    read_loops,
+)
 from tool0.description.urdf_links import read_link, read_materials
 from tool0.description.xml_source import children, locate
 from tool0.errors import DescriptionError, ModelError, SourceLocation, nearest_name
@@ -48,17 +54,21 @@ def read_model(document: Document) -> RobotModel:
     if not links:
         raise ModelError("the robot has no <link>; give it at least one", locate(robot))
     check_mimics(joints, locations)
+    joints = mark_passive(robot, apply_springs(robot, joints))
     root, ordered = _order(links, joints, locations)
     links = apply_gazebo(robot, links, joints)
-    return RobotModel(
+    model = RobotModel(
         name=required(robot, "name"),
         root=root,
         links=tuple(links.values()),
         joints=ordered,
         transmissions=read_transmissions(robot, joints),
         grippers=read_grippers(robot, joints),
+        loops=read_loops(robot, links),
         locations=locations,
     )
+    check_loops(model)
+    return model
 
 
 def _add(

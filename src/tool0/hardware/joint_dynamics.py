@@ -1,8 +1,8 @@
-"""Gravity load and mass matrix of the joints, from the robot model alone.
+"""Gravity and spring load and mass matrix of the joints, from the robot model alone.
 
 Every joint is turned so that it acts along its own z axis; one pass from the root
 outwards places the bodies, and sums over what lies beyond a joint give its load.
-Engine neutral.  Gravity is needed every tick, so it is computed with plain floats: a
+Engine neutral.  The load is needed every tick, so it is computed with plain floats: a
 pass over 12 joints costs less than one NumPy call per joint would.
 """
 
@@ -23,7 +23,10 @@ STANDARD_GRAVITY = 9.81
 
 @final
 class JointDynamics:
-    """Gravity load and mass matrix, mimic joints counted to their master."""
+    """Gravity and spring load and mass matrix, mimic joints counted to their master.
+
+    Passive joints are, too: while nothing touches their linkage, they do mimic.
+    """
 
     def __init__(self, model: RobotModel, gravity: float = STANDARD_GRAVITY) -> None:
         bodies = moving_bodies(model)
@@ -33,6 +36,11 @@ class JointDynamics:
         self._parent = [body.parent for body in bodies]
         self._prismatic = [b.joint.type is JointType.PRISMATIC for b in bodies]
         self._masters = [_master(model, body.joint, index) for body in bodies]
+        self._springs = [
+            (i, *self._masters[i], spring.stiffness, spring.reference)
+            for i, body in enumerate(bodies)
+            if (spring := body.joint.spring) is not None
+        ]
         self._armature = [
             transmission.armature if transmission else 0.0
             for body in bodies
@@ -54,8 +62,10 @@ class JointDynamics:
             self._center.append((x, y, z))
             self._tensor.append(turn.T @ body.inertia.tensor @ turn)
 
-    def gravity_effort(self, position: Sequence[float]) -> list[float]:
-        """Return the effort that balances gravity [N·m | N], shape (n_joints,).
+    def static_effort(self, position: Sequence[float]) -> list[float]:
+        """Return the effort that balances gravity and springs, shape (n_joints,).
+
+        [N·m | N], such that nothing moves.
 
         ``position`` is in the order of the model's movable joints.
         """
@@ -86,6 +96,8 @@ class JointDynamics:
                 mass[parent] += mass[i]
                 moment_x[parent] += moment_x[i]
                 moment_y[parent] += moment_y[i]
+        for i, master, multiplier, stiffness, reference in self._springs:
+            effort[master] += multiplier * stiffness * (position[i] - reference)
         return effort
 
     def mass_matrix(self, position: Sequence[float]) -> Matrix:

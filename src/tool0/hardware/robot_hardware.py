@@ -12,6 +12,7 @@ from typing import final
 
 from tool0.description.model import Interface, JointLimits, RobotModel
 from tool0.errors import ModelError, nearest_name
+from tool0.hardware.drive_bounds import DriveBounds
 from tool0.hardware.joint_dynamics import JointDynamics
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.limits import DriveLimits, EffortLimiter
@@ -94,6 +95,8 @@ class RobotHardware:
             and model.transmission_by_joint[name].gravity_compensation
         ]
         self._weights: list[tuple[int, float]] = []
+        self._load = [0.0] * len(self.joint_names)
+        """What of the effort carries weight, where a drive is bounded [N·m | N]."""
         self._claimed: set[str] = set()
         for name in self.interfaces:
             self._engage(name, 0.0)
@@ -106,6 +109,7 @@ class RobotHardware:
     def restart(self, state: JointState) -> None:
         """Forget what servos and brakes learnt, and hold ``state`` from now on."""
         self._steps = 0
+        self._limiter.restart()
         for name, interface in self.interfaces.items():
             i = self.index[name]
             if interface is Interface.POSITION:
@@ -119,6 +123,7 @@ class RobotHardware:
         for name in joints:
             i, interface = self.index[name], self.interfaces[name]
             self._claimed.add(name)
+            self._limiter.bind(i, None)
             self.command[i] = (
                 state.position[i] if interface is Interface.POSITION else 0.0
             )
@@ -128,6 +133,7 @@ class RobotHardware:
         """Take ``joints`` back: the brakes hold them."""
         for name in joints:
             self._claimed.discard(name)
+            self._limiter.bind(self.index[name], None)
             self._engage(name, state.position[self.index[name]])
 
     def emergency_stop(self, engaged: bool, state: JointState) -> None:
@@ -135,9 +141,9 @@ class RobotHardware:
         self._is_stopped = engaged
         self.restart(state)
 
-    def cap_effort(self, joint: str, effort: float | None) -> None:
-        """Bound the effort of ``joint`` below its limit; None lifts the bound."""
-        self._limiter.cap(self.index[joint], effort)
+    def bind(self, joint: str, bounds: DriveBounds | None) -> None:
+        """Bound the drive of ``joint`` below its limits; None lifts the bounds."""
+        self._limiter.bind(self.index[joint], bounds)
 
     def efforts(self, state: JointState) -> list[float]:
         """Return what the drives apply during the next step [N·m | N]."""
@@ -147,7 +153,7 @@ class RobotHardware:
         if self._servos:
             self._serve(effort, state)
         self._steps += 1
-        self._limiter.saturate(effort, state.position, state.velocity)
+        self._limiter.saturate(effort, state, self._load)
         return effort
 
     def _engage(self, name: str, position: float) -> None:
@@ -169,6 +175,8 @@ class RobotHardware:
         if not self._weights or self._steps % POSE_PERIOD == 0:
             gravity = self._gravity(state)
             self._weights = [(i, gravity[i]) for i in self._carrying]
+            for i, weight in self._weights:
+                self._load[i] = weight
         for i, weight in self._weights:
             effort[i] += weight
 
@@ -176,7 +184,7 @@ class RobotHardware:
         """Return the effort that balances gravity [N·m | N], shape (n_joints,)."""
         position = [state.position[i] for i in self._to_model]
         ordered = [0.0] * len(position)
-        loads = self._dynamics.gravity_effort(position)
+        loads = self._dynamics.static_effort(position)
         for i, load in zip(self._to_model, loads, strict=True):
             ordered[i] = load
         return ordered
@@ -196,6 +204,9 @@ class RobotHardware:
         for (i, servo), most in zip(self._servos.items(), self._fastest, strict=True):
             a = servo.acceleration(command[i], position[i], velocity[i], dt)
             wanted.append(-most if a < -most else min(a, most))
+        for i in self._limiter.bounds:
+            if i in self._servos:
+                self._load[i] = gravity[i]
         for i, masses in self._masses:
             effort[i] = gravity[i] + sum(map(mul, masses, wanted))
 

@@ -69,6 +69,7 @@ def bringup(
     mount_xyz: Sequence[float] | None = None,
     mount_rpy: Sequence[float] | None = None,
     meshes: str | None = None,
+    gripper_model: str | None = None,
     engine: str = "mujoco",
     spawn_z: float = 0.1,
     scene: Scene | Path | str | None = None,
@@ -106,6 +107,8 @@ def bringup(
         mount_xyz: Where the gripper sits on tool0 [m].
         mount_rpy: How it is turned there [rad].
         meshes: "tool0" for ours, "upstream" for those of ur_description.
+        gripper_model: "mimic" for fingers that follow their drive, "linkage" for real
+            ones that wrap around what they meet (MuJoCo alone; docs/adr/0009).
         engine: The physics: "mujoco", or "gazebo" (docs/gazebo.md).
         spawn_z: Height of the robot's root above the ground [m], as in the launch
             files of ur_gazebo: the outstretched arm must clear the ground.
@@ -145,6 +148,7 @@ def bringup(
         "mount_xyz": None if mount_xyz is None else tuple(mount_xyz),
         "mount_rpy": None if mount_rpy is None else tuple(mount_rpy),
         "meshes": meshes,
+        "gripper_model": gripper_model,
     }
     if robot is None:
         description = assemble(arm, gripper, prefix=prefix, **options, **(args or {}))
@@ -206,7 +210,7 @@ def _refuse_catalogue_options(robot: Path | str, options: dict[str, object]) -> 
     given = [
         name
         for name, value in options.items()
-        if value not in (None, False, "", "tool0")  # as if left out
+        if value not in (None, False, "", "tool0", "mimic")  # as if left out
     ]
     if given:
         raise ConfigError(
@@ -299,6 +303,11 @@ def _engine(
         hint = nearest_name(name, set(ENGINES))
         raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
     if name == "gazebo":
+        if description.model.loops:
+            raise ConfigError(
+                f"Gazebo cannot have the loop '{description.model.loops[0].name}'; "
+                "use gripper_model mimic or the engine mujoco"
+            )
         from tool0.engines.gazebo.engine import GazeboEngine
 
         return GazeboEngine(

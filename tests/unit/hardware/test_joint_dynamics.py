@@ -34,12 +34,12 @@ def test_gravity_and_mass_matrix_are_those_of_mujoco(
     dynamics = JointDynamics(skew_model)
     gravity = MASTERS.T @ engine.data.qfrc_bias
     expected = MASTERS.T @ mass_matrix @ MASTERS
-    np.testing.assert_allclose(dynamics.gravity_effort(pose)[:3], gravity, atol=1e-9)
+    np.testing.assert_allclose(dynamics.static_effort(pose)[:3], gravity, atol=1e-9)
     np.testing.assert_allclose(dynamics.mass_matrix(pose)[:3, :3], expected, atol=1e-9)
 
 
 def test_a_mimic_joint_bears_no_load_itself(skew_model: RobotModel) -> None:
     dynamics = JointDynamics(skew_model)
     pose = random_pose(np.random.default_rng(1))
-    assert dynamics.gravity_effort(pose)[3] == 0.0
+    assert dynamics.static_effort(pose)[3] == 0.0
     assert not dynamics.mass_matrix(pose)[3].any()

@@ -1,8 +1,9 @@
 """From the robot model to MuJoCo, through ``MjSpec``.
 
 Fixed links are merged into the body they ride on; link names live on as geom and site
-names.  ``<mimic>`` becomes a joint equality, ``<transmission>`` a motor, and a link
-with a declared ``<gazebo>`` surface gets the contact that grips.
+names.  ``<mimic>`` becomes a joint equality, a loop the connection of two points,
+``<transmission>`` a motor, and a link with a declared ``<gazebo>`` surface gets the
+contact that grips.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from tool0.description.model import (
     Joint,
     JointType,
     Link,
+    LoopJoint,
     Mesh,
     RobotModel,
     Sphere,
@@ -49,7 +51,8 @@ GRIP_CONDIM = 4
 """Sliding and spinning friction: a pad is a patch, not a point."""
 IMPRATIO = 100.0
 MIMIC_SOLREF = (0.002, 1.0)
-"""As stiff as a step of 1 ms allows: mimic joints follow within the step."""
+"""As stiff as a step of 1 ms allows: mimic joints follow within the step, loops stay
+closed, and passive joints stand firm at their stops."""
 MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 
 _VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
@@ -96,7 +99,9 @@ def build_spec(
         parent = spec.worldbody if body.parent < 0 else handles[body.parent]
         handles.append(_add_body(spec, parent, model, body, visuals))
     for joint in model.movable_joints:
-        _add_coupling(spec, model, joint)
+        _add_coupling(spec, joint)
+    for loop in model.loops:
+        _add_loop(spec, loop, bodies)
     for first, second in _pairs_that_never_touch(model, bodies):
         spec.add_exclude(bodyname1=first, bodyname2=second)
     return spec
@@ -190,6 +195,7 @@ def _add_body(
     # One coefficient until mujoco 3.4; a polynomial in the speed since then.
     linear = np.ndim(hinge.damping) == 0
     hinge.damping = joint.damping if linear else [joint.damping, 0.0, 0.0]
+    _make_linkage(hinge, joint)
     if transmission is not None:
         force = limits.effort
         spec.add_actuator(
@@ -204,8 +210,40 @@ def _add_body(
     return handle
 
 
-def _add_coupling(spec: Any, model: RobotModel, joint: Joint) -> None:
-    if joint.mimic is None:
+def _make_linkage(hinge: Any, joint: Joint) -> None:
+    """Give ``hinge`` its spring, and a firm stop if it is passive."""
+    if joint.passive:
+        hinge.solref_limit = MIMIC_SOLREF
+        hinge.solimp_limit = MIMIC_SOLIMP
+    if joint.spring is not None:
+        stiffness = joint.spring.stiffness
+        linear = np.ndim(hinge.stiffness) == 0  # as damping
+        hinge.stiffness = stiffness if linear else [stiffness, 0.0, 0.0]
+        hinge.springref = joint.spring.reference
+
+
+def _add_loop(spec: Any, loop: LoopJoint, bodies: tuple[MovingBody, ...]) -> None:
+    frames = {name: (body, frame) for body in bodies for name, frame in body.links}
+    names = []
+    for link, point in zip(loop.links, loop.points, strict=True):
+        body, frame = frames[link]
+        placed = frame @ [*point, 1.0]
+        names.append(f"{loop.name}/{link}")
+        handle = spec.body(body.joint.child)
+        handle.add_site(name=names[-1], pos=placed[:3], group=4)
+    spec.add_equality(
+        name=loop.name,
+        type=mujoco.mjtEq.mjEQ_CONNECT,
+        objtype=mujoco.mjtObj.mjOBJ_SITE,
+        name1=names[0],
+        name2=names[1],
+        solref=MIMIC_SOLREF,
+        solimp=MIMIC_SOLIMP,
+    )
+
+
+def _add_coupling(spec: Any, joint: Joint) -> None:
+    if joint.mimic is None or joint.passive:
         return
     mimic = joint.mimic
     equality = spec.add_equality(
