@@ -25,6 +25,7 @@ from tool0.engines.gazebo.model import body_poses, gazebo_urdf
 from tool0.engines.gazebo.models import Models
 from tool0.engines.gazebo.plugin import bridge_libraries
 from tool0.engines.gazebo.server import Server
+from tool0.engines.gazebo.touches import Names
 from tool0.engines.gazebo.window import require_window
 from tool0.engines.gazebo.world import EMPTY_WORLD, check_model, check_world
 from tool0.errors import (
@@ -33,7 +34,7 @@ from tool0.errors import (
     EngineUnavailableError,
 )
 from tool0.hardware.bodies import check_masses, moving_bodies, transform
-from tool0.hardware.engine import ObjectState
+from tool0.hardware.engine import Contact, ObjectState
 from tool0.hardware.joint_state import JointState
 
 START_PATIENCE = 30.0
@@ -103,7 +104,10 @@ class GazeboEngine:
             failed.callback(self.server.close)
             self._connection, self.version = self._start(gui)
             failed.callback(self._connection.close)
-            self._models = Models(self._connection, self.server, world, self._root)
+            names = Names(model, self._bodies, own_world=world is None)
+            self._models = Models(
+                self._connection, self.server, world, self._root, names
+            )
             self._models.populate(model, urdf, gears, scene or Scene())
             self.reset([0.0] * n)
             if gui:
@@ -219,6 +223,30 @@ class GazeboEngine:
         """
         self._await_step()
         self._models.place(state)
+
+    def contacts(self) -> tuple[Contact, ...]:
+        """Return the forces of the last step's contacts, one item for each pair.
+
+        Gazebo looks at them from the first call on, so that returns none.
+        """
+        self._await_step()
+        return self._models.contacts()
+
+    def attach(self, name: str, link: str) -> None:
+        """Fix a movable object to a link as it is now, until it is detached.
+
+        Raises:
+            ModelError: If there is no such link.
+            EngineError: If there is no such object, it stands still, or it is
+                attached already.
+        """
+        self._await_step()
+        self._models.attach(name, link)
+
+    def detach(self, name: str) -> None:
+        """Let an object go; one that is attached to nothing is left alone."""
+        self._await_step()
+        self._models.detach(name)
 
     def close(self) -> None:
         """End gzserver, and gzclient; closing twice is allowed."""

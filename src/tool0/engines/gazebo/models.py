@@ -20,15 +20,17 @@ from tool0.engines.gazebo.connection import (
 from tool0.engines.gazebo.couplings import Coupling
 from tool0.engines.gazebo.objects import object_sdf
 from tool0.engines.gazebo.server import Server
+from tool0.engines.gazebo.touches import Names, contacts_from
 from tool0.errors import (
     DescriptionError,
     EngineError,
     EngineUnavailableError,
+    ModelError,
     SourceLocation,
     nearest_name,
 )
 from tool0.hardware.bodies import Matrix, transform
-from tool0.hardware.engine import ObjectState
+from tool0.hardware.engine import Contact, ObjectState
 
 logger = logging.getLogger(__name__)
 
@@ -43,7 +45,12 @@ class Models:
     """The models in the world of one gzserver."""
 
     def __init__(
-        self, connection: Connection, server: Server, world: Path | None, root: Matrix
+        self,
+        connection: Connection,
+        server: Server,
+        world: Path | None,
+        root: Matrix,
+        names: Names,
     ) -> None:
         """Ask over ``connection``.
 
@@ -52,11 +59,13 @@ class Models:
             server: The one that it is in.
             world: The file of the world, for messages.
             root: The robot's root in the world, shape (4, 4): moved, not turned.
+            names: Of the robot's links.
         """
         self._connection = connection
         self._server = server
         self._world = world
         self._root = root
+        self._names = names
         self._robot = ""
         self._objects: dict[str, SceneObject] = {}  # as the bridge lists them
 
@@ -155,10 +164,7 @@ class Models:
         Raises:
             EngineError: If there is none, or it stands still and is to move.
         """
-        item = self._objects.get(state.name)
-        if item is None:
-            hint = nearest_name(state.name, set(self._objects))
-            raise EngineError(f"there is no object '{state.name}'{hint}")
+        item = self._object(state.name)
         velocity = (*state.linear, *state.angular)
         if item.mass is None and any(velocity):
             raise EngineError(f"object '{state.name}' has no mass: it cannot move")
@@ -171,6 +177,38 @@ class Models:
             numbers([part / norm for part in state.quat_wxyz]),
             numbers(velocity),
         )
+
+    def contacts(self) -> tuple[Contact, ...]:
+        """Return what touched in the last step; nothing when asked first."""
+        answer = self._connection.ask(Kind.CONTACTS)
+        return contacts_from(answer, self._names, self._root)
+
+    def attach(self, name: str, link: str) -> None:
+        """Fix an object to a link as it is now.
+
+        Raises:
+            ModelError: If there is no such link.
+            EngineError: If there is no such object, it stands still, or it is
+                attached already.
+        """
+        links = self._names.body_of_link
+        if link not in links:
+            hint = nearest_name(link, set(links))
+            raise ModelError(f"there is no link '{link}'{hint}")
+        if self._object(name).mass is None:
+            raise EngineError(f"object '{name}' has no mass: it cannot move")
+        self._connection.ask(Kind.ATTACH, text(name), text(links[link]))
+
+    def detach(self, name: str) -> None:
+        """Let an object go, if it is attached."""
+        self._connection.ask(Kind.DETACH, text(name))
+
+    def _object(self, name: str) -> SceneObject:
+        item = self._objects.get(name)
+        if item is None:
+            hint = nearest_name(name, set(self._objects))
+            raise EngineError(f"there is no object '{name}'{hint}")
+        return item
 
     def _spawn(
         self, name: str, file: Path, pose: Matrix, *, is_object: bool = False

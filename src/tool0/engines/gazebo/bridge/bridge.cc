@@ -24,10 +24,12 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <fstream>
 #include <functional>
 #include <iostream>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
@@ -56,7 +58,7 @@ using ignition::math::Quaterniond;
 using ignition::math::Vector3d;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersion = 5;
 constexpr std::size_t kLargest = 1 << 16;             // [bytes] of a packet
 constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or go
 constexpr auto kLooked = std::chrono::milliseconds(1500);  // twice, at 5 Hz, for sure
@@ -74,7 +76,10 @@ enum Kind : std::uint32_t {
   kObjects,
   kSpawn,
   kDelete,
-  kPlace
+  kPlace,
+  kContacts,
+  kAttach,
+  kDetach
 };
 
 /// A packet that is being read or written, piece by piece.
@@ -96,6 +101,10 @@ class Packet {
     const std::size_t n = std::min(text.size(), kLargest - size_);
     std::memcpy(bytes_ + size_, text.data(), n);
     size_ += n;
+  }
+  void PutText(const std::string& text) {
+    Put(text);
+    Put('\0');
   }
   void Put(const Pose3d& pose) {
     for (double x : {pose.Pos().X(), pose.Pos().Y(), pose.Pos().Z(), pose.Rot().W(),
@@ -251,6 +260,99 @@ struct Gear {
   static dBodyID Body(const Drive& drive) { return BodyOf(drive.child); }
 };
 
+/// What the points of contact between two shapes add up to, in the world.
+struct Touch {
+  gazebo::physics::CollisionPtr first, second;
+  double weight = 0.0;  // how hard all points press [N]
+  Vector3d moment;      // of the points, by how hard each presses [N·m]
+  Vector3d force, torque;  // that the first exerts on the second, about the origin
+};
+
+/// Every contact that ODE makes, from when it is first asked for.
+class Touches {
+ public:
+  bool IsOn() const { return *Hook(); }
+  void SwitchOn() { *Hook() = [](dJointID j, const dContactGeom* g) { Note(j, *g); }; }
+  void Clear() { points_.clear(), sums_.clear(); }
+  void Begin() { points_.clear(); }
+  const std::vector<Touch>& Sums() const { return sums_; }
+
+  /// Returns whether nobody has deleted either shape since.
+  static bool IsThere(const Touch& touch) {
+    return touch.first->GetModel() && touch.second->GetModel();
+  }
+
+  /// Adds up the points of the step that was made, while their shapes are still there.
+  /// What sleeps has none, and lies as it lay.
+  void AddUp() {
+    const auto is_over = [](const Touch& touch) {
+      return !IsThere(touch) || IsAwake(touch.first) || IsAwake(touch.second);
+    };
+    sums_.erase(std::remove_if(sums_.begin(), sums_.end(), is_over), sums_.end());
+    for (const Point& point : points_) Add(point);
+    points_.clear();
+  }
+
+ private:
+  struct Point {
+    dJointID joint;
+    dContactGeom geom;
+    dJointFeedback feedback;  // unless Gazebo wants to have one itself
+  };
+  using Heard = void (*)(dJointID, const dContactGeom*);
+
+  /// In the preloaded library, see leash.cc.
+  static Heard* Hook() {
+    static const auto hook = static_cast<Heard*>(::dlsym(RTLD_DEFAULT, "tool0_touched"));
+    if (!hook) throw std::runtime_error("the preloaded library is missing");
+    return hook;
+  }
+
+  static void Note(dJointID joint, const dContactGeom& geom) {
+    if (!geom.g1 || !geom.g2) return;  // teeth
+    points_.push_back({joint, geom, {}});
+    dJointSetFeedback(joint, &points_.back().feedback);
+  }
+
+  void Add(const Point& point) {
+    const dJointFeedback* felt = dJointGetFeedback(point.joint);
+    // ODE tells what acts on the first body, and puts one that there is first.
+    const bool is_first = dJointGetBody(point.joint, 0);
+    if (!felt || !(is_first || dJointGetBody(point.joint, 1))) return;
+    const Vector3d at = From(point.geom.pos);
+    const Vector3d force = From(felt->f1) * (is_first ? -1.0 : 1.0);
+    const double press = -force.Dot(From(point.geom.normal));  // which points into the first
+    if (!(press > 0.0)) return;
+    Touch& sum = Between(Shape(point.geom.g1), Shape(point.geom.g2));
+    sum.weight += press;
+    sum.moment += at * press;
+    sum.force += force;
+    sum.torque += at.Cross(force);
+  }
+
+  Touch& Between(const gazebo::physics::CollisionPtr& first,
+                 const gazebo::physics::CollisionPtr& second) {
+    for (Touch& sum : sums_)
+      if (sum.first == first && sum.second == second) return sum;
+    sums_.push_back({first, second});
+    return sums_.back();
+  }
+
+  static bool IsAwake(const gazebo::physics::CollisionPtr& shape) {
+    const dBodyID body = BodyOf(shape->GetLink());
+    return body && dBodyIsEnabled(body);
+  }
+  static gazebo::physics::CollisionPtr Shape(dGeomID geom) {
+    const auto shape = static_cast<gazebo::physics::Collision*>(dGeomGetData(geom));
+    return boost::static_pointer_cast<gazebo::physics::Collision>(
+        shape->shared_from_this());
+  }
+  static Vector3d From(const dReal* v) { return Vector3d(v[0], v[1], v[2]); }
+
+  static inline std::deque<Point> points_;  // which stay where they are, for ODE
+  std::vector<Touch> sums_;
+};
+
 class Bridge : public gazebo::SystemPlugin {
  public:
   ~Bridge() override { ::_exit(0); }  // its threads refer to it
@@ -344,6 +446,9 @@ class Bridge : public gazebo::SystemPlugin {
       case kSpawn: Spawn(); return true;
       case kDelete: Delete(); return true;
       case kPlace: PlaceObject(); return false;
+      case kContacts: Contacts(); return false;
+      case kAttach: Attach(); return false;
+      case kDetach: Detach(packet_.TakeText()), Begin(); return false;
     }
     throw std::runtime_error("unknown request");
   }
@@ -357,14 +462,18 @@ class Bridge : public gazebo::SystemPlugin {
     }
     for (Drive& drive : drives_) drive.Push(packet_.Take<double>(), dt_);
     Mesh();
+    touches_.Begin();
     return stepping_ = true;
   }
 
   void Mesh() {
     if (gears_.empty()) return;
-    const auto world = static_cast<gazebo::physics::ODEPhysics*>(world_->Physics().get());
     dJointGroupEmpty(teeth_);
-    for (const Gear& gear : gears_) gear.Mesh(world->GetWorldId(), teeth_, dt_);
+    for (const Gear& gear : gears_) gear.Mesh(Ode(), teeth_, dt_);
+  }
+
+  dWorldID Ode() const {
+    return static_cast<gazebo::physics::ODEPhysics*>(world_->Physics().get())->GetWorldId();
   }
 
   /// After a step, looks for what is not finite; puts it where it began, and lets
@@ -372,6 +481,7 @@ class Bridge : public gazebo::SystemPlugin {
   /// anybody asks for its angle, and would never forget an angle that is no number.
   void Check() {
     if (!stepping_) return;
+    touches_.AddUp();
     for (const auto& model : world_->Models()) {
       const auto& links = model->GetLinks();
       const auto lost = std::find_if_not(links.begin(), links.end(), IsFinite);
@@ -408,6 +518,8 @@ class Bridge : public gazebo::SystemPlugin {
     world_->ResetTime();
     world_->SetSimTime(gazebo::common::Time(packet_.Take<double>() + dt_));
     broken_.clear();
+    touches_.Clear();
+    while (!attached_.empty()) Detach(attached_.begin()->first);
     // From where all joints are at zero, since ODE takes the shorter way to an angle.
     for (const auto& [link, pose] : at_zero_) Place(link, pose);
     for (const Drive& drive : drives_) drive.joint->Position(0);
@@ -466,6 +578,7 @@ class Bridge : public gazebo::SystemPlugin {
       at_zero_.emplace_back(link, link->WorldPose());
     drives_.swap(drives);
     gears_.swap(gears);
+    robot_ = robot;
     Begin();
   }
 
@@ -512,6 +625,7 @@ class Bridge : public gazebo::SystemPlugin {
   /// In: name of an object, pose, velocity of its origin [m/s], angular one [rad/s].
   void PlaceObject() {
     const auto object = Model(packet_.TakeText());
+    Detach(object->GetName());
     Place(object, packet_.TakePose());
     const auto link = object->GetLinks().front();
     const auto center = link->WorldCoGPose().Pos() - link->WorldPose().Pos();
@@ -520,6 +634,63 @@ class Bridge : public gazebo::SystemPlugin {
     link->SetAngularVel(angular);
     world_->EnableAllModels();  // what slept on it would stay in the air
     Begin();
+  }
+
+  /// Out: how many pairs of shapes touched in the last step; of each the names of the first
+  /// one's model and of itself, the same of the second, and the figures of a Touch.  None at
+  /// the first time, which makes it look from then on.
+  void Contacts() {
+    if (!touches_.IsOn()) {
+      touches_.SwitchOn();
+      world_->EnableAllModels();  // who sleeps touches nobody
+    }
+    Begin();
+    std::uint32_t count = 0;
+    for (const Touch& touch : touches_.Sums()) count += Touches::IsThere(touch);
+    packet_.Put(count);
+    for (const Touch& touch : touches_.Sums()) {
+      if (!Touches::IsThere(touch)) continue;
+      for (const auto& shape : {touch.first, touch.second}) {
+        packet_.PutText(shape->GetModel()->GetName());
+        packet_.PutText(shape->GetName());
+      }
+      packet_.Put(touch.weight);
+      for (const auto& vector : {touch.moment, touch.force, touch.torque})
+        packet_.Put(vector);
+    }
+  }
+
+  /// In: name of an object that moves, name of the robot's link that it is fixed to as it
+  /// is; none if that never moves.
+  void Attach() {
+    const auto object = Model(packet_.TakeText());
+    const std::string name = packet_.TakeText();
+    const auto link = name.empty() ? nullptr : robot_->GetLink(name);
+    if (!name.empty() && !link)
+      throw std::runtime_error("Gazebo's robot has no link '" + name + "'");
+    if (!IsThere(object))
+      throw std::runtime_error("somebody deleted '" + object->GetName() + "'");
+    if (const auto found = attached_.find(object->GetName()); found != attached_.end()) {
+      if (dJointGetBody(found->second, 0))
+        throw std::runtime_error("'" + found->first + "' is attached already");
+      Detach(found->first);  // of one that had the name, and that somebody deleted
+    }
+    const dBodyID body = BodyOf(object->GetLinks().front());
+    const dJointID joint = dJointCreateFixed(Ode(), 0);
+    dJointAttach(joint, body, link ? BodyOf(link) : nullptr);
+    dJointSetFixed(joint);
+    dBodyEnable(body);
+    attached_[object->GetName()] = joint;
+    Begin();
+  }
+
+  /// Lets an object go that may be attached, and may be gone.
+  void Detach(const std::string& name) {
+    const auto found = attached_.find(name);
+    if (found == attached_.end()) return;
+    if (const dBodyID body = dJointGetBody(found->second, 0)) dBodyEnable(body);
+    dJointDestroy(found->second);
+    attached_.erase(found);
   }
 
   /// In: name, file of the URDF or SDF, pose, whether it is an object as uint32.
@@ -577,6 +748,7 @@ class Bridge : public gazebo::SystemPlugin {
     const auto is_it = [&name](const auto& object) { return object->GetName() == name; };
     const auto gone = std::remove_if(objects_.begin(), objects_.end(), is_it);
     if (gone == objects_.end()) Model(name);
+    Detach(name);
     objects_.erase(gone, objects_.end());
     world_->RemoveModel(name);
     Ask(name);
@@ -704,6 +876,9 @@ class Bridge : public gazebo::SystemPlugin {
   std::string broken_;  // what was not finite after the last step, or empty
   const dJointGroupID teeth_ = dJointGroupCreate(0);
   std::vector<gazebo::physics::ModelPtr> objects_;
+  gazebo::physics::ModelPtr robot_;
+  std::map<std::string, dJointID> attached_;  // objects, by the joint that does so
+  Touches touches_;
   std::function<bool()> until_;
   std::string otherwise_;
   Clock::time_point deadline_;

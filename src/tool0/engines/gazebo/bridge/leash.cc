@@ -1,5 +1,5 @@
-// Preloaded into gzserver and gzclient: keeps them on this machine, and tied to us, and
-// keeps ODE from shooting things out of each other.
+// Preloaded into gzserver and gzclient: keeps them on this machine, and tied to us,
+// keeps ODE from shooting things out of each other, and tells the bridge of contacts.
 //
 // Gazebo's transport listens on every network interface; here it gets the loopback
 // one, unless TOOL0_LISTEN is "all".  And when the pipe that TOOL0_LIFELINE numbers
@@ -22,6 +22,9 @@
 constexpr double kPushOut = 0.5;  // [m/s] at most, by which ODE undoes an overlap
 
 extern "C" double tool0_step = 0.0;  // [s] of the world; the bridge tells
+
+/// Called for each contact that is made, once somebody asks the bridge for contacts.
+extern "C" void (*tool0_touched)(dJointID, const dContactGeom*) = nullptr;
 
 extern "C" int bind(int fd, const sockaddr* address, socklen_t size) noexcept {
   using Bind = int (*)(int, const sockaddr*, socklen_t);
@@ -51,7 +54,9 @@ extern "C" dJointID dJointCreateContact(dWorldID world, dJointGroupID group,
     surface.soft_cfm *= most / surface.soft_erp;
     surface.soft_erp = most;
   }
-  return real(world, group, &calm);
+  const dJointID joint = real(world, group, &calm);
+  if (tool0_touched) tool0_touched(joint, &calm.geom);
+  return joint;
 }
 
 namespace {

@@ -1,0 +1,117 @@
+"""What touches what in Gazebo, told in the names that a URDF and a scene have.
+
+libsdformat lumps links that are fixed into the link that they are fixed to, and names
+each shape by where it came from.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from typing import final
+
+import numpy as np
+
+from tool0.description.model import RobotModel
+from tool0.engines.gazebo.couplings import WORLD
+from tool0.hardware.bodies import Matrix, MovingBody, fixed_to_world
+from tool0.hardware.engine import Contact
+
+_FIGURES = struct.Struct("=10d")
+_SEEN_FROM_SECOND = np.array([1.0] * 4 + [-1.0] * 6)
+"""By what the figures change if the two things change places."""
+_GROUND = ("ground_plane", "ground")
+"""What the model is called in our own world, and in the port."""
+
+
+@final
+class Names:
+    """The names of one robot's links, there and here."""
+
+    def __init__(
+        self, model: RobotModel, bodies: tuple[MovingBody, ...], *, own_world: bool
+    ) -> None:
+        """Name the links of ``model``, and the ground if the world is ours."""
+        self._robot = model.name
+        self._ground = dict([_GROUND]) if own_world else {}
+        self.body_of_link: dict[str, str] = {}
+        """What Gazebo calls the link that a link was lumped into; "" if it is still."""
+        for link, _ in fixed_to_world(model):
+            self.body_of_link[link] = ""
+        for body in bodies:
+            for link, _ in body.links:
+                self.body_of_link[link] = body.joint.child
+        self._link_of_shape: dict[str, str] = {}
+        for link, lump in self.body_of_link.items():
+            shapes = len(model.link_by_name[link].collisions)
+            for shape in _shape_names(lump or _top(model, link), link, shapes):
+                self._link_of_shape[shape] = link
+
+    def of(self, model: str, shape: str) -> str:
+        """Return the link or object that a shape of Gazebo's belongs to."""
+        if model == self._robot:
+            return self._link_of_shape.get(shape, shape)
+        return self._ground.get(model, model)
+
+
+def contacts_from(
+    answer: memoryview, names: Names, root: Matrix
+) -> tuple[Contact, ...]:
+    """Return what the bridge tells, in the axes of the robot's root.
+
+    Args:
+        answer: To a request for contacts.
+        names: Of links.
+        root: The robot's root in the world, shape (4, 4): moved, not turned.
+    """
+    sums: dict[tuple[str, str], Matrix] = {}
+    for (first, second), figures in _read(answer.tobytes(), names):
+        if (second, first) in sums:
+            sums[second, first] += figures * _SEEN_FROM_SECOND
+        elif (first, second) in sums:
+            sums[first, second] += figures
+        else:
+            sums[first, second] = figures
+    return tuple(
+        _contact(first, second, total, root) for (first, second), total in sums.items()
+    )
+
+
+def _contact(first: str, second: str, total: Matrix, root: Matrix) -> Contact:
+    moment, force, torque = total[1:4], total[4:7], total[7:10]
+    point = moment / total[0]
+    rest = torque - np.cross(point, force)
+    return Contact(
+        first, second, _vector(point - root[:3, 3]), _vector(force), _vector(rest)
+    )
+
+
+def _vector(values: Matrix) -> tuple[float, float, float]:
+    x, y, z = map(float, values)
+    return x, y, z
+
+
+def _read(answer: bytes, names: Names) -> Iterator[tuple[tuple[str, str], Matrix]]:
+    """Yield each pair of things with its figures, as ``Touch`` in bridge.cc."""
+    (count,) = struct.unpack_from("=I", answer)
+    rest = answer[4:]
+    for _ in range(count):
+        *words, rest = rest.split(b"\0", 4)
+        first, one, second, other = (word.decode() for word in words)
+        figures = np.array(_FIGURES.unpack_from(rest))
+        rest = rest[_FIGURES.size :]
+        yield (names.of(first, one), names.of(second, other)), figures
+
+
+def _top(model: RobotModel, link: str) -> str:
+    """Return the link that is fixed to Gazebo's world itself, above one that is."""
+    while (joint := model.parent_joint.get(link)) and joint.parent != WORLD:
+        link = joint.parent
+    return link
+
+
+def _shape_names(body: str, link: str, count: int) -> Iterator[str]:
+    """Yield what libsdformat calls the shapes of a link that is lumped into a body."""
+    stem = link if link == body else f"{body}_fixed_joint_lump__{link}"
+    for number in range(count):
+        yield f"{stem}_collision_{number}" if number else f"{stem}_collision"
