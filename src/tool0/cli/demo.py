@@ -1,0 +1,206 @@
+"""``tool0 demo``: whole tasks to watch, and what they measured."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import json
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, final
+
+import tyro
+
+from tool0.cli.bringup_text import finite, panel_line
+from tool0.cli.options import PanelOptions
+from tool0.cli.progress import Progress
+from tool0.errors import ConfigError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from tool0.demo.report import DemoReport, PickReport
+    from tool0.description.model import Pose
+    from tool0.description.scene import Scene
+    from tool0.runtime.robot import Robot
+
+OK, FAILED = 0, 1
+"""All objects are in the bin; one is not."""
+ITEM, BIN = "cube", "bin"
+"""What the scene ``table_and_bin`` calls them."""
+
+
+def run(command: str, arguments: list[str]) -> int:
+    """Run the command and return its exit status."""
+    status: int = tyro.extras.subcommand_cli_from_dict(
+        {"pick": pick},
+        prog=f"tool0 {command}",
+        description="Watch the robot do a whole task.",
+        args=arguments,
+        config=(tyro.conf.OmitArgPrefixes,),
+    )
+    return status
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PickArguments:
+    """Pick a cube from the table and place it in a bin; status 1 if one is not there.
+
+    The cube is held by friction alone.  The page shows it in real time; headless it
+    runs as fast as possible.
+    """
+
+    engine: Literal["mujoco", "gazebo"] = "mujoco"
+    """The physics."""
+    gripper_model: Literal["mimic", "linkage"] = "mimic"
+    """Fingers that follow their drive, or real five-bar linkages (mujoco only)."""
+    n: int = 1
+    """How many picks; from the second on, or with --seed, from random poses."""
+    seed: int | None = None
+    """Of the random poses; the first cube lies where the scene has it if left out."""
+    size: float = 0.045
+    """Edge of the cube [m]."""
+    mass: float = 0.1
+    """Of the cube [kg]."""
+    friction: float = 1.0
+    """Between cube and pads."""
+    force: float = 60.0
+    """Of each pad [N], 20 to 235."""
+    speed: float = 0.7
+    """Of the arm's joints, part of the fastest."""
+    grasp_assist: bool = False
+    """Cheat: fix the cube to the gripper when it is gripped."""
+    headless: bool = False
+    """Serve no panel, and do not wait for the wall clock."""
+    realtime: bool | None = None
+    """Keep to the wall clock; as the panel is served, if left out."""
+    report: Path | None = None
+    """Also write the report into this file, as JSON."""
+    video: Path | None = None
+    """Write an MP4 of it; needs tool0[video]."""
+    camera: str = "scene"
+    """The camera of the video: scene or wrist."""
+    format: Literal["text", "json"] = "text"
+    """What to print."""
+
+    def __post_init__(self) -> None:
+        if self.n < 1:
+            raise ConfigError(f"--n must be 1 or more picks, got {self.n}")
+
+
+def pick(
+    arguments: Annotated[PickArguments, tyro.conf.arg(name="")] = PickArguments(),  # noqa: B008  # frozen
+    panel: PanelOptions = PanelOptions(),  # noqa: B008  # frozen
+) -> int:
+    """Pick a cube from the table and place it in a bin; status 1 if one is not there.
+
+    The cube is held by friction alone.  The page shows it in real time; headless it
+    runs as fast as possible.
+    """
+    if arguments.video is not None:
+        from tool0.runtime.video import require_encoder
+
+        require_encoder(arguments.video)  # before the work of minutes is in vain
+    with contextlib.ExitStack() as exits:
+        robot = exits.enter_context(_bring_up(arguments))
+        if not arguments.headless:
+            _show(robot, panel, exits)
+        report = _play(robot, arguments)
+    if arguments.format == "json":
+        print(json.dumps(finite(report.to_json()), allow_nan=False))
+    else:
+        print(report.to_text())
+    if arguments.report is not None:
+        _write(arguments.report, report)
+    return OK if report.n_succeeded == len(report.picks) else FAILED
+
+
+def _bring_up(arguments: PickArguments) -> Robot:
+    from tool0.runtime.bringup import bringup
+
+    realtime = arguments.realtime
+    return bringup(
+        engine=arguments.engine,
+        gripper_model=arguments.gripper_model,
+        grasp_assist=arguments.grasp_assist,
+        scene=_scene(arguments),
+        initial_pose="ready",
+        realtime=not arguments.headless if realtime is None else realtime,
+    )
+
+
+def _scene(arguments: PickArguments) -> Scene:
+    """Return the scene with the cube that was asked for."""
+    from tool0.description.model import Box
+    from tool0.description.scene import Scene
+    from tool0.description.scene_file import load_scene
+
+    shipped = load_scene("table_and_bin")
+    cube = next(item for item in shipped.objects if item.name == ITEM)
+    edge = arguments.size
+    x, y, z = cube.pose.xyz
+    floor = z - cube.geometry.size[2] / 2.0  # type: ignore[union-attr]  # a box
+    changed = replace(
+        cube,
+        geometry=Box(size=(edge, edge, edge)),
+        pose=replace(cube.pose, xyz=(x, y, floor + edge / 2.0)),
+        mass=arguments.mass,
+        friction=arguments.friction,
+    )
+    others = tuple(item for item in shipped.objects if item.name != ITEM)
+    return Scene((*others, changed))
+
+
+def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
+    from tool0.cli.panel import door_of, served, show
+
+    door = door_of(options)
+    exits.callback(door.listener.close)
+    exits.enter_context(served(robot, door))
+    print(panel_line(door.url), file=sys.stderr, flush=True)
+    show(door.url, options, sys.stderr)
+
+
+def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
+    from tool0.demo.bin import find_bin
+    from tool0.demo.film import Film
+    from tool0.demo.pick import PickOptions
+    from tool0.demo.trials import run_trials
+
+    film = Film()
+    report = run_trials(
+        robot,
+        ITEM,
+        find_bin(robot.scene.objects, BIN),
+        _poses(arguments),
+        arguments.n,
+        options=PickOptions(force=arguments.force, speed=arguments.speed),
+        on_snapshot=film.take if arguments.video else lambda snapshot: None,
+        on_pick=_tell if arguments.format == "text" else lambda pick: None,
+    )
+    if arguments.video is None:
+        return report
+    with Progress() as progress:
+        film.write(arguments.video, robot, arguments.camera, progress)
+    return replace(report, video=str(arguments.video))
+
+
+def _poses(arguments: PickArguments) -> Iterator[Pose | None]:
+    from tool0.demo.trials import TABLE, random_poses
+
+    drawn = random_poses(TABLE, arguments.size, arguments.seed or 0)
+    return drawn if arguments.seed is not None else itertools.chain([None], drawn)
+
+
+def _tell(pick: PickReport) -> None:
+    print(pick.to_text(), flush=True)
+
+
+def _write(path: Path, report: DemoReport) -> None:
+    text = json.dumps(finite(report.to_json()), allow_nan=False, indent=2)
+    try:
+        path.write_text(text + "\n")
+    except OSError as error:
+        raise ConfigError(f"cannot write the report to '{path}': {error}") from None

@@ -1,0 +1,68 @@
+"""A demo as a film: snapshots are kept while it runs, and drawn afterwards."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, final
+
+from tool0.runtime.bus import Snapshot
+
+if TYPE_CHECKING:
+    from tool0.runtime.robot import Robot
+
+RATE = 30
+"""Frames per simulated second [Hz]."""
+
+
+@final
+class Film:
+    """The snapshots of a demo that become frames.
+
+    Drawing takes longer than simulating, so that it waits: the demo runs as it would
+    without.
+    """
+
+    def __init__(self, rate: int = RATE) -> None:
+        """Take ``rate`` frames a simulated second [Hz]."""
+        self._rate = rate
+        self._start: float | None = None
+        self._frames: list[Snapshot] = []
+
+    def take(self, snapshot: Snapshot) -> None:
+        """Keep a snapshot if the next frame is due."""
+        if self._start is None:
+            self._start = snapshot.time
+        due = self._start + len(self._frames) / self._rate
+        if snapshot.time >= due - 1e-9:
+            self._frames.append(snapshot)
+
+    def write(
+        self,
+        path: Path,
+        robot: Robot,
+        camera: str,
+        progress: Callable[[str, float], None],
+    ) -> None:
+        """Draw what was kept as ``camera`` sees it, into an MP4.
+
+        Args:
+            path: The file, which is replaced.
+            robot: Whose film it is.
+            camera: One of its cameras.
+            progress: Called with what is done and the part of it that is.
+
+        Raises:
+            ConfigError: If the file cannot be written.
+            EngineUnavailableError: If nothing can draw or encode here.
+        """
+        from tool0.runtime.video import VideoWriter
+
+        view = robot.camera(camera)
+        size = view.camera
+        activity = f"writing {path.name}"
+        with VideoWriter(path, size.width, size.height, self._rate) as video:
+            for number, snapshot in enumerate(self._frames):
+                progress(activity, number / len(self._frames))
+                video.write(view.image(snapshot).rgb)
+        progress(activity, 1.0)

@@ -1,0 +1,112 @@
+"""Picks one after the other, from poses drawn by chance, and what came of them."""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+from tool0.demo.bin import Bin
+from tool0.demo.pick import PickOptions, pick_and_place
+from tool0.demo.report import DemoReport, PickReport
+from tool0.description.kinematics import Transform, to_transform
+from tool0.description.model import Pose
+from tool0.runtime.bus import Snapshot
+
+if TYPE_CHECKING:
+    from tool0.runtime.robot import Robot
+
+PATIENCE = 20.0
+"""Longest way back between two picks, simulated [s]."""
+SETTLE = 0.3
+"""For an object to come to rest where it was put [s]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Area:
+    """Where on a table an object may stand."""
+
+    x: tuple[float, float]
+    """[m], in the root."""
+    y: tuple[float, float]
+    z: float
+    """Of the table's top [m]."""
+
+    def draw(self, chance: random.Random, height: float) -> Pose:
+        """Return a pose of something so high [m] that stands there, turned anyhow."""
+        return Pose(
+            xyz=(
+                chance.uniform(*self.x),
+                chance.uniform(*self.y),
+                self.z + height / 2.0,
+            ),
+            rpy=(0.0, 0.0, chance.uniform(-math.pi, math.pi)),
+        )
+
+
+TABLE = Area(x=(0.40, 0.65), y=(-0.10, 0.30), z=-0.02)
+"""Of the scene ``table_and_bin``: clear of the bin, and within the arm's reach."""
+
+
+def random_poses(area: Area, height: float, seed: int) -> Iterator[Pose]:
+    """Yield poses without end, the same ones for the same seed."""
+    chance = random.Random(seed)
+    while True:
+        yield area.draw(chance, height)
+
+
+def run_trials(
+    robot: Robot,
+    item: str,
+    into: Bin,
+    poses: Iterator[Pose | None],
+    n_picks: int,
+    *,
+    options: PickOptions | None = None,
+    on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
+    on_pick: Callable[[PickReport], None] = lambda report: None,
+) -> DemoReport:
+    """Pick an object from one pose after the other.
+
+    Args:
+        robot: As for ``pick_and_place``.
+        item: The object, which is put back on the table between picks.
+        into: Where it goes.
+        poses: Where it is taken from; None leaves it where it is.
+        n_picks: How many.
+        options: How.
+        on_snapshot: Called with each snapshot.
+        on_pick: Called after each pick.
+    """
+    wall_start, sim_start = time.perf_counter(), robot.time
+    reports = []
+    for number in range(n_picks):
+        pose = next(poses)
+        if number:
+            _go_back(robot)
+        if pose is not None:
+            T_root_item: Transform = to_transform(pose)
+            robot.scene.place(item, T_root_item.position, T_root_item.quat_wxyz)
+            robot.run(SETTLE)
+        report = pick_and_place(robot, item, into, options, on_snapshot)
+        on_pick(report)
+        reports.append(report)
+    return DemoReport(
+        engine=robot.engine.name,
+        gripper_model="linkage" if robot.description.model.loops else "mimic",
+        grasp_assist=robot.grasp_assist,
+        picks=tuple(reports),
+        sim_time=robot.time - sim_start,
+        wall_time=time.perf_counter() - wall_start,
+    )
+
+
+def _go_back(robot: Robot) -> None:
+    """Bring the arm where picks begin; after one that failed it may be anywhere."""
+    robot.gripper.move(opening=robot.gripper.geometry.max_opening).wait(PATIENCE)
+    for goal in robot.go_to_pose("ready"):
+        goal.wait(PATIENCE)
