@@ -116,7 +116,8 @@ class Engine(Protocol):
     def contacts(self) -> tuple[Contact, ...]:
         """Return the forces of the last step's contacts, one item for each pair.
 
-        None before the first step after a reset.
+        What is attached counts as touched by what it is attached to.  None before the
+        first step after a reset.
         """
 
     def attach(self, name: str, link: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import logging
 import math
 import struct
@@ -13,7 +14,17 @@ import numpy as np
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
-from tool0.engines.mujoco.contacts import names_of_geoms, read_contacts
+from tool0.engines.mujoco.attachments import (
+    Attachment,
+    add_attachments,
+    attachment_now,
+    attachment_touches,
+)
+from tool0.engines.mujoco.contacts import (
+    names_of_geoms,
+    one_for_each_pair,
+    read_contacts,
+)
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.object_states import ObjectStates
 from tool0.engines.mujoco.objects import add_objects, compile_with, object_of
@@ -63,7 +74,7 @@ class MujocoEngine:
         self._contacts: tuple[int, tuple[Contact, ...]] = (0, ())
         """After how many steps they were read last, and what was read."""
         self._effort = [0.0] * len(self._joint_names)
-        self._have(scene or Scene())
+        self._have(scene or Scene(), {})
         n = len(self._joint_names)
         compiled = tuple(self.model.joint(i).name for i in range(self.model.njnt))
         if compiled[:n] != self._joint_names:
@@ -87,6 +98,8 @@ class MujocoEngine:
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
         """Put joints at ``position`` [rad | m] and objects where they began."""
+        if self._attached:
+            self._have(self._scene, {})
         mujoco.mj_resetData(self.model, self.data)
         self._objects.put_back()
         self._position[:] = position
@@ -136,7 +149,8 @@ class MujocoEngine:
                 f"there is an object '{item.name}' already; "
                 "delete it first, or take another name"
             )
-        self._succeed(Scene((*self._scene.objects, item), self._scene.locations))
+        scene = Scene((*self._scene.objects, item), self._scene.locations)
+        self._succeed(scene, self._attached)
         mujoco.mj_fwdPosition(self.model, self.data)  # changes no state
         self._warn_of_overlaps(of=item.name)
 
@@ -144,32 +158,59 @@ class MujocoEngine:
         """Take an object out of the scene, or raise EngineError."""
         self._objects.check_there(name)
         left = tuple(item for item in self._scene.objects if item.name != name)
-        self._succeed(Scene(left, self._scene.locations))
+        self._succeed(Scene(left, self._scene.locations), self._all_but(name))
 
     def place(self, state: ObjectState) -> None:
         """Put an object somewhere, moving so, or raise EngineError."""
+        self.detach(state.name)
         self._objects.place(state)
 
     def contacts(self) -> tuple[Contact, ...]:
         """Return the forces of the last step's contacts, one item for each pair."""
         if self._contacts[0] != self._steps:
-            found = read_contacts(self.model, self.data, self._geom_names)
-            self._contacts = (self._steps, found)
+            model, data = self.model, self.data
+            touches = itertools.chain(
+                read_contacts(model, data, self._geom_names),
+                attachment_touches(model, data, self._attached),
+            )
+            self._contacts = (self._steps, one_for_each_pair(touches))
         return self._contacts[1]
+
+    def attach(self, name: str, link: str) -> None:
+        """Fix a movable object to a link as it is now, or raise as the port says."""
+        self._robot.link(link)
+        self._objects.check_movable(name)
+        if name in self._attached:
+            raise EngineError(
+                f"object '{name}' is attached to '{self._attached[name].link}' "
+                "already; detach it first"
+            )
+        attachment = attachment_now(self.model, self.data, name, link)
+        self._succeed(self._scene, {**self._attached, name: attachment})
+
+    def detach(self, name: str) -> None:
+        """Let an object go; one that is attached to nothing is left alone."""
+        if name in self._attached:
+            self._succeed(self._scene, self._all_but(name))
 
     def close(self) -> None:
         """Nothing to end: MuJoCo lives inside the process."""
 
-    def _have(self, scene: Scene) -> None:
+    def _all_but(self, name: str) -> Mapping[str, Attachment]:
+        return {other: it for other, it in self._attached.items() if other != name}
+
+    def _have(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
         """Compile robot and scene, and look there from now on; or change nothing."""
         spec = self._bare.copy()
         add_objects(spec, self._robot, scene)
+        add_attachments(spec, attached)
         files = read_meshes(spec, self._mesh_files)
         model = compile_with(spec, scene)
         self.model, self.data = model, mujoco.MjData(model)
         self._geom_names = names_of_geoms(model)
         self._mesh_files = files
         self._scene = scene
+        self._attached = attached
         self._objects = ObjectStates(self.model, self.data, scene)
         # Views: the arrays of one MjData never move.  The robot's joints come first.
         n = len(self._joint_names)
@@ -178,11 +219,11 @@ class MujocoEngine:
         self._has_more = self.model.nv > n  # movable objects
         self._ctrl = memoryview(self.data.ctrl)
 
-    def _succeed(self, scene: Scene) -> None:
+    def _succeed(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
         """Have another scene; everything that stays goes on as it was."""
         model, data, objects = self.model, self.data, self._objects
         self.contacts()  # those of the new model know nothing of the last step
-        self._have(scene)
+        self._have(scene, attached)
         carry_over(model, data, self.model, self.data)
         self._objects.take_over(objects)
 

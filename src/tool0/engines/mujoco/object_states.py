@@ -101,6 +101,15 @@ class ObjectStates:
             hint = nearest_name(name, set(self.names))
             raise EngineError(f"there is no object '{name}'{hint}")
 
+    def check_movable(self, name: str) -> None:
+        """Raise EngineError unless there is an object ``name`` that has a mass."""
+        self.check_there(name)
+        if name not in self._starts:
+            raise EngineError(
+                f"object '{name}' has no mass and stands still; only what moves can "
+                "be attached"
+            )
+
     def _put(self, state: ObjectState) -> None:
         body = self._model.body(state.name)
         body.pos[:], body.quat[:] = state.position, state.quat_wxyz
