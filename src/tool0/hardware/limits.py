@@ -5,9 +5,9 @@ joint_limits_interface (ros_control noetic, ``joint_limits_interface.h``), the
 clamped, a joint beyond a position limit gets no effort outwards, one beyond its speed
 no effort that drives it on.  Two things differ, on purpose:
 
-* A drive whose rotor inertia is known gets no more effort than takes its rotor to the
-  speed limit within the step.  ROS switches the whole effort on and off there, and a
-  light joint then runs far above its limit on average.
+* A drive whose rotor inertia is known keeps to its speed by that
+  (``regulated_drive``).  ROS switches the whole effort on and off there, and a light
+  joint then runs far above its limit on average.
 * ``k_velocity = 0`` means "no soft limit on effort".  ROS takes it as a window of
   width zero, so that the UR description's own ``safety_limits:=true`` makes an
   effort-controlled arm limp.
@@ -16,11 +16,14 @@ no effort that drives it on.  Two things differ, on purpose:
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
 from tool0.description.model import JointLimits, SafetyController
+from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.joint_state import JointState
+from tool0.hardware.regulated_drive import RegulatedDrive
 
 STOP_TOLERANCE = 1e-4
 """How far into its stop a joint may rest before effort outwards ends [rad | m].
@@ -53,67 +56,88 @@ class EffortLimiter:
             for i, drive in zip(indices, drives, strict=True)
             if drive.soft is not None and drive.soft.k_velocity > 0.0
         ]
-        self._indices = {index: row for row, index in enumerate(indices)}
-        self._rows = [
-            _row(i, drive, drive.hard.effort, dt)
-            for i, drive in zip(indices, drives, strict=True)
-        ]
-        self._drives = tuple(drives)
+        self._drives = dict(zip(indices, drives, strict=True))
         self._dt = dt
+        self._bounds: dict[int, DriveBounds] = {}
+        self.restart()
 
-    def cap(self, index: int, effort: float | None) -> None:
-        """Bound the effort of a joint below its limit; None takes the bound away."""
-        row = self._indices[index]
-        drive = self._drives[row]
-        limit = drive.hard.effort
-        most = limit if effort is None else min(limit, effort)
-        self._rows[row] = _row(index, drive, most, self._dt)
+    @property
+    def bounds(self) -> Mapping[int, DriveBounds]:
+        """What bounds joints below their limits now, by index."""
+        return self._bounds
+
+    def bind(self, index: int, bounds: DriveBounds | None) -> None:
+        """Bound a joint below its limits; None takes the bounds away."""
+        if bounds == self._bounds.get(index):
+            return
+        if bounds is None:
+            del self._bounds[index]
+        else:
+            self._bounds[index] = bounds
+        drive = self._drives[index]
+        if index not in self._regulated:
+            self._regulated[index] = self._regulate(drive)
+        elif bounds is None and drive.armature == 0.0:
+            del self._regulated[index]
+        if index in self._regulated:
+            self._regulated[index].bounds = bounds
+        self._rows = list(self._saturated())
+
+    def restart(self) -> None:
+        """Take all bounds away, and forget how the rotors answered."""
+        self._bounds.clear()
+        self._regulated = {
+            i: self._regulate(drive)
+            for i, drive in self._drives.items()
+            if drive.armature > 0.0
+        }
+        self._rows = list(self._saturated())
 
     def saturate(
-        self, effort: list[float], position: list[float], velocity: list[float]
+        self, effort: list[float], state: JointState, load: Sequence[float]
     ) -> None:
-        """Bound ``effort`` [N·m | N] in place."""
-        for i, most, lower, upper, calm, speed, rotor in self._rows:
+        """Bound ``effort`` [N·m | N] in place.
+
+        ``load`` is what of it carries weight, as far as there are ``bounds``; both have
+        shape (n_joints,).
+        """
+        _, position, velocity, applied = state
+        for i, drive in self._regulated.items():
+            effort[i] = drive.bound(
+                effort[i],
+                applied=applied[i],
+                load=load[i],
+                position=position[i],
+                velocity=velocity[i],
+            )
+        for i, most, lower, upper, speed in self._rows:
             u = effort[i]
-            v = velocity[i]
             if (
                 -most <= u <= most
-                and -calm <= v <= calm
+                and -speed <= velocity[i] <= speed
                 and lower <= position[i] <= upper
             ):
                 continue  # as nearly always: nothing binds
             if u > 0.0:
-                u = min(u, most, max(0.0, (speed - v) * rotor))
-                if position[i] > upper or v > speed:
-                    u = 0.0
+                is_over = position[i] > upper or velocity[i] > speed
+                effort[i] = 0.0 if is_over else min(u, most)
             elif u < 0.0:
-                u = max(u, -most, min(0.0, -(speed + v) * rotor))
-                if position[i] < lower or v < -speed:
-                    u = 0.0
-            effort[i] = u
+                is_over = position[i] < lower or velocity[i] < -speed
+                effort[i] = 0.0 if is_over else max(u, -most)
         for i, hard, soft in self._soft:
             effort[i] = _soften(effort[i], position[i], velocity[i], hard, soft)
 
+    def _regulate(self, drive: DriveLimits) -> RegulatedDrive:
+        return RegulatedDrive(drive.hard, armature=drive.armature, dt=self._dt)
 
-def _row(
-    index: int, drive: DriveLimits, most: float, dt: float
-) -> tuple[int, float, float, float, float, float, float]:
-    """Return all that ``saturate`` needs of a joint.
-
-    The last three: the speed below which no effort can reach the speed limit within a
-    step, the speed limit, and the effort per speed that the rotor takes in a step.
-    """
-    hard = drive.hard
-    rotor = drive.armature / dt if drive.armature > 0.0 else math.inf
-    return (
-        index,
-        most,
-        hard.lower - STOP_TOLERANCE,
-        hard.upper + STOP_TOLERANCE,
-        max(0.0, hard.velocity - most / rotor),
-        hard.velocity,
-        rotor,
-    )
+    def _saturated(self) -> Iterator[tuple[int, float, float, float, float]]:
+        """Yield all that ``saturate`` needs of each joint."""
+        for i, drive in self._drives.items():
+            hard = drive.hard
+            # A regulated drive sees to its speed by itself.
+            speed = math.inf if i in self._regulated else hard.velocity
+            lower, upper = hard.lower - STOP_TOLERANCE, hard.upper + STOP_TOLERANCE
+            yield i, hard.effort, lower, upper, speed
 
 
 def velocity_window(

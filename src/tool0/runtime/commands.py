@@ -11,6 +11,7 @@ from tool0.control.goal import Goal
 from tool0.control.manager import Strictness
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.scene import SceneObject
+from tool0.hardware.drive_bounds import DriveBounds
 from tool0.hardware.engine import ObjectState
 
 
@@ -43,6 +44,8 @@ class FollowTrajectory:
 
     controller: str
     goal: TrajectoryGoal
+    bounds: Mapping[str, DriveBounds] = field(default_factory=dict)
+    """Joint → what bounds its drive until the joint's next goal."""
 
 
 @final
@@ -87,6 +90,8 @@ class CommandGripper:
     """[rad | m]"""
     max_effort: float | None = None
     """[N·m | N]; None takes the controller's own."""
+    bounds: DriveBounds | None = None
+    """What bounds the joint's drive until its next goal."""
 
 
 @final
@@ -160,15 +165,6 @@ class PlaceObject:
 
 
 @final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CapEffort:
-    """Bound a drive's effort below its limit; None takes the bound away."""
-
-    joint: str
-    effort: float | None
-
-
-@final
 @dataclass(frozen=True, slots=True)
 class SetPaused:
     paused: bool
@@ -224,7 +220,6 @@ CoreCommand = (
     | SpawnObject
     | DeleteObject
     | PlaceObject
-    | CapEffort
     | Reset
     | EmergencyStop
 )

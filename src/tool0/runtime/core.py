@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, final
 
 from tool0.control.forward_command import ForwardCommandController
@@ -13,7 +13,8 @@ from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
-from tool0.errors import ConfigError, ControlError, ModelError, nearest_name
+from tool0.errors import ConfigError, ControlError
+from tool0.hardware.drive_bounds import DriveBounds
 from tool0.hardware.engine import Engine
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
@@ -97,11 +98,13 @@ class Core:
                 name = command.controller
                 trajectory = self._drivable(name, JointTrajectoryController)
                 goal = trajectory.follow(command.goal, self.time)
+                self._bind(name, command.goal.joint_names, command.bounds)
                 return self._watch(goal)
             case ask.CommandTrajectory():
                 name = command.controller
                 trajectory = self._drivable(name, JointTrajectoryController)
                 trajectory.command(command.goal, self.time)
+                self._bind(name, command.goal.joint_names)
                 self._note_commanded(name)
             case ask.MoveJoints():
                 return self._move_joints(command)
@@ -111,11 +114,15 @@ class Core:
                 name = command.controller
                 gripper = self._drivable(name, GripperActionController)
                 position, effort = command.position, command.max_effort
-                return self._watch(gripper.command(position, effort, self.time))
+                goal = gripper.command(position, effort, self.time)
+                joint = gripper.spec.joint.name
+                self._bind(name, (joint,), {joint: command.bounds})
+                return self._watch(goal)
             case ask.CommandJoints():
                 name = command.controller
                 forward = self._drivable(name, ForwardCommandController)
                 forward.command(command.values)
+                self._bind(name)
                 self.manager.release_brakes(name, self.state)
                 self._note_commanded(name)
             case ask.CancelGoal(goal):
@@ -136,8 +143,6 @@ class Core:
                 self.surroundings.delete(name)
             case ask.PlaceObject(state):
                 self.surroundings.place(state)
-            case ask.CapEffort():
-                self._cap_effort(command.joint, command.effort)
             case ask.Reset():
                 self._reset(command.position, command.keep_time)
             case ask.EmergencyStop(engaged):
@@ -191,6 +196,8 @@ class Core:
                 trajectory, positions, speed=command.speed, now=self.time
             )
             planned.append((trajectory, plan))
+        for name, positions in moves.items():
+            self._bind(name, positions)
         return tuple(
             self._watch(trajectory.follow_plan(plan, self.time))
             for trajectory, plan in planned
@@ -203,7 +210,26 @@ class Core:
             trajectory, command.positions, speed=command.speed, now=self.time
         )
         trajectory.command_plan(plan, self.time)
+        self._bind(name, command.positions)
         self._note_commanded(name)
+
+    def _bind(
+        self,
+        controller: str,
+        joints: Collection[str] | None = None,
+        bounds: Mapping[str, DriveBounds | None] | None = None,
+    ) -> None:
+        """Bound the drives that a goal moves as it says, and lift what others said.
+
+        Args:
+            controller: Which took the goal.
+            joints: Those of its joints that the goal names; None for all.
+            bounds: Joint → what bounds its drive.
+        """
+        for _, claimed in self.manager.status(controller).claimed:
+            for joint in claimed:
+                if joints is None or joint in joints:
+                    self.hardware.bind(joint, (bounds or {}).get(joint))
 
     def _note_commanded(self, controller: str) -> None:
         for _, joints in self.manager.status(controller).claimed:
@@ -220,14 +246,6 @@ class Core:
         controller = self.manager.running(goal.controller)
         if isinstance(controller, JointTrajectoryController | GripperActionController):
             controller.cancel(goal, self.time)
-
-    def _cap_effort(self, joint: str, effort: float | None) -> None:
-        if joint not in self.hardware.interfaces:
-            hint = nearest_name(joint, list(self.hardware.interfaces))
-            raise ModelError(f"unknown driven joint '{joint}'{hint}")
-        if effort is not None and not 0.0 < effort < math.inf:
-            raise ControlError(f"effort must be above 0 and finite, got {effort}")
-        self.hardware.cap_effort(joint, effort)
 
     def _reset(self, position: Mapping[str, float], keep_time: bool) -> None:
         start = joint_positions(self._model, position, self._initial)

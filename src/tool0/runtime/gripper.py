@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, final
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError
+from tool0.hardware.drive_bounds import DriveBounds
 
 if TYPE_CHECKING:
     from tool0.runtime.handles import GoalHandle
@@ -39,75 +40,54 @@ class Gripper:
         *,
         opening: float,
         speed: float | None = None,
-        effort: float | None = None,
         force: float | None = None,
+        effort: float | None = None,
     ) -> GoalHandle:
         """Send the pads to ``opening`` and return the goal.
+
+        Speed and force are settings of the drive, as on the real gripper: they hold
+        until another goal moves its joint.
 
         Args:
             opening: Distance between the pads [m], 0 … ``geometry.max_opening``.
             speed: Of the pads towards each other [m/s], within ``geometry.speed``;
-                the fastest, if left out.  Needs a trajectory controller: a gripper
-                action knows no speed.
-            effort: Largest torque of the driven joint [N·m], as ``max_effort`` of
-                ROS's GripperCommand; what the drive can do, if left out.
-            force: Largest force at each pad [N], within ``geometry.force``, instead of
-                ``effort``.  It is what something of the width ``opening`` is gripped
-                with; the linkage's lever is shorter at wider openings, so something
-                wider is gripped harder: between the pads of a 2F-85 that are sent to
-                0, by 3 % at 40 mm and 31 % at 85 mm.
+                the fastest, if left out.
+            force: Largest force at each pad [N], within ``geometry.force``: with it
+                something in the way is gripped.  The strongest, if left out.
+            effort: Instead of a force the largest torque of the driven joint [N·m], as
+                ``max_effort`` of ROS's GripperCommand.
 
         Raises:
             ModelError: If ``opening`` is out of reach.
-            ControlError: If no running controller takes the command.
+            ControlError: If speed, force or effort are, or no running controller takes
+                the command; nothing has changed then.
         """
-        target = self.geometry.position(opening)
-        if force is not None:
-            effort = self._torque(force, target, effort)
-        joint = self.geometry.joint
-        for status in self._robot.controllers():
+        geometry, robot = self.geometry, self._robot
+        target, joint = geometry.position(opening), geometry.joint
+        speed = geometry.speed[1] if speed is None else speed
+        bounds = DriveBounds(
+            gripper=geometry,
+            speed=speed,
+            force=geometry.force[1] if force is None and effort is None else force,
+            effort=effort,
+        )
+        for status in robot.controllers():
             claimed = {name for _, joints in status.claimed for name in joints}
             if status.state != "running" or joint not in claimed:
                 continue
-            controller = self._robot.controller(status.name)
+            controller = robot.controller(status.name)
             if status.type.endswith("/GripperActionController"):
-                if speed is not None:
-                    raise ControlError(
-                        f"'{status.name}' is a {status.type}, which knows no speed; "
-                        "use a JointTrajectoryController, or leave speed out"
-                    )
-                return controller.command_gripper(target, effort)
+                most = robot.joint_limits[joint].effort if force is not None else effort
+                return controller.command_gripper(target, most, bounds=bounds)
             if status.type.endswith("/JointTrajectoryController"):
-                points = self._plan(opening, self._speed(speed))
-                _check_effort(effort)
-                goal = controller.follow(points, joint_names=[joint])
-                self._robot.cap_effort(joint, effort)  # not for a goal that is refused
-                return goal
+                points = self._plan(opening, speed)
+                return controller.follow(
+                    points, joint_names=[joint], bounds={joint: bounds}
+                )
         raise ControlError(
             f"no running controller drives '{joint}'; start a JointTrajectory"
             "Controller or a GripperActionController that claims it"
         )
-
-    def _torque(self, force: float, position: float, effort: float | None) -> float:
-        """Return what the joint needs [N·m] for ``force`` [N] where it is to go."""
-        if effort is not None:
-            raise ControlError(
-                f"give a force ({force} N) or an effort ({effort} N·m), not both"
-            )
-        weakest, strongest = self.geometry.force
-        if not weakest <= force <= strongest:
-            raise ControlError(f"force {force} N is outside [{weakest}, {strongest}] N")
-        return force * self.geometry.lever(position)
-
-    def _speed(self, speed: float | None) -> float:
-        slowest, fastest = self.geometry.speed
-        if speed is None:
-            return fastest
-        if not slowest <= speed <= fastest:
-            raise ControlError(
-                f"speed {speed} m/s is outside [{slowest}, {fastest}] m/s"
-            )
-        return speed
 
     def _plan(self, opening: float, speed: float) -> list[TrajectoryPoint]:
         """Return points along which the pads ramp up, cruise and ramp down.
@@ -129,11 +109,6 @@ class Gripper:
             qd = -math.copysign(rate, way) / self.geometry.lever(q)
             points.append(TrajectoryPoint([q], [qd], time_from_start=max(at, 1e-3 * k)))
         return points
-
-
-def _check_effort(effort: float | None) -> None:
-    if effort is not None and not 0.0 < effort < math.inf:
-        raise ControlError(f"effort must be above 0 and finite, got {effort}")
 
 
 def _ramped(done: float, way: float, ramp: float, speed: float) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from tool0.control.goal import Goal, GoalStatus, Result
 from tool0.control.tolerances import ToleranceOverride
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint, TrajectoryState
 from tool0.errors import GoalTimeoutError
+from tool0.hardware.drive_bounds import DriveBounds
 from tool0.runtime import commands as ask
 from tool0.runtime.joint_motion import import_planner
 from tool0.runtime.loop import Loop
@@ -93,6 +94,7 @@ class ControllerHandle:
         path_tolerance: Mapping[str, ToleranceOverride] | None = None,
         goal_tolerance: Mapping[str, ToleranceOverride] | None = None,
         goal_time_tolerance: float | None = None,
+        bounds: Mapping[str, DriveBounds] | None = None,
     ) -> GoalHandle:
         """Send a trajectory as a goal; no points stop the motion.
 
@@ -104,6 +106,7 @@ class ControllerHandle:
                 switches the check off.
             goal_tolerance: Largest error at the end, by joint [rad | m]; likewise.
             goal_time_tolerance: Grace after the last point [s]; likewise.
+            bounds: Joint → what bounds its drive until the joint's next goal.
 
         Raises:
             GoalRejectedError: If the controller refuses; what it does goes on.
@@ -116,10 +119,10 @@ class ControllerHandle:
             goal_tolerance=dict(goal_tolerance or {}),
             goal_time_tolerance=goal_time_tolerance,
         )
-        return GoalHandle(
-            self._loop.call(ask.FollowTrajectory(controller=self.name, goal=goal)),
-            self._loop,
+        command = ask.FollowTrajectory(
+            controller=self.name, goal=goal, bounds=dict(bounds or {})
         )
+        return GoalHandle(self._loop.call(command), self._loop)
 
     def command_trajectory(
         self,
@@ -170,11 +173,21 @@ class ControllerHandle:
         self._loop.call(command)
 
     def command_gripper(
-        self, position: float, max_effort: float | None = None
+        self,
+        position: float,
+        max_effort: float | None = None,
+        *,
+        bounds: DriveBounds | None = None,
     ) -> GoalHandle:
-        """Send a gripper goal, in joint units: [rad | m] and [N·m | N]."""
+        """Send a gripper goal, in joint units: [rad | m] and [N·m | N].
+
+        ``bounds`` are those of the joint's drive until its next goal.
+        """
         command = ask.CommandGripper(
-            controller=self.name, position=position, max_effort=max_effort
+            controller=self.name,
+            position=position,
+            max_effort=max_effort,
+            bounds=bounds,
         )
         return GoalHandle(self._loop.call(command), self._loop)
 
