@@ -1,0 +1,175 @@
+"""The robot's cameras: pictures of a snapshot, drawn in a thread of their own.
+
+Whatever engine steps, the picture is MuJoCo's.  It is made of snapshots alone, so it
+costs the tick nothing; a GL context belongs to one thread, so a thread draws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from threading import Lock
+from typing import TYPE_CHECKING, final
+
+from tool0.description.camera import Camera
+from tool0.description.kinematics import Transform
+from tool0.description.model import RobotModel
+from tool0.errors import RenderError, nearest_name
+from tool0.runtime.bus import Snapshot
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from tool0.engines.mujoco.rendering import Renderer
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CameraImage:
+    """What a camera saw."""
+
+    time: float
+    """Simulated time [s]."""
+    rgb: NDArray[np.uint8]
+    """Colours, shape (height, width, 3); the first row is the upper one."""
+    depth: NDArray[np.float32]
+    """Distance along the camera's z [m], shape (height, width), as REP-118 has it:
+    infinite where nothing is nearer than ``camera.far``."""
+    K: NDArray[np.float64]
+    """The intrinsics, shape (3, 3): ``Camera.intrinsics``."""
+    T_root_camera: Transform
+    """The optical frame in the robot's root."""
+
+
+@final
+class Cameras(Mapping[str, "CameraHandle"]):
+    """The cameras by name.  Any thread may use them."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        cameras: Mapping[str, Camera],
+        ground: float | None,
+        newest: Callable[[], Snapshot],
+    ) -> None:
+        """Nothing is drawn, and OpenGL is not looked for, until a picture is wanted.
+
+        Args:
+            model: The robot.
+            cameras: Its cameras, by name.
+            ground: Height of the ground [m], in the robot's root; None for none.
+            newest: Returns the state that a picture is made of, if nothing else is
+                wanted.
+        """
+        self._model = model
+        self._ground = ground
+        self._newest = newest
+        self._handles = {
+            name: CameraHandle(camera, self) for name, camera in cameras.items()
+        }
+        self._lock = Lock()
+        self._thread: ThreadPoolExecutor | None = None
+        self._renderer: Renderer | None = None  # the thread's own
+        self._is_closed = False
+
+    def __getitem__(self, name: str) -> CameraHandle:
+        return self._handles[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._handles)
+
+    def __len__(self) -> int:
+        return len(self._handles)
+
+    def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
+        """Return what ``camera`` sees; it need not be one of these.
+
+        Args:
+            camera: What looks.
+            snapshot: When; None for now.
+
+        Raises:
+            RenderError: If there is no OpenGL here, or the robot is closed.
+            ModelError: If MuJoCo cannot have an object that Gazebo has.
+        """
+        state = snapshot or self._newest()
+        with self._lock:
+            if self._is_closed:
+                raise RenderError("the robot is closed; its cameras see nothing")
+            if self._thread is None:
+                self._thread = ThreadPoolExecutor(1, "tool0 cameras")
+            drawn: Future[CameraImage] = self._thread.submit(self._draw, camera, state)
+        return drawn.result()
+
+    def close(self) -> None:
+        """End the thread, and give back what OpenGL holds; twice is allowed."""
+        with self._lock:
+            self._is_closed = True
+            thread, self._thread = self._thread, None
+        if thread is not None:
+            ended = thread.submit(self._end)
+            thread.shutdown()
+            ended.result()
+
+    def _draw(self, camera: Camera, state: Snapshot) -> CameraImage:
+        renderer = self._fitting(camera)
+        position = dict(zip(state.joint_names, state.position, strict=True))
+        rgb, depth, frame = renderer.render(
+            camera, position, state.scene, state.objects
+        )
+        return CameraImage(
+            time=state.time,
+            rgb=rgb,
+            depth=depth,
+            K=camera.intrinsics,
+            T_root_camera=frame,
+        )
+
+    def _fitting(self, camera: Camera) -> Renderer:
+        """Return the renderer, made or made anew if the picture is too large for it."""
+        from tool0.engines.mujoco.rendering import Renderer
+
+        old = self._renderer
+        if old is not None and old.holds(camera.width, camera.height):
+            return old
+        self._end()
+        sizes = (camera, *(handle.camera for handle in self._handles.values()))
+        self._renderer = Renderer(
+            self._model,
+            self._ground,
+            max(item.width for item in sizes),
+            max(item.height for item in sizes),
+        )
+        return self._renderer
+
+    def _end(self) -> None:
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class CameraHandle:
+    """One camera of a robot."""
+
+    camera: Camera
+    _cameras: Cameras
+
+    def image(self, snapshot: Snapshot | None = None) -> CameraImage:
+        """Return what it sees now, or saw at ``snapshot``.
+
+        Raises:
+            RenderError: If there is no OpenGL here, or the robot is closed.
+            ModelError: If MuJoCo cannot have an object that Gazebo has.
+        """
+        return self._cameras.render(self.camera, snapshot)
+
+
+def find_camera(cameras: Mapping[str, CameraHandle], name: str) -> CameraHandle:
+    """Return the camera ``name``, or raise RenderError."""
+    if name not in cameras:
+        raise RenderError(f"no camera '{name}'{nearest_name(name, list(cameras))}")
+    return cameras[name]
