@@ -51,9 +51,11 @@ GRIP_CONDIM = 4
 """Sliding and spinning friction: a pad is a patch, not a point."""
 IMPRATIO = 100.0
 MIMIC_SOLREF = (0.002, 1.0)
-"""As stiff as a step of 1 ms allows: mimic joints follow within the step, loops stay
-closed, and passive joints stand firm at their stops."""
+"""As stiff as a step of 1 ms allows: mimic joints follow within the step."""
 MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
+LINKAGE_SOLIMP = (0.999, 0.9999, 0.001, 0.5, 2.0)
+"""Impedance of loops and of stops of passive joints.  What presses there is hundreds of
+newtons on links of a few grams; with mimic's, loops would gape by a millimetre."""
 
 _VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
 
@@ -214,7 +216,7 @@ def _make_linkage(hinge: Any, joint: Joint) -> None:
     """Give ``hinge`` its spring, and a firm stop if it is passive."""
     if joint.passive:
         hinge.solref_limit = MIMIC_SOLREF
-        hinge.solimp_limit = MIMIC_SOLIMP
+        hinge.solimp_limit = LINKAGE_SOLIMP
     if joint.spring is not None:
         stiffness = joint.spring.stiffness
         linear = np.ndim(hinge.stiffness) == 0  # as damping
@@ -238,7 +240,7 @@ def _add_loop(spec: Any, loop: LoopJoint, bodies: tuple[MovingBody, ...]) -> Non
         name1=names[0],
         name2=names[1],
         solref=MIMIC_SOLREF,
-        solimp=MIMIC_SOLIMP,
+        solimp=LINKAGE_SOLIMP,
     )
 
 
