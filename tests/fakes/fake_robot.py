@@ -9,8 +9,10 @@ from typing import Any
 
 from tool0.control.goal import Goal, GoalResult, GoalStatus, GripperResult, Result
 from tool0.control.trajectory import TrajectoryPoint
-from tool0.description.model import ParallelGripper
-from tool0.errors import ControlError, GoalRejectedError, nearest_name
+from tool0.description.model import Box, Cylinder, Geometry, ParallelGripper, Pose
+from tool0.description.scene import SceneObject
+from tool0.errors import ControlError, EngineError, GoalRejectedError, nearest_name
+from tool0.hardware.engine import ObjectState
 
 ARM = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
 SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)
@@ -117,6 +119,33 @@ class FakeGripper:
         )
 
 
+TABLE = SceneObject(
+    name="table", geometry=Box(size=(0.5, 0.8, 0.04)), pose=Pose(xyz=(0.6, 0.0, 0.0))
+)
+CAN = SceneObject(
+    name="can", geometry=Cylinder(radius=0.03, length=0.1), mass=0.35, friction=0.5
+)
+
+
+class FakeScene:
+    def __init__(self, robot: "FakeRobot") -> None:
+        self._robot = robot
+
+    def add(self, item: str, shape: Geometry, /, **others: Any) -> SceneObject:
+        self._robot.calls.append(("add", (item, shape, others)))
+        return SceneObject(name=item, geometry=shape)
+
+    def remove(self, name: str) -> None:
+        if name not in (TABLE.name, CAN.name):
+            raise EngineError(f"there is no object '{name}'")
+        self._robot.calls.append(("remove", name))
+
+    def place(
+        self, name: str, position: Sequence[float], quat_wxyz: Sequence[float]
+    ) -> None:
+        self._robot.calls.append(("place", (name, position, quat_wxyz)))
+
+
 @dataclass
 class FakeRobot:
     """Goals end at once with ``outcome``; with None they stay active."""
@@ -132,6 +161,10 @@ class FakeRobot:
         return FakeGripper(self)
 
     @property
+    def scene(self) -> "FakeScene":
+        return FakeScene(self)
+
+    @property
     def snapshot(self) -> Any:
         return SimpleNamespace(
             is_paused=False,
@@ -139,6 +172,11 @@ class FakeRobot:
             real_time_factor=1.0,
             overruns=0,
             fault=None,
+            scene=(TABLE, CAN),
+            objects=(
+                ObjectState("table", TABLE.pose.xyz, (1.0, 0.0, 0.0, 0.0)),
+                ObjectState("can", (0.5, 0.25, -0.125), (0.0, 1.0, 0.0, 0.0)),
+            ),
         )
 
     @property

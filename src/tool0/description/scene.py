@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import final
 
+from tool0.description.camera import Camera
 from tool0.description.model import (
     Box,
     Cylinder,
@@ -98,6 +99,8 @@ class Scene:
         default_factory=dict, compare=False, repr=False
     )
     """Where the object of each name is written, for messages."""
+    cameras: tuple[Camera, ...] = ()
+    """What looks at them, besides the cameras that every robot has."""
 
     def __post_init__(self) -> None:
         seen: set[str] = set()
@@ -124,6 +127,8 @@ def check_geometry(geometry: Geometry, of: str) -> None:
     """Raise ConfigError unless there can be such a shape; ``of`` says whose it is."""
     match geometry:
         case Box(size=size):
+            if len(size) != 3:
+                raise ConfigError(f"the box {of} has three edges, got {len(size)}")
             _check_sizes("each edge of the box", of, size)
         case Cylinder(radius=radius, length=length):
             _check_sizes("radius and length of the cylinder", of, (radius, length))

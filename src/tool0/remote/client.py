@@ -23,6 +23,7 @@ from tool0.remote.address import (
     running_names,
     socket_path,
 )
+from tool0.remote.remote_scene import RemoteScene
 from tool0.remote.wire import (
     PROTOCOL,
     Json,
@@ -79,6 +80,7 @@ class RemoteRobot:
         self.name = name
         self.pid = int(hello["pid"])
         self.gripper: Final = RemoteGripper(self._wire)
+        self.scene: Final = RemoteScene(self._wire.call)
 
     def __enter__(self) -> RemoteRobot:
         return self

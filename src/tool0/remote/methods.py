@@ -12,6 +12,7 @@ from typing import Final
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.errors import ModelError, TransportError
 from tool0.remote.params import Params
+from tool0.remote.scene_methods import SCENE_CALLS
 from tool0.remote.served_robot import ServedGeometry, ServedGoal, ServedRobot
 from tool0.remote.wire import Json
 
@@ -137,7 +138,7 @@ def _point(item: Params) -> TrajectoryPoint:
         positions=item.numbers("positions"),
         velocities=item.optional_numbers("velocities"),
         accelerations=item.optional_numbers("accelerations"),
-        time_from_start=item.number("time_from_start", default=0.0),
+        time_from_start=item.number("time_from_start", 0.0),
     )
     item.finish()
     return point
@@ -187,6 +188,7 @@ CALLS: Final[dict[str, Callable[[ServedRobot, Params], Json]]] = {
     "sim.step": _step,
     "sim.reset": _reset,
     "sim.estop": _estop,
+    **SCENE_CALLS,
 }
 """Methods that are answered at once."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NoReturn, final
 
+from tool0.description.model import Vector3
 from tool0.errors import TransportError, nearest_name
 
 
@@ -35,8 +36,8 @@ class Params:
             self._refuse(key, value, "a whole number, 1 or more")
         return int(value)
 
-    def number(self, key: str, default: float) -> float:
-        return self._number(key, self._take(key, default))
+    def number(self, key: str, *default: float) -> float:
+        return self._number(key, self._take(key, *default))
 
     def optional_number(self, key: str) -> float | None:
         value = self._take(key, None)
@@ -59,6 +60,13 @@ class Params:
 
     def optional_numbers(self, key: str) -> tuple[float, ...] | None:
         return None if self._take(key, None) is None else self.numbers(key)
+
+    def vector(self, key: str, *default: Vector3) -> Vector3:
+        value = self._take(key, *default)
+        if not isinstance(value, (list, tuple)) or len(value) != 3:
+            self._refuse(key, value, "a list of three numbers")
+        x, y, z = (self._number(key, item) for item in value)
+        return x, y, z
 
     def number_by_name(self, key: str) -> Mapping[str, float] | None:
         value = self._take(key, None)

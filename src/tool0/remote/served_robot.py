@@ -7,6 +7,9 @@ from typing import Protocol
 
 from tool0.control.goal import GoalStatus, Result
 from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.model import Geometry
+from tool0.description.scene import RGBA, SceneObject
+from tool0.hardware.engine import ObjectState
 
 
 class ServedJoints(Protocol):
@@ -33,6 +36,11 @@ class ServedSnapshot(Protocol):
     def overruns(self) -> int: ...
     @property
     def fault(self) -> str | None: ...
+    @property
+    def scene(self) -> Sequence[SceneObject]: ...
+    @property
+    def objects(self) -> Sequence[ObjectState]:
+        """Where what is around it is, in the order of ``scene``."""
 
 
 class ServedStatus(Protocol):
@@ -98,6 +106,27 @@ class ServedGripper(Protocol):
     ) -> ServedGoal: ...
 
 
+class ServedScene(Protocol):
+    """What is around the robot."""
+
+    def add(
+        self,
+        item: str,
+        shape: Geometry,
+        /,
+        *,
+        xyz: Sequence[float] = ...,
+        rpy: Sequence[float] = ...,
+        mass: float | None = ...,
+        friction: float = ...,
+        rgba: RGBA | None = ...,
+    ) -> SceneObject: ...
+    def remove(self, name: str) -> None: ...
+    def place(
+        self, name: str, position: Sequence[float], quat_wxyz: Sequence[float]
+    ) -> None: ...
+
+
 class ServedRobot(Protocol):
     """A robot that runs in this process."""
 
@@ -111,6 +140,8 @@ class ServedRobot(Protocol):
     def joint_state(self) -> ServedJoints: ...
     @property
     def gripper(self) -> ServedGripper: ...
+    @property
+    def scene(self) -> ServedScene: ...
     def controllers(self) -> Sequence[ServedStatus]: ...
     def controller(self, name: str) -> ServedController: ...
     def load(self, name: str) -> None: ...

@@ -8,7 +8,7 @@ from typing import final, overload
 
 from tool0.description.kinematics import Transform
 from tool0.description.mesh_files import mesh
-from tool0.description.model import Geometry, Pose, Vector3
+from tool0.description.model import Geometry, Pose
 from tool0.description.motion import from_quaternion
 from tool0.description.scene import (
     DEFAULT_FRICTION,
@@ -22,7 +22,7 @@ from tool0.hardware.engine import ObjectState
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Snapshot
 from tool0.runtime.loop import Loop
-from tool0.runtime.surroundings import object_state
+from tool0.runtime.surroundings import object_state, three_numbers
 
 
 @final
@@ -77,8 +77,8 @@ class SceneHandle:
         shape: Geometry | Path | str,
         /,
         *,
-        xyz: Vector3 = ...,
-        rpy: Vector3 = ...,
+        xyz: Sequence[float] = ...,
+        rpy: Sequence[float] = ...,
         mass: float | None = ...,
         friction: float = ...,
         rgba: RGBA | None = ...,
@@ -90,8 +90,8 @@ class SceneHandle:
         shape: Geometry | Path | str | None = None,
         /,
         *,
-        xyz: Vector3 = (0.0, 0.0, 0.0),
-        rpy: Vector3 = (0.0, 0.0, 0.0),
+        xyz: Sequence[float] = (0.0, 0.0, 0.0),
+        rpy: Sequence[float] = (0.0, 0.0, 0.0),
         mass: float | None = None,
         friction: float = DEFAULT_FRICTION,
         rgba: RGBA | None = None,
@@ -113,6 +113,7 @@ class SceneHandle:
 
         Raises:
             ConfigError: If there can be no such object, or it has the name of a link.
+            ControlError: If xyz or rpy has another number of parts than three.
             DescriptionError: If there is no such mesh.
             ModelError: If the engine cannot have such an object.
             EngineError: If an object has this name, or the engine refuses.
@@ -123,7 +124,10 @@ class SceneHandle:
             item = SceneObject(
                 name=item,
                 geometry=mesh(shape) if isinstance(shape, (str, Path)) else shape,
-                pose=Pose(xyz=xyz, rpy=rpy),
+                pose=Pose(
+                    xyz=three_numbers(item, "position", xyz),
+                    rpy=three_numbers(item, "rpy", rpy),
+                ),
                 mass=mass,
                 friction=friction,
                 rgba=rgba or self._usual_rgba(mass),

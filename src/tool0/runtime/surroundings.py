@@ -70,14 +70,15 @@ def object_state(
     """Return the state that a person wrote in any kind of sequence."""
     return ObjectState(
         name,
-        _three(name, "position", position),
+        three_numbers(name, "position", position),
         _quaternion(name, quat_wxyz),
-        _three(name, "linear velocity", linear),
-        _three(name, "angular velocity", angular),
+        three_numbers(name, "linear velocity", linear),
+        three_numbers(name, "angular velocity", angular),
     )
 
 
-def _three(name: str, what: str, values: Sequence[float]) -> Vector3:
+def three_numbers(name: str, what: str, values: Sequence[float]) -> Vector3:
+    """Return what a person wrote of an object, or raise ControlError."""
     if len(values) != 3:
         raise ControlError(
             f"the {what} of object '{name}' has three parts, got {len(values)}"

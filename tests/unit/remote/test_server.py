@@ -273,6 +273,9 @@ def test_every_method_can_be_called(robot: FakeRobot, visitor: Visitor) -> None:
         "controller.query_state": {"controller": "arm_controller"},
         "controller.follow": FOLLOW,
         "gripper.move": {"opening": 0.04},
+        "scene.add": {"name": "a", "kind": "sphere", "radius": 0.1},
+        "scene.remove": {"name": "can"},
+        "scene.place": {"name": "can", "xyz": [1, 2, 3]},
     }
     for method in (*CALLS, *GOALS):
         answer = visitor.ask(method, **params.get(method, {}))

@@ -97,6 +97,10 @@ def test_what_cannot_be_is_refused(robot: tool0.Robot) -> None:
         robot.scene.add("x", BOX, mass=-1.0)
     with pytest.raises(ConfigError, match="has the name of a link"):
         robot.scene.add("tool0", BOX)
+    with pytest.raises(ControlError, match="the rpy of object 'x' has three parts"):
+        robot.scene.add("x", BOX, rpy=[0.1])
+    with pytest.raises(ConfigError, match="the box of object 'x' has three edges"):
+        robot.scene.add("x", Box(size=(1.0, 2.0)))  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="'x' needs a shape"):
         robot.scene.add("x")  # type: ignore[call-overload]
     for look in (robot.scene.pose, robot.scene.__getitem__):

@@ -1,0 +1,195 @@
+"""``tool0 scene``: the objects around the robot of a running bringup."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from tool0.cli.connection import Bringup
+from tool0.cli.text import columns
+from tool0.description.mesh_files import mesh as mesh_in
+from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.motion import from_quaternion, to_pose
+from tool0.description.scene import DEFAULT_FRICTION
+from tool0.errors import ConfigError
+
+if TYPE_CHECKING:
+    from tool0.remote.remote_scene import RemoteObject
+
+Three = tuple[float, float, float]
+Name = Annotated[str, tyro.conf.Positional]
+_DEFAULT = Bringup()
+_ZERO: Three = (0.0, 0.0, 0.0)
+
+
+def run(command: str, arguments: list[str]) -> int:
+    """Run the command and return its exit status."""
+    tyro.extras.subcommand_cli_from_dict(
+        {"list": show, "add": add, "remove": remove, "place": place},
+        prog=f"tool0 {command}",
+        description="List, add, remove or place objects around the robot.",
+        args=arguments,
+        config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
+    )
+    return 0
+
+
+def show(
+    *,
+    as_json: Annotated[bool, tyro.conf.arg(name="json")] = False,
+    bringup: Bringup = _DEFAULT,
+) -> None:
+    """List the objects: what they are and where.
+
+    Positions are in the robot's root [m], roll pitch yaw in degrees.
+
+    Args:
+        as_json: Print one JSON object, in metres and with quaternions.
+        bringup: Which bringup.
+    """
+    with bringup.connect() as robot:
+        found = robot.scene.list()
+    if as_json:
+        rows = [_plain(item) for item in found]
+        print(json.dumps({"objects": rows}))
+    else:
+        head = ("name", "shape", "mass", "x y z [m]", "roll pitch yaw [deg]")
+        print(columns([head, *map(_row, found)]), end="")
+
+
+def add(
+    name: Name,
+    *,
+    box: Three | None = None,
+    cylinder: tuple[float, float] | None = None,
+    sphere: float | None = None,
+    mesh: Path | None = None,
+    scale: float = 1.0,
+    xyz: Three = _ZERO,
+    rpy: Three = _ZERO,
+    mass: float | None = None,
+    friction: float = DEFAULT_FRICTION,
+    rgba: tuple[float, float, float, float] | None = None,
+    bringup: Bringup = _DEFAULT,
+) -> None:
+    """Add an object, at rest.
+
+    Args:
+        name: What it is to be called.
+        box: Its edges along x, y, z [m].
+        cylinder: Its radius and its length along z [m].
+        sphere: Its radius [m].
+        mesh: Its STL or OBJ file.
+        scale: What the mesh's lengths are multiplied by to be metres.
+        xyz: Where its origin is to be, in the robot's root [m].
+        rpy: How it is to be turned there, roll pitch yaw [rad].
+        mass: Its mass [kg]; without one it stands still.
+        friction: Its coefficient of friction.
+        rgba: Its colour, each within 0 … 1.
+        bringup: Which bringup.
+    """
+    shape = _shape(box, cylinder, sphere, mesh, scale)
+    with bringup.connect() as robot:
+        robot.scene.add(
+            name, shape, xyz=xyz, rpy=rpy, mass=mass, friction=friction, rgba=rgba
+        )
+
+
+def remove(
+    names: Annotated[tuple[str, ...], tyro.conf.Positional],
+    bringup: Bringup = _DEFAULT,
+) -> None:
+    """Remove objects.
+
+    Args:
+        names: The objects.
+        bringup: Which bringup.
+    """
+    if not names:
+        raise ConfigError("name at least one object; see `tool0 scene list`")
+    with bringup.connect() as robot:
+        for name in names:
+            robot.scene.remove(name)
+
+
+def place(
+    name: Name, *, xyz: Three, rpy: Three = _ZERO, bringup: Bringup = _DEFAULT
+) -> None:
+    """Put an object somewhere at once, at rest.
+
+    Args:
+        name: The object.
+        xyz: Where its origin is to be, in the robot's root [m].
+        rpy: How it is to be turned there, roll pitch yaw [rad].
+        bringup: Which bringup.
+    """
+    with bringup.connect() as robot:
+        robot.scene.place(name, xyz, rpy)
+
+
+def _shape(
+    box: Three | None,
+    cylinder: tuple[float, float] | None,
+    sphere: float | None,
+    mesh: Path | None,
+    scale: float,
+) -> Geometry:
+    shapes: list[Geometry] = []
+    if box is not None:
+        shapes.append(Box(size=box))
+    if cylinder is not None:
+        shapes.append(Cylinder(radius=cylinder[0], length=cylinder[1]))
+    if sphere is not None:
+        shapes.append(Sphere(radius=sphere))
+    if mesh is not None:
+        shapes.append(mesh_in(mesh, scale))
+    if len(shapes) != 1:
+        raise ConfigError(
+            f"give one shape, --box, --cylinder, --sphere or --mesh; got {len(shapes)}"
+        )
+    return shapes[0]
+
+
+def _row(item: RemoteObject) -> tuple[str, ...]:
+    pose = to_pose(from_quaternion(item.state.position, item.state.quat_wxyz))
+    return (
+        item.name,
+        _told(item.shape),
+        "still" if item.mass is None else f"{item.mass:g} kg",
+        " ".join(_signed(part, 4) for part in pose.xyz),
+        " ".join(_signed(math.degrees(part), 1) for part in pose.rpy),
+    )
+
+
+def _signed(value: float, digits: int) -> str:
+    """Return a rounded number with its sign; what is rounded to 0 has a plus."""
+    return f"{round(value, digits) + 0.0:+.{digits}f}"
+
+
+def _told(shape: Geometry) -> str:
+    match shape:
+        case Box(size=(x, y, z)):
+            return f"box {x:g} x {y:g} x {z:g}"
+        case Cylinder(radius=radius, length=length):
+            return f"cylinder {radius:g} x {length:g}"
+        case Sphere(radius=radius):
+            return f"sphere {radius:g}"
+        case Mesh(path=path):
+            return f"mesh {path.name}"
+
+
+def _plain(item: RemoteObject) -> dict[str, object]:
+    from tool0.remote.shape_json import shape_to_json
+
+    return {
+        "name": item.name,
+        "shape": shape_to_json(item.shape),
+        "mass": item.mass,
+        "friction": item.friction,
+        **{key: value for key, value in asdict(item.state).items() if key != "name"},
+    }
