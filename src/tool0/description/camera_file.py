@@ -11,6 +11,7 @@ turned, and by ``up`` what is to point up in the picture then::
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from tool0.description.camera import Camera, looking
 from tool0.description.model import Pose
@@ -44,8 +45,10 @@ def read_cameras(entries: Iterable[Entry]) -> tuple[Camera, ...]:
 def _camera(entry: Entry) -> Camera:
     values = Namespace.of(entry)
     values.only("name", "link", "pose", *_PIXELS, *_NUMBERS)
-    numbers = {key: values.number(key) for key in _NUMBERS if values.find(key)}
-    pixels = {key: _count(values, key) for key in _PIXELS if values.find(key)}
+    given: dict[str, Any] = {  # keywords of two types
+        **{key: values.number(key) for key in _NUMBERS if values.find(key)},
+        **{key: _count(values, key) for key in _PIXELS if values.find(key)},
+    }
     name = values.text("name")
     link = values.text("link") if values.find("link") else None
     try:
@@ -54,8 +57,7 @@ def _camera(entry: Entry) -> Camera:
             link=link,
             pose=_pose(values),
             location=entry.location,
-            **pixels,
-            **numbers,
+            **given,
         )
     except ConfigError as error:
         if error.location is not None:

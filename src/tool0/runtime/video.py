@@ -1,0 +1,155 @@
+"""Writes MP4 files that every browser plays: H.264, by PyAV."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Final, final
+
+from tool0.errors import ConfigError, RenderError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+_ENCODERS: Final = ("libx264", "libopenh264")
+"""Of H.264, the better one first; PyAV's wheels have both."""
+_OPTIONS: Final = {"libx264": {"crf": "20", "preset": "fast"}}
+_BITS_A_PIXEL: Final = 0.15
+"""For the encoder that takes no quality; generous for smooth surfaces."""
+
+
+def require_encoder(path: Path | str) -> None:
+    """See that a video can be written there, before the work of minutes is in vain.
+
+    Raises:
+        RenderError: If there is no encoder.
+        ConfigError: If the file cannot be written.
+    """
+    _encoder()
+    _check_writable(Path(path))
+
+
+@final
+class VideoWriter:
+    """Writes pictures as one video.  A context manager.
+
+    What was written before an error is a whole video nevertheless.
+    """
+
+    def __init__(
+        self, path: Path | str, width: int, height: int, fps: float = 30.0
+    ) -> None:
+        """Begin the file; one that is there is replaced.
+
+        Args:
+            path: The file, an MP4 whatever its name.
+            width: Of each picture [pixels]; even, for the colours have half as many.
+            height: Of each picture [pixels]; even.
+            fps: Pictures a second, 1 … 1000.
+
+        Raises:
+            RenderError: If there is no encoder.
+            ConfigError: If the file cannot be written, or there is no such video.
+        """
+        if not (width >= 2 and height >= 2 and width % 2 == height % 2 == 0):
+            raise ConfigError(
+                "width and height of a video must be even, 2 pixels or more, "
+                f"got {width} x {height}"
+            )
+        if not 1.0 <= fps <= 1000.0:
+            raise ConfigError(f"a video needs 1 … 1000 pictures a second, got {fps:g}")
+        self._path = Path(path)
+        self._shape = (height, width, 3)
+        encoder = _encoder()
+        _check_writable(self._path)
+        import av
+
+        self._av: Any = av  # its parts are typed loosely
+        self._container = av.open(
+            str(self._path), "w", format="mp4", options={"movflags": "+faststart"}
+        )
+        stream: Any = self._container.add_stream(
+            encoder, Fraction(fps).limit_denominator(1001)
+        )
+        stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+        stream.options = _OPTIONS.get(encoder, {})
+        if encoder not in _OPTIONS:
+            stream.bit_rate = int(_BITS_A_PIXEL * width * height * fps)
+        self._stream: Any = stream
+
+    def write(self, rgb: NDArray[np.uint8]) -> None:
+        """Add a picture, shape (height, width, 3), 0 … 255.
+
+        Raises:
+            ConfigError: If it has another shape or type.
+            RenderError: If it cannot be encoded, or the disk is full.
+        """
+        if rgb.shape != self._shape or rgb.dtype != "uint8":
+            raise ConfigError(
+                f"this video's pictures have shape {self._shape} and type uint8, "
+                f"got {rgb.shape} and {rgb.dtype}"
+            )
+        self._encode(self._av.VideoFrame.from_ndarray(rgb, format="rgb24"))
+
+    def close(self) -> None:
+        """Finish the file; closing twice is allowed."""
+        if self._stream is None:
+            return
+        try:
+            self._encode(None)
+        finally:
+            self._stream = None
+            self._container.close()
+
+    def __enter__(self) -> VideoWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _encode(self, frame: Any) -> None:
+        """Encode a frame; None is what ends the stream."""
+        if self._stream is None:
+            raise RenderError(f"{self._path} is closed already")
+        try:
+            self._container.mux(self._stream.encode(frame))
+        except (self._av.error.FFmpegError, OSError) as error:
+            raise RenderError(f"{self._path} cannot be written: {error}") from error
+
+
+def _encoder() -> str:
+    try:
+        from av.codec import codecs_available
+    except ImportError as error:
+        raise RenderError(
+            f"a video needs PyAV, which cannot be imported ({error}); "
+            "`pip install 'tool0[video]'` brings it"
+        ) from error
+    for name in _ENCODERS:
+        if name in codecs_available:
+            return name
+    raise RenderError(
+        f"this PyAV has no encoder of H.264: {' or '.join(_ENCODERS)}; "
+        "`pip install --force-reinstall av` brings one that has"
+    )
+
+
+def _check_writable(path: Path) -> None:
+    """Raise ConfigError if there can be no such file; leave what is there."""
+    is_new = not path.exists()
+    try:
+        with path.open("ab"):
+            pass
+        if is_new:
+            path.unlink()
+    except OSError as error:
+        raise ConfigError(
+            f"the video {path} cannot be written: {error.strerror}"
+        ) from error
