@@ -71,6 +71,9 @@ class RegulatedDrive:
         held_back = 0.0
         if before is not None:
             held_back = applied - (velocity - before) * self._rotor
-        if effort > 0.0:
-            return min(effort, max(0.0, (speed - velocity) * self._rotor + held_back))
-        return max(effort, min(0.0, held_back - (speed + velocity) * self._rotor))
+        # To slow down, it lets go, but never of the weight.
+        if effort > load:
+            room = (speed - velocity) * self._rotor + held_back
+            return min(effort, max(room, min(0.0, load)))
+        room = held_back - (speed + velocity) * self._rotor
+        return max(effort, min(room, max(0.0, load)))
