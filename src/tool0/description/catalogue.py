@@ -101,6 +101,11 @@ def assemble(
     _check("meshes", str(args.get("meshes") or MESHES[0]), MESHES)
     gripper_model = str(args.get("gripper_model") or GRIPPER_MODELS[0])
     _check("gripper model", gripper_model, GRIPPER_MODELS)
+    if gripper == NO_GRIPPER and gripper_model != GRIPPER_MODELS[0]:
+        raise DescriptionError(
+            f"gripper_model {gripper_model} is of a gripper, and there is none; "
+            f"name a gripper ({', '.join(grippers())}), or leave gripper_model out"
+        )
     path = _package() / "urdf" / "ur_robotiq.urdf.xacro"
     given = {
         key: _to_text(key, value) for key, value in args.items() if value is not None

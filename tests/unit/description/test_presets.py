@@ -1,3 +1,4 @@
+import itertools
 from pathlib import Path
 
 import pytest
@@ -86,13 +87,18 @@ def test_a_prefix_reaches_every_joint_and_moves_no_line(file: str) -> None:
     assert text.replace("left_", "") == plain
 
 
+ROBOTS = [
+    *itertools.product(arms(), [*grippers(), None], ["mimic"]),
+    (arms()[0], grippers()[0], "linkage"),
+]
+
+
 @pytest.mark.parametrize("prefix", ["", "left_"])
-@pytest.mark.parametrize("gripper", [*grippers(), None])
-@pytest.mark.parametrize("arm", arms())
+@pytest.mark.parametrize(("arm", "gripper", "gripper_model"), ROBOTS)
 def test_what_moves_or_is_seen_has_a_name_for_people(
-    arm: str, gripper: str | None, prefix: str
+    arm: str, gripper: str | None, gripper_model: str, prefix: str
 ) -> None:
-    description = assemble(arm, gripper, prefix=prefix)
+    description = assemble(arm, gripper, prefix=prefix, gripper_model=gripper_model)
     model, names = description.model, part_names(description)
     seen = {link.name for link in model.links if link.visuals}
     assert names.keys() >= seen | {joint.name for joint in model.movable_joints}

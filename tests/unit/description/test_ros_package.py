@@ -30,6 +30,7 @@ def ament(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         {},
         {"gripper": "none", "safety_limits": "true"},
+        {"gripper_model": "linkage"},
         {
             "prefix": "left_",
             "physical_params": str(

@@ -132,6 +132,8 @@ class RobotFacts:
     gearboxes: tuple[GearboxFacts, ...] = ()
     ros2_joints: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Joints of <ros2_control>, with their command interfaces."""
+    passive_joints: frozenset[str] = frozenset()
+    """Joints that a loop holds and no gearbox shall: <passive_joint>, tool0's own."""
     unmerged: frozenset[str] = frozenset()
     """Fixed joints whose links Gazebo is told to keep apart."""
     has_extensions: bool = False
@@ -207,6 +209,9 @@ def facts_of(root: LocatedElement | Element) -> RobotFacts:
         ),
         gearboxes=tuple(_gearboxes(extensions)),
         ros2_joints=_ros2_joints(root),
+        passive_joints=frozenset(
+            attribute(element, "name") for element in children(root, "passive_joint")
+        ),
         unmerged=frozenset(
             attribute(extension, "reference")
             for extension in extensions

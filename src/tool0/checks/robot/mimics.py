@@ -94,7 +94,7 @@ def _loose(facts: RobotFacts) -> Iterator[Finding]:
     geared = {
         body.get(link) for box in facts.gearboxes for link in (box.parent, box.child)
     }
-    held = facts.mimic_plugin_joints | facts.driven_joints
+    held = facts.mimic_plugin_joints | facts.driven_joints | facts.passive_joints
     for joint in facts.joints.values():
         if joint.mimic_of is None or not joint.is_movable or joint.name in held:
             continue

@@ -30,6 +30,11 @@ def test_a_gearbox_holds_it() -> None:
     assert check(DRIVEN, follower("finger", "hinge"), gearbox("finger_link")) == []
 
 
+def test_a_passive_joint_shall_swing() -> None:
+    passive = '<passive_joint name="finger"/>'
+    assert check(DRIVEN, follower("finger", "hinge"), passive) == []
+
+
 def test_a_gearbox_between_bodies_that_are_not_there() -> None:
     parts = (DRIVEN, follower("finger", "hinge"))
     assert rules(check(*parts, gearbox("fingerlink"))) == [
