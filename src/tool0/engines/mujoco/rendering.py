@@ -27,6 +27,12 @@ from tool0.hardware.engine import ObjectState
 GEOMS_MOST = 10000
 """Shapes in one picture; MuJoCo leaves out what is beyond."""
 
+_COSTLY = [  # and without influence on the depth
+    mujoco.mjtRndFlag.mjRND_SHADOW.value,
+    mujoco.mjtRndFlag.mjRND_SKYBOX.value,
+    mujoco.mjtRndFlag.mjRND_HAZE.value,
+]
+
 Picture = tuple[NDArray[np.uint8], NDArray[np.float32], Transform]
 
 
@@ -49,12 +55,17 @@ class Renderer:
             RenderError: If there is no OpenGL here.
         """
         self._robot = model
+        self._size = width, height
         self._bare = build_spec(model, dt=0.001, visuals=True, ground=ground)
         _furnish(self._bare, width, height)
         self._mesh_files: Mapping[str, bytes] = {}
         self._objects: tuple[SceneObject, ...] | None = None
         self._context = make_context(width, height)
-        self._drawing: Any = None  # MuJoCo's MjrContext
+        self._drawings: list[Any] = []  # MuJoCo's MjrContext, untyped
+
+    def holds(self, width: int, height: int) -> bool:
+        """Return whether there is room for such a picture [pixels]."""
+        return width <= self._size[0] and height <= self._size[1]
 
     def render(
         self,
@@ -102,24 +113,32 @@ class Renderer:
         self._forget()
         self._model, self._data = model, mujoco.MjData(model)
         self._mesh_files = files
-        self._drawing = mujoco.MjrContext(
-            model, mujoco.mjtFontScale.mjFONTSCALE_100.value
-        )
-        # Reverse depth: most exact far away, where numbers near 1 would be coarse.
-        self._drawing.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
-        mujoco.mjr_setBuffer(
-            mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing
-        )
+        self._painting = self._make_drawing(samples=4)
+        # Of several samples in a pixel, the depth would be that of one off its middle.
+        self._sounding = self._make_drawing(samples=0)
+        # From 1 at near to 0 at far: exact far away, too, where floats are dense.
+        self._sounding.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
         self._visible = mujoco.MjvScene(model, maxgeom=GEOMS_MOST)
         self._options = mujoco.MjvOption()
         self._options.geomgroup[:] = [1, 1, 1, 0, 0, 0]  # no collision shapes
         self._options.sitegroup[:] = 0
         self._objects = objects
 
+    def _make_drawing(self, samples: int) -> Any:
+        """Return MuJoCo's MjrContext, with ``samples`` in each pixel."""
+        self._model.vis.quality.offsamples = samples
+        drawing = mujoco.MjrContext(
+            self._model, mujoco.mjtFontScale.mjFONTSCALE_100.value
+        )
+        self._drawings.append(drawing)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, drawing)
+        return drawing
+
     def _forget(self) -> None:
-        if self._drawing is not None:
-            self._drawing.free()
-            self._drawing = self._objects = None
+        for drawing in self._drawings:
+            drawing.free()
+        self._drawings.clear()
+        self._objects = None
 
     def _pose(
         self, position: Mapping[str, float], states: Sequence[ObjectState]
@@ -172,8 +191,13 @@ class Renderer:
         viewport = mujoco.MjrRect(0, 0, camera.width, camera.height)
         rgb = np.empty((camera.height, camera.width, 3), np.uint8)
         depth = np.empty((camera.height, camera.width), np.float32)
-        mujoco.mjr_render(viewport, self._visible, self._drawing)
-        mujoco.mjr_readPixels(rgb, depth, viewport, self._drawing)
+        effects = self._visible.flags
+        effects[_COSTLY] = 1
+        mujoco.mjr_render(viewport, self._visible, self._painting)
+        mujoco.mjr_readPixels(rgb, None, viewport, self._painting)
+        effects[_COSTLY] = 0
+        mujoco.mjr_render(viewport, self._visible, self._sounding)
+        mujoco.mjr_readPixels(None, depth, viewport, self._sounding)
         near, far = camera.near, camera.far
         # 1 at near, 0 at far, and linear in 1 / z between.
         with np.errstate(divide="ignore"):
@@ -187,14 +211,15 @@ def _furnish(spec: Any, width: int, height: int) -> None:
     """Add light and sky, and room for pictures of this size."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.shadowsize = 2048
-    spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
-    spec.visual.headlight.diffuse = [0.3, 0.3, 0.3]
+    spec.visual.headlight.ambient = [0.38, 0.38, 0.38]
+    spec.visual.headlight.diffuse = [0.32, 0.32, 0.32]
     spec.visual.headlight.specular = [0.1, 0.1, 0.1]
     spec.worldbody.add_light(
-        pos=[0.3, -0.6, 3.0],
-        dir=[0.05, 0.2, -1.0],
+        pos=[-0.4, -1.0, 4.0],
+        dir=[0.15, 0.25, -1.0],
         cutoff=60.0,
-        diffuse=[0.6, 0.6, 0.6],
+        exponent=1.0,
+        diffuse=[0.5, 0.5, 0.5],
         specular=[0.2, 0.2, 0.2],
     )
     sky = spec.add_texture(name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX)
