@@ -2,7 +2,8 @@
 
 Tool0Error
 ├── ModelError                  parameters no robot could have
-│   └── LimitsError
+│   ├── LimitsError
+│   └── UnreachableError        a pose that the arm cannot take
 ├── DescriptionError            XML, YAML parameters or meshes unreadable
 ├── ConfigError                 key unknown, missing or out of range
 ├── EngineError
@@ -58,6 +59,10 @@ class ModelError(_LocatedError):
 
 class LimitsError(ModelError):
     """Joint limits that contradict each other."""
+
+
+class UnreachableError(ModelError):
+    """A pose that the arm cannot take, or a line that it cannot follow."""
 
 
 class DescriptionError(_LocatedError):

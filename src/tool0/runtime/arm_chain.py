@@ -1,0 +1,157 @@
+"""The six joints of an arm, and where they carry its flange: many postures at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.description.kinematics import Transform, to_transform
+from tool0.description.model import Joint, JointType, RobotModel
+from tool0.errors import ControlError
+
+Array = NDArray[np.float64]
+
+FLANGE = "tool0"
+"""How the link at the end of an arm is called, after a prefix (REP-199)."""
+N_JOINTS = 6
+
+
+class Posture(NamedTuple):
+    """What postures do to the flange, in the frame of the link that carries the arm."""
+
+    T_base_tip: Array
+    """Shape (n, 4, 4)."""
+    axes: Array
+    """The joints' axes, unit vectors, shape (n, 6, 3)."""
+    points: Array
+    """A point on each axis [m], shape (n, 6, 3)."""
+
+    @property
+    def jacobian(self) -> Array:
+        """V_base_tip per joint velocity, linear above angular, shape (n, 6, 6)."""
+        lever = self.T_base_tip[:, None, :3, 3] - self.points
+        columns = np.concatenate([np.cross(self.axes, lever), self.axes], axis=2)
+        return columns.swapaxes(1, 2)
+
+
+@final
+class ArmChain:
+    """Six turning joints from the link that carries an arm to its flange."""
+
+    def __init__(self, model: RobotModel, tip: str, joints: Sequence[Joint]) -> None:
+        """Take the chain.
+
+        Args:
+            model: The robot.
+            tip: The link at the end.
+            joints: The six joints, from the base on.
+        """
+        self.joints = tuple(joints)
+        self.joint_names = tuple(joint.name for joint in joints)
+        self.base = joints[0].parent
+        """The link that carries the arm."""
+        self.tip = tip
+        steps = []
+        link = self.base
+        for joint in self.joints:
+            step = fixed_transform(model, link, joint.parent)
+            steps.append((step @ to_transform(joint.origin)).matrix)
+            link = joint.child
+        self._steps = np.array(steps)
+        self._last = fixed_transform(model, link, tip).matrix
+        self._axes = np.array([joint.axis for joint in joints])
+        x, y, z = self._axes.T
+        zero = np.zeros(N_JOINTS)
+        rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
+        self._crosses = np.array(rows).transpose(2, 0, 1)
+        self._squares = self._crosses @ self._crosses
+
+    def forward(self, q: Array) -> Posture:
+        """Return where the flange is at positions ``q`` [rad], shape (n, 6)."""
+        sin, one_less_cos = np.sin(q)[..., None, None], (1.0 - np.cos(q))[..., None, None]
+        # Rodrigues' formula
+        turns = np.eye(3) + sin * self._crosses + one_less_cos * self._squares
+        axes = np.empty((len(q), N_JOINTS, 3))
+        points = np.empty_like(axes)
+        R = np.broadcast_to(np.eye(3), (len(q), 3, 3))
+        p = np.zeros((len(q), 3))
+        for k, step in enumerate(self._steps):
+            p = p + R @ step[:3, 3]
+            R = R @ step[:3, :3]
+            points[:, k] = p
+            axes[:, k] = R @ self._axes[k]
+            R = R @ turns[:, k]
+        T = np.zeros((len(q), 4, 4))
+        T[:, :3, :3] = R @ self._last[:3, :3]
+        T[:, :3, 3] = p + R @ self._last[:3, 3]
+        T[:, 3, 3] = 1.0
+        return Posture(T, axes, points)
+
+
+def find_chains(model: RobotModel) -> dict[str, ArmChain]:
+    """Return the arms of a robot by name: what stands before ``tool0``, or ``arm``.
+
+    An arm is six joints that turn, one after another, and a link below them whose name
+    ends in ``tool0``; whatever is fixed may be between them.
+    """
+    chains: dict[str, ArmChain] = {}
+    for link in model.links:
+        if not link.name.endswith(FLANGE):
+            continue
+        joints = _joints_above(model, link.name)
+        if joints is not None:
+            name = link.name.removesuffix(FLANGE).rstrip("_-/") or "arm"
+            key = link.name if name in chains else name
+            chains[key] = ArmChain(model, link.name, joints)
+    return chains
+
+
+def why_no_arm(model: RobotModel) -> str:
+    """Return what a robot without an arm lacks."""
+    flanges = [link.name for link in model.links if link.name.endswith(FLANGE)]
+    if not flanges:
+        return f"no link is called {FLANGE}, with or without a prefix"
+    return f"above '{flanges[0]}' are not {N_JOINTS} turning joints in a row"
+
+
+def fixed_transform(model: RobotModel, first: str, second: str) -> Transform:
+    """Return the pose of link ``second`` in ``first``, which are fixed to each other.
+
+    Raises:
+        ModelError: If the robot lacks one of them.
+        ControlError: If a joint that moves is between them.
+    """
+    root_first, T_root_first = _rigid_root(model, first)
+    root_second, T_root_second = _rigid_root(model, second)
+    if root_first != root_second:
+        raise ControlError(
+            f"link '{second}' is not fixed to '{first}': a joint that moves is between "
+            "them"
+        )
+    return T_root_first.inverse() @ T_root_second
+
+
+def _rigid_root(model: RobotModel, link: str) -> tuple[str, Transform]:
+    """Return the first of the links that are fixed to ``link``, and its pose there."""
+    name = model.link(link).name
+    pose = Transform()
+    while (joint := model.parent_joint.get(name)) and not joint.is_movable:
+        pose = to_transform(joint.origin) @ pose
+        name = joint.parent
+    return name, pose
+
+
+def _joints_above(model: RobotModel, link: str) -> list[Joint] | None:
+    """Return the six nearest joints above ``link``, from the base on, if they turn."""
+    found: list[Joint] = []
+    while len(found) < N_JOINTS and (joint := model.parent_joint.get(link)):
+        if joint.is_movable:
+            turns = joint.type in {JointType.REVOLUTE, JointType.CONTINUOUS}
+            if not turns or joint.mimic is not None:
+                return None
+            found.append(joint)
+        link = joint.parent
+    return found[::-1] if len(found) == N_JOINTS else None

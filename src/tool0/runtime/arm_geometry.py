@@ -1,0 +1,247 @@
+"""Arms built like a UR: all postures for a pose, in closed form.
+
+Such an arm has an upright first axis, three parallel axes that make an arm in a plane,
+a fifth axis in that plane and a sixth across it; the last two meet in the *centre of
+the wrist*.  The lengths are read from the joints' axes, so that any arm of this build
+will do.  The steps are those of K. P. Hawkins, Analytic Inverse Kinematics for the
+Universal Robots UR-5/UR-10 Arms (2013), http://hdl.handle.net/1853/50782, written with
+vectors in place of Denavit-Hartenberg parameters.
+
+Coordinates: z is the first axis, y the second; the plane of the arm is z and x, and
+angles in it count from z towards x, as the joints turn.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, final
+
+import numpy as np
+
+from tool0.errors import ControlError
+from tool0.runtime.arm_chain import Array, ArmChain
+
+N_BRANCHES = 8
+STRETCHED = 1e-6
+"""So much beyond the reach counts as at its end, as a part of it: rounding, and what
+a calibrated arm differs; what comes of it is refined."""
+SINGULAR = 1e-5
+"""Below this sine the fifth joint leaves open how the fourth and the sixth share."""
+_BUILD = 0.1
+"""How far an arm may be from the ideal build [rad]: solutions are refined after that."""
+
+
+class Signs(NamedTuple):
+    """What tells the branches apart: each is zero where two of them meet."""
+
+    shoulder: Array
+    """How far the wrist's centre is before the shoulder [m]; negative behind it."""
+    elbow: Array
+    """Sine of the angle from the upper arm to the forearm."""
+    wrist: Array
+    """Sine of the angle from the second axis to the sixth, about the fifth."""
+
+
+@final
+class ArmGeometry:
+    """The lengths of one arm, and its inverse kinematics without regard to limits."""
+
+    def __init__(self, chain: ArmChain) -> None:
+        """Read the lengths from the axes, with all joints at 0.
+
+        Raises:
+            ControlError: If the arm is not built so.
+        """
+        T, axes, points = (item[0] for item in chain.forward(np.zeros((1, 6))))
+        z = axes[0]
+        y = _unit(axes[1] - z * (axes[1] @ z))
+        self._signs = np.ones(6)
+        self._signs[1:4] = np.sign(axes[1:4] @ y)
+        self._R = np.array([np.cross(y, z), y, z])
+        """Turns from the base's axes into ours."""
+        self._origin = points[0] + z * ((points[1] - points[0]) @ z)
+        axes = axes @ self._R.T
+        x2, elbow, wrist = ((points[1:4] - self._origin) @ self._R.T)[:, [2, 0]]
+        self.upper_arm, self.forearm = _norm(elbow - x2), _norm(wrist - elbow)
+        """Lengths [m]."""
+        self._upper_angle, self._fore_angle = _angle(elbow - x2), _angle(wrist - elbow)
+        fifth, sixth = ((points[4:] - self._origin) @ self._R.T)
+        centre = _nearest(sixth, axes[5], fifth, axes[4])
+        self.lateral = float(centre[1])
+        """How far the wrist's centre is beside the plane through the first axis [m]."""
+        self._fifth_angle = _angle(axes[4, [2, 0]])
+        self.wrist = float((centre[[2, 0]] - wrist) @ _in_plane(self._fifth_angle))
+        """From the fourth axis to the wrist's centre [m]."""
+        across = np.cross(axes[4], [0.0, 1.0, 0.0])
+        self._sixth_angle = np.arctan2(axes[5] @ across, axes[5, 1])
+        # The frame of the wrist: at its centre, z the sixth axis, x the fifth at zero.
+        frame = np.eye(4)
+        x6 = _unit(axes[4] - axes[5] * (axes[4] @ axes[5]))
+        frame[:3, :3] = self._R.T @ np.column_stack([x6, np.cross(axes[5], x6), axes[5]])
+        frame[:3, 3] = self._R.T @ centre + self._origin
+        self._T_tip_wrist = np.linalg.inv(T) @ frame
+        self._check(chain)
+
+    @property
+    def reach(self) -> float:
+        """From the shoulder to the wrist's centre at most, seen across the plane [m]."""
+        return self.upper_arm + self.forearm + abs(self.wrist)
+
+    def wrist_centre(self, T_base_tip: Array) -> Array:
+        """Return the wrist's centre from the shoulder [m], shape (n, 3), in our axes."""
+        T = T_base_tip @ self._T_tip_wrist
+        centre: Array = (T[:, :3, 3] - self._origin) @ self._R.T
+        return centre
+
+    def solve(self, T_base_tip: Array, sixth: Array | None = None) -> Array:
+        """Return the postures for each pose, NaN where there is none.
+
+        Args:
+            T_base_tip: Where the flange is to be, shape (n, 4, 4).
+            sixth: Where the sixth joint is to be where that is left open [rad], shape
+                (n,).  If given, all solutions are of that kind.
+
+        Returns:
+            Positions [rad], any number of turns, shape (n, 8, 6).
+        """
+        n = len(T_base_tip)
+        T = T_base_tip @ self._T_tip_wrist
+        R6 = self._R @ T[:, :3, :3]
+        centre = self.wrist_centre(T_base_tip)
+        q = np.empty((n, 2, 2, 2, 6))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            to_centre = np.hypot(centre[:, 0], centre[:, 1])
+            before = _root(to_centre**2 - self.lateral**2, to_centre**2)
+            bearing = np.arctan2(centre[:, 1], centre[:, 0])
+            for a, forward in enumerate((before, -before)):
+                q1 = bearing - np.arctan2(self.lateral, forward)
+                c, s = np.cos(q1), np.sin(q1)
+                # Into the plane of the arm: turned back about z.
+                z6, x6 = (_turned_back(R6[:, :, k], c, s) for k in (2, 0))
+                aside = np.hypot(z6[:, 0], z6[:, 2])
+                for b, sine in enumerate((aside, -aside)):
+                    if sixth is None:
+                        q5 = np.arctan2(sine, z6[:, 1])
+                        # -(z6 x y) / sine, in the plane; it points along the fifth axis
+                        z5 = np.stack([z6[:, 2], 0.0 * c, -z6[:, 0]], axis=1)
+                        z5 /= sine[:, None]
+                        q6 = _turn_about(z6, z5, x6)
+                    else:
+                        q5 = np.arctan2(0.0 * sine, z6[:, 1])
+                        q6 = sixth
+                        z5 = _rotated(x6, z6, -q6)
+                    total = np.arctan2(z5[:, 0], z5[:, 2])
+                    joint4 = np.stack(
+                        [
+                            centre[:, 2] - self.wrist * np.cos(total),
+                            forward - self.wrist * np.sin(total),
+                        ]
+                    )
+                    bend = self._bend(joint4)
+                    for d, angle in enumerate((bend, -bend)):
+                        upper = np.arctan2(joint4[1], joint4[0]) - np.arctan2(
+                            self.forearm * np.sin(angle),
+                            self.upper_arm + self.forearm * np.cos(angle),
+                        )
+                        q2 = upper - self._upper_angle
+                        q3 = angle - (self._fore_angle - self._upper_angle)
+                        q4 = total - self._fifth_angle - q2 - q3
+                        columns = [q1, q2, q3, q4, q5 - self._sixth_angle, q6]
+                        q[:, a, b, d] = np.stack(columns, axis=1)
+        return q.reshape(n, N_BRANCHES, 6) * self._signs
+
+    def signs(self, q: Array) -> Signs:
+        """Return on which side of each singularity postures are, shape (n,) each."""
+        _, q2, q3, q4, q5, _ = (q * self._signs).T
+        upper = q2 + self._upper_angle
+        fore = q2 + q3 + self._fore_angle
+        hand = q2 + q3 + q4 + self._fifth_angle
+        forward = (
+            self.upper_arm * np.sin(upper)
+            + self.forearm * np.sin(fore)
+            + self.wrist * np.sin(hand)
+        )
+        return Signs(forward, np.sin(fore - upper), np.sin(q5 + self._sixth_angle))
+
+    def _bend(self, joint4: Array) -> Array:
+        """Return the forearm's angle to the upper arm, 0 … π; NaN out of reach."""
+        a, b = self.upper_arm, self.forearm
+        cosine = ((joint4**2).sum(axis=0) - a * a - b * b) / (2.0 * a * b)
+        sine = _root(1.0 - cosine**2, 1.0)
+        bend: Array = np.arctan2(sine, cosine)
+        return bend
+
+    def _check(self, chain: ArmChain) -> None:
+        """Raise ControlError unless known postures are found again."""
+        known = np.array(
+            [[0.3, -1.1, 1.3, -0.7, -1.2, 0.4], [-2.0, -2.2, -1.2, 2.5, 0.9, -2.5]]
+        )
+        known[:, 1:4] -= [self._upper_angle - np.pi / 2, 0.0, 0.0]
+        with np.errstate(all="ignore"):
+            found = self.solve(chain.forward(known).T_base_tip)
+            away = np.abs(_wrapped(found - known[:, None])).max(axis=2)
+        worst = np.nan_to_num(away, nan=np.inf).min(axis=1).max()
+        if not worst < _BUILD:
+            raise ControlError(
+                f"the arm that ends at '{chain.tip}' is not built like a UR (axes 2, 3 "
+                "and 4 parallel, 1 and 5 across them, 6 across 5), and there is no "
+                "inverse kinematics for other arms; use move_joints"
+            )
+
+
+def _root(square: Array, scale: Array | float) -> Array:
+    """Return the root; 0 where rounding made the square negative, NaN below that."""
+    root: Array = np.sqrt(
+        np.where((square < 0) & (square > -STRETCHED * scale), 0.0, square)
+    )
+    return root
+
+
+def _turned_back(vectors: Array, c: Array, s: Array) -> Array:
+    x, y, z = vectors.T
+    return np.stack([c * x + s * y, c * y - s * x, z], axis=1)
+
+
+def _turn_about(axis: Array, first: Array, second: Array) -> Array:
+    """Return the angle from ``first`` to ``second`` about ``axis``, shape (n,)."""
+    sine = np.einsum("ni,ni->n", axis, np.cross(first, second))
+    angle: Array = np.arctan2(sine, np.einsum("ni,ni->n", first, second))
+    return angle
+
+
+def _rotated(vectors: Array, axis: Array, angle: Array) -> Array:
+    """Return ``vectors``, which are across ``axis``, turned about it."""
+    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    return c * vectors + s * np.cross(axis, vectors)
+
+
+def _nearest(point: Array, along: Array, other: Array, other_along: Array) -> Array:
+    """Return the point of the first line that is nearest to the second."""
+    n = np.cross(along, other_along)
+    square = float(n @ n)
+    if square < 0.5:  # nearly parallel: no wrist; the check finds that
+        return point
+    way = float(np.cross(other - point, other_along) @ n) / square
+    nearest: Array = point + along * way
+    return nearest
+
+
+def _wrapped(angle: Array) -> Array:
+    wrapped: Array = np.remainder(angle + np.pi, 2 * np.pi) - np.pi
+    return wrapped
+
+
+def _in_plane(angle: float) -> Array:
+    return np.array([np.cos(angle), np.sin(angle)])
+
+
+def _angle(direction: Array) -> float:
+    return float(np.arctan2(direction[1], direction[0]))
+
+
+def _norm(vector: Array) -> float:
+    return float(np.linalg.norm(vector))
+
+
+def _unit(vector: Array) -> Array:
+    unit: Array = vector / np.linalg.norm(vector)
+    return unit

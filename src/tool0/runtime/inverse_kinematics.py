@@ -1,0 +1,317 @@
+"""Postures of an arm for a pose: every branch, within the limits, nearest first."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Literal, final
+
+import numpy as np
+
+from tool0.description.kinematics import Transform, to_transform
+from tool0.description.model import JointType, Pose
+from tool0.errors import ControlError, ModelError, UnreachableError
+from tool0.runtime.arm_chain import Array, ArmChain
+from tool0.runtime.arm_geometry import SINGULAR, ArmGeometry
+from tool0.runtime.joint_motion import largest_velocity
+
+PRECISION = 1e-9
+"""How exactly a solution reaches its pose [m, rad]."""
+_SAME = 1e-6
+"""Postures nearer to each other than this are one [rad]."""
+_LIMIT_ROUNDING = 1e-9
+"""How far beyond a limit a position may be, which is put back then [rad]."""
+_STEPS = 12
+_DAMPING = 1e-12
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Branch:
+    """Which of the eight postures that reach one pose; None for either.
+
+    Left, up and no flip is how a UR usually stands.  Where two branches meet the arm
+    is singular.
+    """
+
+    shoulder: Literal["left", "right"] | None = None
+    """On which side of the line from the base to the wrist's centre the upper arm is,
+    as seen from behind the base."""
+    elbow: Literal["up", "down"] | None = None
+    """Whether the elbow is above the line from shoulder to wrist, for a wrist that is
+    before the shoulder; "up" bends the same way there when it is behind."""
+    wrist: Literal["flip", "no_flip"] | None = None
+    """The sign of the fifth joint's sine, from where the sixth axis is parallel to the
+    second: negative for "no_flip"."""
+
+    def __post_init__(self) -> None:
+        for name, values in _BRANCHES.items():
+            value = getattr(self, name)
+            if value is not None and value not in values:
+                raise ControlError(
+                    f"{name} must be {values[0]!r} or {values[1]!r}, got {value!r}"
+                )
+
+    def includes(self, other: Branch) -> bool:
+        """Return whether ``other`` is the same in all that is given here."""
+        return all(
+            getattr(self, name) in (None, getattr(other, name)) for name in _BRANCHES
+        )
+
+    def __str__(self) -> str:
+        """Return what is given, in words."""
+        words = (getattr(self, item.name) for item in fields(self))
+        return ", ".join(word for word in words if word is not None) or "any"
+
+
+_BRANCHES = {
+    "shoulder": ("left", "right"),
+    "elbow": ("up", "down"),
+    "wrist": ("flip", "no_flip"),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solution:
+    """A posture that reaches the pose."""
+
+    positions: Mapping[str, float]
+    """Joint → where to [rad], from the base on."""
+    branch: Branch
+    duration: float
+    """How far it is from ``near``: the time that the joints would take at their largest
+    velocities, the root of the sum of squares [s]."""
+
+
+@final
+class InverseKinematics:
+    """Solves for one arm.  Poses are those of its flange in the link that carries it."""
+
+    def __init__(self, chain: ArmChain) -> None:
+        self.chain = chain
+        self.geometry = ArmGeometry(chain)
+        limits = [joint.limits for joint in chain.joints]
+        endless = [joint.type is JointType.CONTINUOUS for joint in chain.joints]
+        self._lower = np.where(endless, -np.inf, [item.lower for item in limits])
+        self._upper = np.where(endless, np.inf, [item.upper for item in limits])
+        self._fastest = np.array([largest_velocity(joint) for joint in chain.joints])
+
+    def solutions(
+        self, T_base_tip: Array, near: Array, branch: Branch | None = None
+    ) -> tuple[Solution, ...]:
+        """Return all postures within the limits, the nearest first.
+
+        Args:
+            T_base_tip: Where the flange is to be, shape (4, 4).
+            near: The positions to be near to [rad], shape (6,).  Each joint makes the
+                whole turns that bring it nearest.
+            branch: Only postures of this kind.
+
+        Raises:
+            UnreachableError: If there is none; it says why.
+        """
+        every = self.postures(T_base_tip, near)
+        if not len(every):
+            raise UnreachableError(self._why_none(T_base_tip))
+        turned = self._turned(every, near)
+        allowed = np.isfinite(turned).all(axis=1)
+        if not allowed.any():
+            raise UnreachableError(self._why_not_allowed(every))
+        found = self._as_solutions(turned[allowed], near)
+        wanted = tuple(item for item in found if (branch or Branch()).includes(item.branch))
+        if not wanted:
+            others = "; ".join(str(item.branch) for item in found)
+            raise UnreachableError(
+                f"no posture of the branch '{branch}' reaches the pose within the "
+                f"joints' limits; these do: {others}"
+            )
+        return wanted
+
+    def postures(self, T_base_tip: Array, near: Array) -> Array:
+        """Return all postures without regard to limits [rad], shape (n, 6)."""
+        poses = T_base_tip[None]
+        found = self.geometry.solve(poses)[0]
+        wrist = np.abs(self.geometry.signs(found).wrist)
+        if not np.isfinite(found).any() or (wrist < SINGULAR).any():
+            open_sixth = self.geometry.solve(poses, near[5:])[0]
+            found = np.concatenate([open_sixth, found])
+        found = self.refined(found[np.isfinite(found).all(axis=1)], T_base_tip)
+        kept: list[Array] = []
+        for q in found:
+            if all(np.abs(_wrapped(q - other)).max() > _SAME for other in kept):
+                kept.append(q)
+        return np.array(kept).reshape(-1, 6)
+
+    def refined(self, q: Array, T_base_tip: Array) -> Array:
+        """Return those of the postures that reach their poses, by Newton's method.
+
+        The closed form is exact for the ideal arm; a calibrated one differs a little.
+
+        Args:
+            q: Positions [rad], shape (n, 6).
+            T_base_tip: Where the flange is to be, shape (4, 4) or (n, 4, 4).
+        """
+        q = q.copy()
+        for _ in range(_STEPS):
+            posture = self.chain.forward(q)
+            error = _twist(posture.T_base_tip, T_base_tip)
+            away = np.abs(error).max(axis=1, initial=0.0) > PRECISION / 10
+            if not away.any():
+                break
+            J = posture.jacobian[away]
+            Jt = J.swapaxes(1, 2)
+            solved = np.linalg.solve(
+                J @ Jt + _DAMPING * np.eye(6), error[away, :, None]
+            )
+            q[away] += np.clip((Jt @ solved)[..., 0], -0.1, 0.1)
+        error = _twist(self.chain.forward(q).T_base_tip, T_base_tip)
+        good: Array = q[np.abs(error).max(axis=1, initial=0.0) <= PRECISION]
+        return good
+
+    def branch(self, q: Array) -> Branch:
+        """Return the branch of one posture, shape (6,)."""
+        (found,) = self._branches(q[None])
+        return found
+
+    def _branches(self, q: Array) -> list[Branch]:
+        signs = self.geometry.signs(q)
+        side = signs.shoulder * (1.0 if self.geometry.lateral >= 0.0 else -1.0)
+        return [
+            Branch(
+                shoulder="left" if s >= 0.0 else "right",
+                elbow="up" if e >= 0.0 else "down",
+                wrist="flip" if w >= 0.0 else "no_flip",
+            )
+            for s, e, w in zip(
+                side, signs.shoulder * signs.elbow, signs.wrist, strict=True
+            )
+        ]
+
+    def _turned(self, q: Array, near: Array) -> Array:
+        """Return ``q`` with the whole turns nearest to ``near``; NaN beyond limits."""
+        nearest = near + _wrapped(q - near)
+        turn = 2 * np.pi
+        lower, upper = self._lower - _LIMIT_ROUNDING, self._upper + _LIMIT_ROUNDING
+        with np.errstate(invalid="ignore"):
+            below = np.where(nearest < lower, np.ceil((lower - nearest) / turn), 0.0)
+            above = np.where(nearest > upper, np.ceil((nearest - upper) / turn), 0.0)
+        nearest = nearest + turn * (below - above)
+        outside = (nearest < lower) | (nearest > upper)
+        turned: Array = np.where(
+            outside, np.nan, np.clip(nearest, self._lower, self._upper)
+        )
+        return turned
+
+    def _as_solutions(self, q: Array, near: Array) -> list[Solution]:
+        durations = np.linalg.norm((q - near) / self._fastest, axis=1)
+        branches = self._branches(q)
+        names = self.chain.joint_names
+        return [
+            Solution(
+                positions=dict(zip(names, q[k].tolist(), strict=True)),
+                branch=branches[k],
+                duration=float(durations[k]),
+            )
+            for k in np.argsort(durations, kind="stable")
+        ]
+
+    def _why_none(self, T_base_tip: Array) -> str:
+        geometry = self.geometry
+        x, y, z = geometry.wrist_centre(T_base_tip[None])[0]
+        beside = math.hypot(x, y)
+        inside = math.sqrt(max(0.0, beside**2 - geometry.lateral**2))
+        way = math.hypot(inside, z)
+        wrist = "the centre of the wrist (where the last two axes meet) would be"
+        if beside < abs(geometry.lateral):
+            return (
+                f"out of reach: {wrist} {beside:.3f} m from the axis of the base, and "
+                f"cannot come nearer than {abs(geometry.lateral):.3f} m"
+            )
+        if way > geometry.reach:
+            return (
+                f"out of reach: {wrist} {way:.3f} m from the shoulder, and the arm "
+                f"reaches {geometry.reach:.3f} m"
+            )
+        return (
+            f"out of reach with this orientation: {wrist} {way:.3f} m from the "
+            "shoulder, and the elbow can neither stretch nor bend that far; turn the "
+            "tool, or move it"
+        )
+
+    def _why_not_allowed(self, q: Array) -> str:
+        bad = []
+        middle = np.nan_to_num((self._lower + self._upper) / 2, nan=0.0)
+        outside = ~np.isfinite(self._turned(q, middle))
+        for k in np.flatnonzero(outside.any(axis=0)):
+            joint = self.chain.joints[k]
+            where = ", ".join(f"{value:.3f}" for value in _wrapped(q[outside[:, k], k]))
+            bad.append(
+                f"'{joint.name}' would be at {where} rad, outside "
+                f"[{joint.limits.lower:.3f}, {joint.limits.upper:.3f}]"
+            )
+        return "the joints' limits are in the way: " + "; ".join(bad)
+
+
+def as_matrix(pose: Transform | Pose | Iterable[Sequence[float]]) -> Array:
+    """Return a pose as a homogeneous matrix, shape (4, 4).
+
+    A rotation that is rounded is put right.
+
+    Raises:
+        ModelError: If it is no pose.
+    """
+    if isinstance(pose, Pose):
+        pose = to_transform(pose)
+    if isinstance(pose, Transform):
+        pose = pose.matrix
+    try:
+        T = np.array(pose, dtype=float)
+    except (TypeError, ValueError):
+        raise ModelError(
+            f"a pose must be a Transform, a Pose or a (4, 4) array, got {pose!r:.80}"
+        ) from None
+    if T.shape != (4, 4) or not np.isfinite(T).all():
+        raise ModelError(
+            f"a pose must be finite and of shape (4, 4), got {T.shape}: {T.tolist()}"
+        )
+    R = T[:3, :3]
+    is_rotation = np.abs(R @ R.T - np.eye(3)).max() < 1e-3 and np.linalg.det(R) > 0
+    if not is_rotation or np.abs(T[3] - [0, 0, 0, 1]).max() > 1e-9:
+        raise ModelError(
+            "the array is no pose: need a rotation above left and 0 0 0 1 below, "
+            f"got {T.tolist()}"
+        )
+    U, _, Vt = np.linalg.svd(R)
+    T[:3, :3] = U @ Vt
+    return T
+
+
+def as_transform(T: Array) -> Transform:
+    """Return a homogeneous matrix, shape (4, 4), as a transform."""
+    rows = T[:3, :3].tolist()
+    return Transform(
+        position=tuple(T[:3, 3].tolist()),
+        rotation=tuple(tuple(row) for row in rows),  # type: ignore[arg-type]
+    )
+
+
+def _twist(T: Array, T_wanted: Array) -> Array:
+    """Return what leads from ``T`` to ``T_wanted``, for small ways, shape (n, 6)."""
+    R = T_wanted[..., :3, :3] @ T[:, :3, :3].swapaxes(1, 2)
+    turn = np.stack(
+        [R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]],
+        axis=1,
+    )
+    # Where the angle is beyond a right one its sine would shrink again: say far.
+    far = np.trace(R, axis1=1, axis2=2) < 1.0
+    turn[far] = np.where(turn[far] >= 0.0, 2.0, -2.0)
+    way = T_wanted[..., :3, 3] - T[:, :3, 3]
+    return np.concatenate([way, turn / 2], axis=1)
+
+
+def _wrapped(angle: Array) -> Array:
+    """Return angles between -π and π."""
+    wrapped: Array = np.remainder(angle + np.pi, 2 * np.pi) - np.pi
+    return wrapped
