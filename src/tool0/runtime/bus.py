@@ -20,6 +20,11 @@ EVENTS_KEPT = 1000
 SNAPSHOTS_KEPT = 64
 """Snapshots that a subscriber to all of them may fall behind: half a second's."""
 
+HISTORY_PERIOD = 0.008
+"""Simulated time between those of the history, at least [s]: commands and short runs
+publish many at one instant, which must not push out what came before."""
+_ROUNDING = 1e-6  # [s]
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,11 +135,18 @@ class Bus:
         self._changed = threading.Condition()
         self._latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
+        self._history: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
         self._subscriptions: tuple[Subscription, ...] = ()
 
     @property
     def latest(self) -> Snapshot | None:
         return self._latest
+
+    def history(self) -> tuple[Snapshot, ...]:
+        """Return the last half second of simulated time, the newest at the end."""
+        with self._changed:
+            kept, latest = tuple(self._history), self._latest
+        return kept if latest is None or kept[-1] is latest else (*kept, latest)
 
     def subscribe(self) -> Subscription:
         subscription = Subscription(self)
@@ -152,6 +164,9 @@ class Bus:
         with self._changed:
             self._latest = snapshot
             self._recent.append(snapshot)
+            before = self._history[-1].time if self._history else -HISTORY_PERIOD
+            if not 0.0 <= snapshot.time - before < HISTORY_PERIOD - _ROUNDING:
+                self._history.append(snapshot)
             self._changed.notify_all()
 
     def announce(self, event: Event) -> None:

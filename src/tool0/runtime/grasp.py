@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, final
 
@@ -39,6 +40,24 @@ class GraspState:
     """Distance between the pads [m]."""
     width: float | None = None
     """Of what is held between the pads [m]."""
+
+    @property
+    def gobj(self) -> int:
+        """The same as Robotiq's register: 0 … 3; 0 if ``idle``.
+
+        0 is on the way, 1 stopped by something while opening, 2 while closing, 3 where
+        it was sent, with nothing in the way.
+        """
+        return _GOBJ[self.motion]
+
+
+_GOBJ: dict[GripperMotion, int] = {
+    "moving": 0,
+    "idle": 0,
+    "holding_outside": 1,
+    "holding_inside": 2,
+    "at_target": 3,
+}
 
 
 class _Sample(NamedTuple):
@@ -117,6 +136,16 @@ class GraspDetector:
         # A positive effort closes the gripper: the opening shrinks.
         force = -sum(sample.effort for sample in samples) / len(samples) / lever
         return force * lack > 0.0 and abs(force) >= PUSH * geometry.force[0]
+
+
+def judge(geometry: ParallelGripper, snapshots: Sequence[Snapshot]) -> GraspState:
+    """Return the state at the end of ``snapshots``, which are not empty.
+
+    What came before the last ``WINDOW`` matters little, and what came before a new
+    target not at all.
+    """
+    detector = GraspDetector(geometry)
+    return [detector.observe(snapshot) for snapshot in snapshots][-1]
 
 
 def _wanted(snapshot: Snapshot, gripper: ParallelGripper) -> tuple[float, float] | None:

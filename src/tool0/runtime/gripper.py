@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import math
+import time
 from typing import TYPE_CHECKING, final
 
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
-from tool0.errors import ControlError
+from tool0.errors import ControlError, GoalTimeoutError
 from tool0.hardware.drive_bounds import DriveBounds
+from tool0.runtime.grasp import GraspState, judge
+from tool0.runtime.loop import SNAPSHOT_PERIOD
 
 if TYPE_CHECKING:
+    from tool0.runtime.bus import Bus
     from tool0.runtime.handles import GoalHandle
+    from tool0.runtime.loop import Loop
     from tool0.runtime.robot import Robot
 
 RAMP = 0.005
@@ -19,21 +24,63 @@ RAMP = 0.005
 tells; it keeps the fingers from overshooting at full speed."""
 SPACING = 0.005
 """Way between the points of a planned motion [m]."""
+_PATIENCE = 0.05  # [wall s] between looks at whether the loop still lives
 
 
 @final
 class Gripper:
     """Moves one parallel gripper through whichever controller claims its joint."""
 
-    def __init__(self, geometry: ParallelGripper, robot: Robot) -> None:
+    def __init__(
+        self, geometry: ParallelGripper, robot: Robot, loop: Loop, bus: Bus
+    ) -> None:
         self.geometry = geometry
         self._robot = robot
+        self._loop = loop
+        self._bus = bus
 
     @property
     def opening(self) -> float:
         """Distance between the pads [m], 0 closed."""
         position = self._robot.joint_state.position[self.geometry.joint]
         return max(0.0, self.geometry.opening(position))
+
+    @property
+    def state(self) -> GraspState:
+        """What it does now: it moves, has arrived, or holds something, how wide.
+
+        Told from the last half second; the simulation does not wait for it.
+        """
+        return judge(self.geometry, self._bus.history())
+
+    def wait(self, timeout: float | None = None) -> GraspState:
+        """Wait until it no longer moves, and return what it does then.
+
+        Args:
+            timeout: Longest wait [s]: of wall time if the simulation runs in real
+                time, else of simulated time, which passes meanwhile.
+
+        Raises:
+            GoalTimeoutError: If it still moves then.
+        """
+        loop, bus = self._loop, self._bus
+        limit = math.inf if timeout is None else timeout
+        start, wall_start = loop.steps, time.monotonic()
+        while (state := self.state).motion == "moving":
+            loop.check()
+            if loop.is_closed:
+                raise ControlError("the simulation was closed")
+            if loop.is_realtime:
+                waited = time.monotonic() - wall_start
+            else:
+                waited = (loop.steps - start) * loop.control_period
+            if not waited < limit:
+                raise GoalTimeoutError(f"the gripper still moves after {timeout} s")
+            if loop.is_realtime:
+                bus.newer_than(bus.latest, min(_PATIENCE, limit - waited))
+            else:
+                loop.run(min(SNAPSHOT_PERIOD, limit - waited))
+        return state
 
     def move(
         self,

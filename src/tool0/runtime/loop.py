@@ -104,6 +104,10 @@ class Loop:
     def is_realtime(self) -> bool:
         return self._thread is not None
 
+    @property
+    def is_closed(self) -> bool:
+        return self._closing
+
     def call(self, command: ask.Command) -> Any:  # the answer is the command's
         """Post ``command`` and return its answer, or raise what it raises."""
         if self._closing:

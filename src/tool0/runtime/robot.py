@@ -11,6 +11,7 @@ from typing import final
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES
 from tool0.control.manager import ControllerStatus, Strictness
+from tool0.description.camera import Camera
 from tool0.description.catalogue import RobotDescription
 from tool0.description.finding import Finding
 from tool0.description.kinematics import Transform, link_pose
@@ -19,6 +20,7 @@ from tool0.errors import ControlError, nearest_name
 from tool0.hardware.engine import Contact, Engine
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Bus, Snapshot, Subscription
+from tool0.runtime.cameras import CameraHandle, Cameras, find_camera
 from tool0.runtime.gripper import Gripper
 from tool0.runtime.handles import ControllerHandle, GoalHandle
 from tool0.runtime.joint_motion import import_planner
@@ -60,6 +62,7 @@ class Robot:
         joint_limits: Mapping[str, JointLimits],
         spawn_z: float = 0.0,
         ground: float | None = None,
+        cameras: Mapping[str, Camera],
         warnings: Sequence[Finding] = (),
     ) -> None:
         self.description = description
@@ -77,6 +80,10 @@ class Robot:
         """The whole YAML, as plain values."""
         self.joint_limits = joint_limits
         """Of each driven joint: the URDF's, or what the YAML puts in their place."""
+        self.cameras = Cameras(
+            description.model, cameras, ground, lambda: self.snapshot
+        )
+        """What looks at it, by name; see ``camera``."""
         self._poses = poses
         self._loop = loop
         self._bus = bus
@@ -84,7 +91,7 @@ class Robot:
         self.scene = SceneHandle(loop, lambda: self.snapshot)
         """What is around it: objects that come, go and are put somewhere."""
         self._grippers = {
-            gripper.name: Gripper(gripper, self)
+            gripper.name: Gripper(gripper, self, loop, bus)
             for gripper in description.model.grippers
         }
 
@@ -261,9 +268,9 @@ class Robot:
             )
         return next(iter(self._grippers.values()))
 
-    def cap_effort(self, joint: str, effort: float | None) -> None:
-        """Bound a drive's effort [N·m | N] below its limit; None lifts the bound."""
-        self._loop.call(ask.CapEffort(joint=joint, effort=effort))
+    def camera(self, name: str) -> CameraHandle:
+        """Return a camera, or raise RenderError; ``image()`` of it takes a picture."""
+        return find_camera(self.cameras, name)
 
     def run(self, duration: float) -> None:
         """Let ``duration`` simulated seconds pass."""
@@ -317,6 +324,7 @@ class Robot:
 
     def close(self) -> None:
         """End the simulation; closing twice is allowed."""
+        self.cameras.close()
         self._loop.close()
 
     def __enter__(self) -> Robot:
