@@ -47,7 +47,7 @@ class JointDynamics:
             for transmission in [model.transmission_by_joint.get(body.joint.name)]
         ]
         # Turn each body's frame so that its joint acts along z.
-        turns = [_turn_z_to(body.joint.axis) for body in bodies]
+        turns = [turn_z_to(body.joint.axis) for body in bodies]
         self._placement: list[tuple[float, ...]] = []
         self._mass: list[float] = []
         self._center: list[tuple[float, float, float]] = []
@@ -69,7 +69,7 @@ class JointDynamics:
 
         ``position`` is in the order of the model's movable joints.
         """
-        frames = self._frames(position)
+        frames = self.frames(position)
         mass = self._mass.copy()
         moment_x = [0.0] * self._n  # Σ m x and Σ m y of all that a joint carries [kg·m]
         moment_y = [0.0] * self._n
@@ -105,7 +105,7 @@ class JointDynamics:
 
         At ``position``, with the rotors' inertia; rows of mimic joints are 0.
         """
-        frames = np.array(self._frames(position)).reshape(-1, 12)
+        frames = np.array(self.frames(position)).reshape(-1, 12)
         axes, origins = frames[:, 6:9], frames[:, 9:12]
         matrix = np.diag(self._armature)
         for body in range(self._n):
@@ -128,7 +128,7 @@ class JointDynamics:
             matrix += angular @ tensor @ angular.T
         return matrix
 
-    def _frames(self, position: Sequence[float]) -> list[tuple[float, ...]]:
+    def frames(self, position: Sequence[float]) -> list[tuple[float, ...]]:
         """Return each body's axes x, y, z and origin in the world, 12 floats each."""
         frames: list[tuple[float, ...]] = []
         cos, sin = math.cos, math.sin
@@ -185,7 +185,7 @@ def _master(
     return index[joint.name], multiplier
 
 
-def _turn_z_to(axis: Sequence[float]) -> Matrix:
+def turn_z_to(axis: Sequence[float]) -> Matrix:
     """Return a rotation, shape (3, 3), whose third column is the unit ``axis``."""
     z = np.asarray(axis, dtype=float)
     helper = np.eye(3)[int(np.argmin(np.abs(z)))]

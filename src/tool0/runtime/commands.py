@@ -13,6 +13,7 @@ from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.scene import SceneObject
 from tool0.hardware.drive_bounds import DriveBounds
 from tool0.hardware.engine import ObjectState
+from tool0.runtime.force_torque_sensor import ForceTorqueSensor
 
 
 @final
@@ -142,6 +143,22 @@ class ReadContacts:
 
 @final
 @dataclass(frozen=True, slots=True)
+class StartSensor:
+    """Sample once now, and then in the tick."""
+
+    sensor: ForceTorqueSensor
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class StopSensor:
+    """Sample no more; a sensor that does not is left alone."""
+
+    sensor: ForceTorqueSensor
+
+
+@final
+@dataclass(frozen=True, slots=True)
 class SpawnObject:
     """Put a further object into the scene, at its pose and at rest."""
 
@@ -217,6 +234,8 @@ CoreCommand = (
     | ReadController
     | ReadSpec
     | ReadContacts
+    | StartSensor
+    | StopSensor
     | SpawnObject
     | DeleteObject
     | PlaceObject

@@ -19,6 +19,7 @@ from tool0.hardware.engine import Engine
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime import commands as ask
+from tool0.runtime.force_torque_sensor import ForceTorqueSensor
 from tool0.runtime.initial_pose import joint_positions
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
 from tool0.runtime.surroundings import Surroundings
@@ -63,8 +64,11 @@ class Core:
         self._start = self._initial
         self._commanded: set[str] = set()
         self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
+        self._sensors: tuple[ForceTorqueSensor, ...] = ()
         engine.reset(self._initial)
         self.state: JointState = engine.read()
+        self._before = self.state
+        """What the last step of the physics began from."""
 
     @property
     def time(self) -> float:
@@ -77,11 +81,14 @@ class Core:
         engine, hardware = self.engine, self.hardware
         self.manager.update(state, self.control_period)
         for _ in range(self._steps_per_tick):
+            before = state
             engine.write(hardware.efforts(state))
             engine.step()
             state = engine.read()
-        self.state = state
+        self.state, self._before = state, before
         self.ticks += 1
+        for sensor in self._sensors:
+            sensor.tick(before, state, engine.contacts)
 
     def apply(self, command: ask.CoreCommand) -> Any:  # the answer is the command's
         """Carry out ``command`` now, between two ticks, and return its answer."""
@@ -137,6 +144,11 @@ class Core:
                 return self.manager.spec(name)
             case ask.ReadContacts():
                 return self.engine.contacts()
+            case ask.StartSensor(sensor):
+                sensor.restart(self._before, self.state, self.engine.contacts)
+                self._sensors = (*self._sensors, sensor)
+            case ask.StopSensor(sensor):
+                self._sensors = tuple(s for s in self._sensors if s is not sensor)
             case ask.SpawnObject(item):
                 self.surroundings.spawn(item)
             case ask.DeleteObject(name):
@@ -252,10 +264,12 @@ class Core:
         self._start = start
         self.ticks = self.ticks if keep_time else 0
         self.engine.reset(start, self.time)
-        self.state = self.engine.read()
+        self.state = self._before = self.engine.read()
         self._commanded.clear()
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
+        for sensor in self._sensors:
+            sensor.restart(self._before, self.state, self.engine.contacts)
 
     def _emergency_stop(self, engaged: bool) -> None:
         if engaged == self.hardware.is_stopped:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from types import TracebackType
-from typing import final
+from typing import TYPE_CHECKING, final
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES
@@ -21,6 +22,7 @@ from tool0.hardware.engine import Contact, Engine
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Bus, Snapshot, Subscription
 from tool0.runtime.cameras import CameraHandle, Cameras, find_camera
+from tool0.runtime.force_torque import ForceTorque, ForceTorques
 from tool0.runtime.gripper import Gripper
 from tool0.runtime.handles import ControllerHandle, GoalHandle
 from tool0.runtime.joint_motion import import_planner
@@ -28,6 +30,9 @@ from tool0.runtime.loop import Loop
 from tool0.runtime.poses import NamedPose, PoseBook
 from tool0.runtime.scene import SceneHandle
 from tool0.runtime.summary import summarize
+
+if TYPE_CHECKING:
+    from tool0.runtime.arm import Arm
 
 
 @final
@@ -90,6 +95,9 @@ class Robot:
         self._wall_start = time.perf_counter()
         self.scene = SceneHandle(loop, lambda: self.snapshot)
         """What is around it: objects that come, go and are put somewhere."""
+        self._force_torques = ForceTorques(
+            description, joint_names=engine.joint_names, dt=engine.dt, loop=loop
+        )
         self._grippers = {
             gripper.name: Gripper(gripper, self, loop, bus)
             for gripper in description.model.grippers
@@ -267,6 +275,33 @@ class Robot:
                 f"'gripper' needs exactly one gripper, this robot has: {names}"
             )
         return next(iter(self._grippers.values()))
+
+    @property
+    def force_torque(self) -> ForceTorque:
+        """What the tool exerts on ``tool0``, if the robot has one link of that name."""
+        return self._force_torques.at_tool0()
+
+    def force_torque_of(self, link: str) -> ForceTorque:
+        """Return what ``link`` and all beyond it exert on what carries it.
+
+        Raises:
+            ModelError: If there is no such link.
+        """
+        return self._force_torques.at(link)
+
+    @cached_property
+    def arms(self) -> Mapping[str, Arm]:
+        """The arms: six turning joints that end at a link ``…tool0``, by its prefix."""
+        from tool0.runtime.arm import find_arms  # numpy and more, for who asks
+
+        return find_arms(self)
+
+    @property
+    def arm(self) -> Arm:
+        """The robot's arm, if it has exactly one: poses, inverse kinematics, motion."""
+        from tool0.runtime.arm import the_arm
+
+        return the_arm(self, self.arms)
 
     def camera(self, name: str) -> CameraHandle:
         """Return a camera, or raise RenderError; ``image()`` of it takes a picture."""

@@ -1,0 +1,290 @@
+"""What the links beyond a flange do to it: Newton and Euler for a part of the robot.
+
+From the acceleration that a step of the physics really made follows what acted on the
+rigid bodies beyond the flange; what is neither weight nor contact came through it.
+Nothing inside the tool matters: its drives, linkages, springs and friction act between
+its own parts.
+
+A rotor inside the tool counts with the mass and inertia of its link.  That it turns
+faster than the link by its gears is left out, as engines do: of an armature A behind a
+reduction N, that would be a momentum of A q̇ / N.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple, final
+
+import numpy as np
+
+from tool0.description.model import JointType, RobotModel
+from tool0.hardware.bodies import (
+    BodyInertia,
+    Matrix,
+    MovingBody,
+    fixed_to_world,
+    moving_bodies,
+)
+from tool0.hardware.engine import Contact
+from tool0.hardware.joint_dynamics import (
+    STANDARD_GRAVITY,
+    JointDynamics,
+    turn_z_to,
+)
+
+Vector3 = tuple[float, float, float]
+Frame = tuple[float, ...]
+"""Axes x, y, z and origin, 12 floats."""
+Wrench = tuple[float, float, float, float, float, float]
+"""Force [N] and torque [N·m]."""
+
+_WORLD: Frame = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+_ZERO: Vector3 = (0.0, 0.0, 0.0)
+
+
+class _Motion(NamedTuple):
+    """How a body moves, in the axes of the root."""
+
+    turning: Vector3
+    """[rad/s]"""
+    spinning_up: Vector3
+    """[rad/s²]"""
+    speeding_up: Vector3
+    """Of its origin, against free fall [m/s²]: at rest it points up."""
+
+
+class _Part(NamedTuple):
+    """What of a body is beyond the flange, in the body's frame."""
+
+    body: int
+    mass: float
+    center: Vector3
+    tensor: tuple[float, ...]
+    """Of inertia about the centre, 9 floats."""
+
+
+@final
+class ToolDynamics:
+    """The wrench that a link, and all beyond it, exerts on what carries it."""
+
+    def __init__(
+        self, model: RobotModel, link: str, gravity: float = STANDARD_GRAVITY
+    ) -> None:
+        """Cut the robot before ``link``.
+
+        Raises:
+            ModelError: If there is no such link.
+        """
+        self.links = frozenset(_from(model, model.link(link).name))
+        """``link`` and all that hang on it."""
+        bodies = moving_bodies(model)
+        self._dynamics = JointDynamics(model)
+        self._gravity = gravity
+        self._parent = [body.parent for body in bodies]
+        self._prismatic = [b.joint.type is JointType.PRISMATIC for b in bodies]
+        # The frames are turned so that each joint acts along its own z.
+        turns = [turn_z_to(body.joint.axis) for body in bodies]
+        turns.append(np.eye(3))  # the last, -1, is the world's
+        self._carrier, frame = _carrier(model, bodies, link)
+        self._flange = _as_frame(turns[self._carrier].T, frame)
+        self._parts = [
+            _part(i, inertia, turns[i])
+            for i, body in enumerate(bodies)
+            if (inertia := self._inertia(model, body)).mass > 0.0
+        ]
+        if self._carrier < 0:
+            still = BodyInertia.total(
+                _inertias(model, fixed_to_world(model), self.links)
+            )
+            self._parts.append(_part(-1, still, turns[-1]))
+
+    def wrench(
+        self,
+        position: Sequence[float],
+        velocity: Sequence[float],
+        acceleration: Sequence[float],
+        contacts: Iterable[Contact],
+    ) -> Wrench:
+        """Return force and torque on the flange, in the link's axes at its origin.
+
+        Args:
+            position: Of the model's movable joints, in their order [rad | m].
+            velocity: [rad/s | m/s]
+            acceleration: [rad/s² | m/s²]
+            contacts: All that press at that instant; those at other links are left
+                out.
+        """
+        frames = [*self._dynamics.frames(position), _WORLD]
+        motions = self._motions(frames, velocity, acceleration)
+        flange = _compose(frames[self._carrier], self._flange)
+        px, py, pz = flange[9:]
+        fx = fy = fz = tx = ty = tz = 0.0
+        for i, mass, center, tensor in self._parts:
+            frame, (turning, spinning_up, speeding_up) = frames[i], motions[i]
+            rx, ry, rz = _turned(frame, center)
+            ax, ay, az = _at(turning, spinning_up, speeding_up, (rx, ry, rz))
+            ax, ay, az = -mass * ax, -mass * ay, -mass * az
+            nx, ny, nz = _turned(
+                frame, _euler(tensor, _back(frame, turning), _back(frame, spinning_up))
+            )
+            rx, ry, rz = rx + frame[9] - px, ry + frame[10] - py, rz + frame[11] - pz
+            fx, fy, fz = fx + ax, fy + ay, fz + az
+            tx += ry * az - rz * ay - nx
+            ty += rz * ax - rx * az - ny
+            tz += rx * ay - ry * ax - nz
+        for contact in contacts:
+            if sign := (contact.second in self.links) - (contact.first in self.links):
+                x, y, z = contact.point
+                ax, ay, az = contact.force
+                nx, ny, nz = contact.torque
+                rx, ry, rz = x - px, y - py, z - pz
+                fx, fy, fz = fx + sign * ax, fy + sign * ay, fz + sign * az
+                tx += sign * (ry * az - rz * ay + nx)
+                ty += sign * (rz * ax - rx * az + ny)
+                tz += sign * (rx * ay - ry * ax + nz)
+        return (*_back(flange, (fx, fy, fz)), *_back(flange, (tx, ty, tz)))
+
+    def _inertia(self, model: RobotModel, body: MovingBody) -> BodyInertia:
+        return BodyInertia.total(_inertias(model, body.links, self.links))
+
+    def _motions(
+        self,
+        frames: Sequence[Frame],
+        velocity: Sequence[float],
+        acceleration: Sequence[float],
+    ) -> list[_Motion]:
+        """Return each body's motion, and last the world's."""
+        motions: list[_Motion] = []
+        still = _Motion(_ZERO, _ZERO, (0.0, 0.0, self._gravity))
+        for i, parent in enumerate(self._parent):
+            w, dw, a = motions[parent] if parent >= 0 else still
+            frame, before = frames[i], frames[parent]
+            _, _, _, _, _, _, zx, zy, zz, x, y, z = frame
+            a = _at(w, dw, a, (x - before[9], y - before[10], z - before[11]))
+            qd, qdd = velocity[i], acceleration[i]
+            wx, wy, wz = w
+            # What the parent's turning makes of the joint's own motion.
+            cx, cy, cz = wy * zz - wz * zy, wz * zx - wx * zz, wx * zy - wy * zx
+            if self._prismatic[i]:
+                ax, ay, az = a
+                a = (
+                    ax + 2.0 * qd * cx + qdd * zx,
+                    ay + 2.0 * qd * cy + qdd * zy,
+                    az + 2.0 * qd * cz + qdd * zz,
+                )
+            else:
+                ex, ey, ez = dw
+                dw = (
+                    ex + qd * cx + qdd * zx,
+                    ey + qd * cy + qdd * zy,
+                    ez + qd * cz + qdd * zz,
+                )
+                w = wx + qd * zx, wy + qd * zy, wz + qd * zz
+            motions.append(_Motion(w, dw, a))
+        motions.append(still)
+        return motions
+
+
+def _at(turning: Vector3, spinning_up: Vector3, origin: Vector3, r: Vector3) -> Vector3:
+    """Return the acceleration at ``r`` from the origin of a body that turns so."""
+    wx, wy, wz = turning
+    ex, ey, ez = spinning_up
+    ax, ay, az = origin
+    x, y, z = r
+    ux, uy, uz = wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
+    return (
+        ax + ey * z - ez * y + wy * uz - wz * uy,
+        ay + ez * x - ex * z + wz * ux - wx * uz,
+        az + ex * y - ey * x + wx * uy - wy * ux,
+    )
+
+
+def _euler(
+    tensor: tuple[float, ...], turning: Vector3, spinning_up: Vector3
+) -> Vector3:
+    """Return what torque a body needs to turn so, by Euler; all in its axes."""
+    a, b, c, d, e, f, g, h, i = tensor
+    wx, wy, wz = turning
+    ex, ey, ez = spinning_up
+    hx, hy, hz = (
+        a * wx + b * wy + c * wz,
+        d * wx + e * wy + f * wz,
+        g * wx + h * wy + i * wz,
+    )
+    return (
+        a * ex + b * ey + c * ez + wy * hz - wz * hy,
+        d * ex + e * ey + f * ez + wz * hx - wx * hz,
+        g * ex + h * ey + i * ez + wx * hy - wy * hx,
+    )
+
+
+def _turned(frame: Frame, vector: Vector3) -> Vector3:
+    """Return a vector that is given in ``frame`` in the axes around it."""
+    x, y, z = vector
+    a, b, c, d, e, f, g, h, i = frame[:9]
+    return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
+
+
+def _back(frame: Frame, vector: Vector3) -> Vector3:
+    """Return a vector in the axes of ``frame``: what ``_turned`` undoes."""
+    x, y, z = vector
+    a, b, c, d, e, f, g, h, i = frame[:9]
+    return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
+
+
+def _compose(outer: Frame, inner: Frame) -> Frame:
+    """Return the frame ``inner``, given in ``outer``, in what that is given in."""
+    x, y, z = _turned(outer, _three(inner[9:]))
+    return (
+        *_turned(outer, _three(inner[0:3])),
+        *_turned(outer, _three(inner[3:6])),
+        *_turned(outer, _three(inner[6:9])),
+        x + outer[9],
+        y + outer[10],
+        z + outer[11],
+    )
+
+
+def _from(model: RobotModel, link: str) -> Iterator[str]:
+    yield link
+    for joint in model.child_joints[link]:
+        yield from _from(model, joint.child)
+
+
+def _carrier(
+    model: RobotModel, bodies: Sequence[MovingBody], link: str
+) -> tuple[int, Matrix]:
+    """Return the body that ``link`` is part of, -1 for the world, and its frame."""
+    for i, body in enumerate(bodies):
+        for name, frame in body.links:
+            if name == link:
+                return i, frame
+    return -1, dict(fixed_to_world(model))[link]
+
+
+def _inertias(
+    model: RobotModel, links: Iterable[tuple[str, Matrix]], wanted: frozenset[str]
+) -> list[BodyInertia]:
+    return [
+        BodyInertia.of(inertial, frame)
+        for name, frame in links
+        if name in wanted
+        and (inertial := model.link_by_name[name].inertial) is not None
+    ]
+
+
+def _part(body: int, inertia: BodyInertia, turn: Matrix) -> _Part:
+    tensor = (turn.T @ inertia.tensor @ turn).ravel().tolist()
+    center = _three((turn.T @ inertia.center).tolist())
+    return _Part(body, inertia.mass, center, tuple(tensor))
+
+
+def _as_frame(rotation: Matrix, frame: Matrix) -> Frame:
+    """Return ``frame``, seen after ``rotation``, as 12 floats."""
+    turned, origin = rotation @ frame[:3, :3], rotation @ frame[:3, 3]
+    return (*turned.T.ravel().tolist(), *origin.tolist())
+
+
+def _three(values: Sequence[float]) -> Vector3:
+    x, y, z = values
+    return x, y, z
