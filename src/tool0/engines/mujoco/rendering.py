@@ -27,12 +27,6 @@ from tool0.hardware.engine import ObjectState
 GEOMS_MOST = 10000
 """Shapes in one picture; MuJoCo leaves out what is beyond."""
 
-_COSTLY = [  # and without influence on the depth
-    mujoco.mjtRndFlag.mjRND_SHADOW.value,
-    mujoco.mjtRndFlag.mjRND_SKYBOX.value,
-    mujoco.mjtRndFlag.mjRND_HAZE.value,
-]
-
 Picture = tuple[NDArray[np.uint8], NDArray[np.float32], Transform]
 
 
@@ -61,7 +55,7 @@ class Renderer:
         self._mesh_files: Mapping[str, bytes] = {}
         self._objects: tuple[SceneObject, ...] | None = None
         self._context = make_context(width, height)
-        self._drawings: list[Any] = []  # MuJoCo's MjrContext, untyped
+        self._drawing: Any = None  # MuJoCo's MjrContext
 
     def holds(self, width: int, height: int) -> bool:
         """Return whether there is room for such a picture [pixels]."""
@@ -113,32 +107,22 @@ class Renderer:
         self._forget()
         self._model, self._data = model, mujoco.MjData(model)
         self._mesh_files = files
-        self._painting = self._make_drawing(samples=4)
-        # Of several samples in a pixel, the depth would be that of one off its middle.
-        self._sounding = self._make_drawing(samples=0)
+        self._drawing = mujoco.MjrContext(
+            model, mujoco.mjtFontScale.mjFONTSCALE_100.value
+        )
         # From 1 at near to 0 at far: exact far away, too, where floats are dense.
-        self._sounding.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
+        self._drawing.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
         self._visible = mujoco.MjvScene(model, maxgeom=GEOMS_MOST)
         self._options = mujoco.MjvOption()
         self._options.geomgroup[:] = [1, 1, 1, 0, 0, 0]  # no collision shapes
         self._options.sitegroup[:] = 0
         self._objects = objects
 
-    def _make_drawing(self, samples: int) -> Any:
-        """Return MuJoCo's MjrContext, with ``samples`` in each pixel."""
-        self._model.vis.quality.offsamples = samples
-        drawing = mujoco.MjrContext(
-            self._model, mujoco.mjtFontScale.mjFONTSCALE_100.value
-        )
-        self._drawings.append(drawing)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, drawing)
-        return drawing
-
     def _forget(self) -> None:
-        for drawing in self._drawings:
-            drawing.free()
-        self._drawings.clear()
-        self._objects = None
+        if self._drawing is not None:
+            self._drawing.free()
+            self._drawing = self._objects = None
 
     def _pose(
         self, position: Mapping[str, float], states: Sequence[ObjectState]
@@ -191,13 +175,8 @@ class Renderer:
         viewport = mujoco.MjrRect(0, 0, camera.width, camera.height)
         rgb = np.empty((camera.height, camera.width, 3), np.uint8)
         depth = np.empty((camera.height, camera.width), np.float32)
-        effects = self._visible.flags
-        effects[_COSTLY] = 1
-        mujoco.mjr_render(viewport, self._visible, self._painting)
-        mujoco.mjr_readPixels(rgb, None, viewport, self._painting)
-        effects[_COSTLY] = 0
-        mujoco.mjr_render(viewport, self._visible, self._sounding)
-        mujoco.mjr_readPixels(None, depth, viewport, self._sounding)
+        mujoco.mjr_render(viewport, self._visible, self._drawing)
+        mujoco.mjr_readPixels(rgb, depth, viewport, self._drawing)
         near, far = camera.near, camera.far
         # 1 at near, 0 at far, and linear in 1 / z between.
         with np.errstate(divide="ignore"):
@@ -211,6 +190,9 @@ def _furnish(spec: Any, width: int, height: int) -> None:
     """Add light and sky, and room for pictures of this size."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.shadowsize = 2048
+    # Of several samples in a pixel the depth would be that of one off its middle:
+    # millimetres wrong on a steep face.  And drawing would take twice as long.
+    spec.visual.quality.offsamples = 0
     spec.visual.headlight.ambient = [0.38, 0.38, 0.38]
     spec.visual.headlight.diffuse = [0.32, 0.32, 0.32]
     spec.visual.headlight.specular = [0.1, 0.1, 0.1]
