@@ -14,14 +14,15 @@ GripperMotion = Literal[
     "moving", "at_target", "holding_inside", "holding_outside", "idle"
 ]
 
-WINDOW = 0.15
+WINDOW = 0.1
 """Simulated time over which pads must have been still to hold something [s]: the pads
 of a simulated grip chatter, so no instant's velocity tells."""
-STILL = 0.0003
+STILL = 0.0005
 """Way within the window up to which pads count as still [m]; the slowest speed of a
 2F-85 makes ten times that."""
 MOVED = 2.0 * STILL
 """Way within the window from which pads that were still move again [m]."""
+_ROUNDING = 1e-6  # [s]
 TOLERANCE = 0.001
 """How far from where they are wanted pads count as there [m]: what a PID leaves, so
 that what is squeezed by less than this is not noticed."""
@@ -122,7 +123,7 @@ class GraspDetector:
         last = self._samples[-1]
         lack = desired - last.opening
         is_there = abs(lack) <= TOLERANCE
-        is_long_still = last.time - self._samples[0].time >= WINDOW
+        is_long_still = last.time - self._samples[0].time >= WINDOW - _ROUNDING
         if is_long_still and not is_there and self._pushes(lack):
             return "holding_inside" if lack < 0.0 else "holding_outside"
         if abs(target - desired) <= TOLERANCE and (is_there or is_long_still):
