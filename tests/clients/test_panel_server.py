@@ -1,6 +1,7 @@
 """The server with a real robot, and pages that are real WebSocket clients."""
 
 import json
+import math
 import socket
 import threading
 import time
@@ -14,10 +15,11 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import tool0
-from tool0.description.model import Box, Pose
+from tool0.description.model import Box, Cylinder, Geometry, Pose, Sphere
 from tool0.description.scene import SceneObject
 from tool0.errors import TransportError
 from tool0.panel import client as client_module
+from tool0.panel import object_requests
 from tool0.panel.server import Panel
 
 ARM = "eff_joint_traj_controller"
@@ -80,6 +82,61 @@ def test_pages_see_objects_come_and_go(panel: Panel, robot: tool0.Robot) -> None
             for page in (old, new):
                 shown(page, ["two"])
                 page.see("frame", lambda frame: frame["objects"][0][0] == [1, 2, 3])
+
+
+def test_pages_add_place_and_remove_objects(panel: Panel, robot: tool0.Robot) -> None:
+    shapes: dict[str, tuple[Message, Geometry]] = {
+        "a": ({"kind": "box", "size": [1, 2, 3]}, Box(size=(1.0, 2.0, 3.0))),
+        "b": (
+            {"kind": "cylinder", "radius": 0.1, "length": 0.2},
+            Cylinder(radius=0.1, length=0.2),
+        ),
+        "c": ({"kind": "sphere", "radius": 0.1}, Sphere(radius=0.1)),
+    }
+    with page_at(panel.url) as page:
+        for name, (shape, geometry) in shapes.items():
+            at = {"position": [3.0, 0.0, 2.0], "rpy": [0.0, 0.0, 1.0]}
+            assert page.ask("add_object", name=name, shape=shape, **at) is None
+            item = robot.scene[name]
+            assert (item.geometry, item.mass, item.friction) == (geometry, None, 1.0)
+            assert item.pose == Pose(xyz=(3.0, 0.0, 2.0), rpy=(0.0, 0.0, 1.0))
+        at = {"position": [1.0, 2.0, 3.0], "rpy": [0.0, 0.0, math.pi]}
+        assert page.ask("place_object", name="b", **at) is None
+        assert robot.scene.pose("b").position == (1.0, 2.0, 3.0)
+        assert robot.scene.pose("b").quat_wxyz == pytest.approx((0, 0, 0, 1))
+        assert page.ask("remove_object", name="a") is None
+        assert list(robot.scene) == ["b", "c"]
+
+
+def test_what_objects_cannot_be_is_refused(panel: Panel, robot: tool0.Robot) -> None:
+    box = {"name": "a", "shape": {"kind": "box", "size": [1, 1, 1]}}
+    here: Message = {"position": [3, 0, 2]}
+    long = {"kind": "cylinder", "radius": 0.1}
+    refusals: list[tuple[str, Message, str, str]] = [
+        ("remove_object", {"name": "x"}, "EngineError", "'x'"),
+        ("place_object", {"name": "x", **here}, "EngineError", "'x'"),
+        ("add_object", {**box, **here, "shape": long}, "ConfigError", "radius and le"),
+        ("add_object", {**box, **here, "name": "tool0"}, "ConfigError", "a link"),
+        ("add_object", {**box, **here, "name": "a/b"}, "ConfigError", "cannot name"),
+        ("add_object", {**box, **here, "mass": -1}, "TransportError", "mass"),
+        ("add_object", {**box, "position": [0, 0, 1e9]}, "TransportError", "position"),
+    ]
+    mesh = {"kind": "mesh", "url": "/etc/passwd"}
+    refusals.append(
+        ("add_object", {**box, **here, "shape": mesh}, "TransportError", "")
+    )
+    with page_at(panel.url) as page:
+        for kind, fields, error_kind, text in refusals:
+            error = page.ask(kind, **fields)
+            assert error is not None, fields
+            assert error["kind"] == error_kind, error
+            assert text in error["message"], error
+        with patch.object(object_requests, "MOST_OBJECTS", 1):
+            assert page.ask("add_object", **box, **here) is None
+            error = page.ask("add_object", **{**box, "name": "b"}, **here)
+        assert error is not None
+        assert "1 objects are there already" in error["message"]
+    assert list(robot.scene) == ["a"]
 
 
 def test_each_controller_says_whether_sliders_drive_it(panel: Panel) -> None:

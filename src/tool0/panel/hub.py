@@ -123,6 +123,7 @@ class Hub:
             mode=facts.mode,
             engine=facts.engine,
             control_period=facts.control_period,
+            grasp_assist=facts.grasp_assist,
             robot=facts.robot,
             notices=list(self._book.kept),
         )

@@ -37,6 +37,11 @@ Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 """w, x, y, z."""
 RGBA = tuple[float, float, float, float]
+Length = Annotated[float, Meta(gt=0.0, le=100.0)]
+"""[m]"""
+Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
+"""[m]"""
+Place = tuple[Coordinate, Coordinate, Coordinate]
 
 
 class _Request(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -72,6 +77,21 @@ class PoseJoints(_Stream, frozen=True, tag="pose_joints"):
     """Put joints somewhere, in ``tool0 view``: nothing has weight there."""
 
     positions: Annotated[dict[str, float], Meta(max_length=1000)]
+
+
+# ---- what requests are made of ------------------------------------------------------
+
+
+class AddedShape(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The shape of an object to add: no mesh, since pages name no files."""
+
+    kind: Literal["box", "cylinder", "sphere"]
+    size: tuple[Length, Length, Length] | None = None
+    """Edges of a box [m]."""
+    radius: Length | None = None
+    """Of a cylinder or a sphere [m]."""
+    length: Length | None = None
+    """Of a cylinder, along z [m]."""
 
 
 # ---- from the page, requests --------------------------------------------------------
@@ -112,6 +132,38 @@ class Grip(_Request, frozen=True, tag="grip"):
     """Of the pads towards each other [m/s]; the fastest, if left out."""
     force: float | None = None
     """At each pad [N]; what the drive can do, if left out."""
+
+
+class AddObject(_Request, frozen=True, tag="add_object"):
+    """Put an object into the scene, at rest."""
+
+    name: Name
+    shape: AddedShape
+    position: Place
+    """Of its origin, in the robot's root [m]."""
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+    """Fixed-axis roll, pitch, yaw [rad]."""
+    mass: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
+    """[kg]; null stands still."""
+    friction: Annotated[float, Meta(ge=0.0, le=100.0)] = 1.0
+    rgba: RGBA | None = None
+    """A colour of its own, if left out."""
+
+
+class RemoveObject(_Request, frozen=True, tag="remove_object"):
+    """Take an object out of the scene."""
+
+    name: Name
+
+
+class PlaceObject(_Request, frozen=True, tag="place_object"):
+    """Put an object somewhere at once, at rest; a reset puts it back."""
+
+    name: Name
+    position: Place
+    """Of its origin, in the robot's root [m]."""
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+    """Fixed-axis roll, pitch, yaw [rad]."""
 
 
 class LoadController(_Request, frozen=True, tag="load_controller"):
@@ -166,6 +218,9 @@ ClientMessage = (
     | DeletePose
     | HoldStill
     | Grip
+    | AddObject
+    | RemoveObject
+    | PlaceObject
     | LoadController
     | UnloadController
     | SwitchControllers
@@ -367,6 +422,8 @@ class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
     """``mujoco``; null in ``view``."""
     control_period: float | None
     """Simulated time of a tick [s]; null in ``view``."""
+    grasp_assist: bool
+    """Whether what is grasped is fixed to the gripper, which no hand does."""
     robot: RobotInfo
     notices: list[Notice]
 

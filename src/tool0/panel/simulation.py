@@ -11,6 +11,7 @@ from tool0.errors import ConfigError, ControlError, nearest_name
 from tool0.panel import protocol as ask
 from tool0.panel.controller_info import controller_infos
 from tool0.panel.happenings import Watcher
+from tool0.panel.object_requests import change_objects
 from tool0.panel.protocol import Frame, GripperState, PoseInfo, Scene, Status
 from tool0.panel.robot_files import RobotFiles
 from tool0.panel.robot_info import object_info, robot_info
@@ -39,6 +40,7 @@ class SimulationSource:
             mode="simulation",
             engine=robot.engine.name,
             control_period=robot.control_period,
+            grasp_assist=False,
             robot=robot_info(
                 robot.description, first.joint_names, robot.ground, robot.joint_limits
             ),
@@ -166,6 +168,8 @@ class SimulationSource:
                 self._gripper(message.gripper).move(
                     opening=message.opening, speed=message.speed, force=message.force
                 )
+            case ask.AddObject() | ask.RemoveObject() | ask.PlaceObject():
+                change_objects(robot.scene, message)
             case ask.LoadController(name=name):
                 robot.load(name)
             case ask.UnloadController(name=name):

@@ -41,6 +41,7 @@ class Facts:
     engine: str | None
     control_period: float | None
     """[s]"""
+    grasp_assist: bool
     robot: RobotInfo
     files: RobotFiles
 

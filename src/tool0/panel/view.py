@@ -51,6 +51,7 @@ class ViewSource:
             mode="view",
             engine=None,
             control_period=None,
+            grasp_assist=False,
             robot=robot_info(description, self._names, ground, {}),
             files=RobotFiles(description),
         )
