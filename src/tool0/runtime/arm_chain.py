@@ -71,7 +71,10 @@ class ArmChain:
 
     def forward(self, q: Array) -> Posture:
         """Return where the flange is at positions ``q`` [rad], shape (n, 6)."""
-        sin, one_less_cos = np.sin(q)[..., None, None], (1.0 - np.cos(q))[..., None, None]
+        sin, one_less_cos = (
+            np.sin(q)[..., None, None],
+            (1.0 - np.cos(q))[..., None, None],
+        )
         # Rodrigues' formula
         turns = np.eye(3) + sin * self._crosses + one_less_cos * self._squares
         axes = np.empty((len(q), N_JOINTS, 3))

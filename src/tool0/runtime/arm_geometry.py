@@ -18,7 +18,7 @@ from typing import NamedTuple, final
 import numpy as np
 
 from tool0.errors import ControlError
-from tool0.runtime.arm_chain import Array, ArmChain
+from tool0.runtime.arm_chain import ArmChain, Array
 
 N_BRANCHES = 8
 STRETCHED = 1e-6
@@ -27,7 +27,7 @@ a calibrated arm differs; what comes of it is refined."""
 SINGULAR = 1e-5
 """Below this sine the fifth joint leaves open how the fourth and the sixth share."""
 _BUILD = 0.1
-"""How far an arm may be from the ideal build [rad]: solutions are refined after that."""
+"""How far an arm may be from the ideal build [rad]: solutions are refined later."""
 
 
 class Signs(NamedTuple):
@@ -64,7 +64,7 @@ class ArmGeometry:
         self.upper_arm, self.forearm = _norm(elbow - x2), _norm(wrist - elbow)
         """Lengths [m]."""
         self._upper_angle, self._fore_angle = _angle(elbow - x2), _angle(wrist - elbow)
-        fifth, sixth = ((points[4:] - self._origin) @ self._R.T)
+        fifth, sixth = (points[4:] - self._origin) @ self._R.T
         centre = _nearest(sixth, axes[5], fifth, axes[4])
         self.lateral = float(centre[1])
         """How far the wrist's centre is beside the plane through the first axis [m]."""
@@ -76,18 +76,20 @@ class ArmGeometry:
         # The frame of the wrist: at its centre, z the sixth axis, x the fifth at zero.
         frame = np.eye(4)
         x6 = _unit(axes[4] - axes[5] * (axes[4] @ axes[5]))
-        frame[:3, :3] = self._R.T @ np.column_stack([x6, np.cross(axes[5], x6), axes[5]])
+        frame[:3, :3] = self._R.T @ np.column_stack(
+            [x6, np.cross(axes[5], x6), axes[5]]
+        )
         frame[:3, 3] = self._R.T @ centre + self._origin
         self._T_tip_wrist = np.linalg.inv(T) @ frame
         self._check(chain)
 
     @property
     def reach(self) -> float:
-        """From the shoulder to the wrist's centre at most, seen across the plane [m]."""
+        """From shoulder to wrist's centre at most, seen across the plane [m]."""
         return self.upper_arm + self.forearm + abs(self.wrist)
 
     def wrist_centre(self, T_base_tip: Array) -> Array:
-        """Return the wrist's centre from the shoulder [m], shape (n, 3), in our axes."""
+        """Return the wrist's centre from the shoulder [m] in our axes, shape (n, 3)."""
         T = T_base_tip @ self._T_tip_wrist
         centre: Array = (T[:, :3, 3] - self._origin) @ self._R.T
         return centre

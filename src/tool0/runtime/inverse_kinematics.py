@@ -12,7 +12,7 @@ import numpy as np
 from tool0.description.kinematics import Transform, to_transform
 from tool0.description.model import JointType, Pose
 from tool0.errors import ControlError, ModelError, UnreachableError
-from tool0.runtime.arm_chain import Array, ArmChain
+from tool0.runtime.arm_chain import ArmChain, Array
 from tool0.runtime.arm_geometry import SINGULAR, ArmGeometry
 from tool0.runtime.joint_motion import largest_velocity
 
@@ -80,14 +80,14 @@ class Solution:
     positions: Mapping[str, float]
     """Joint → where to [rad], from the base on."""
     branch: Branch
-    duration: float
-    """How far it is from ``near``: the time that the joints would take at their largest
-    velocities, the root of the sum of squares [s]."""
+    distance: float
+    """How far it is from ``near``: what each joint has to turn by its largest velocity,
+    as the root of the sum of squares [s]."""
 
 
 @final
 class InverseKinematics:
-    """Solves for one arm.  Poses are those of its flange in the link that carries it."""
+    """Solves for one arm; poses are those of its flange in the link that carries it."""
 
     def __init__(self, chain: ArmChain) -> None:
         self.chain = chain
@@ -120,7 +120,9 @@ class InverseKinematics:
         if not allowed.any():
             raise UnreachableError(self._why_not_allowed(every))
         found = self._as_solutions(turned[allowed], near)
-        wanted = tuple(item for item in found if (branch or Branch()).includes(item.branch))
+        wanted = tuple(
+            item for item in found if (branch or Branch()).includes(item.branch)
+        )
         if not wanted:
             others = "; ".join(str(item.branch) for item in found)
             raise UnreachableError(
@@ -205,16 +207,16 @@ class InverseKinematics:
         return turned
 
     def _as_solutions(self, q: Array, near: Array) -> list[Solution]:
-        durations = np.linalg.norm((q - near) / self._fastest, axis=1)
+        distances = np.linalg.norm((q - near) / self._fastest, axis=1)
         branches = self._branches(q)
         names = self.chain.joint_names
         return [
             Solution(
                 positions=dict(zip(names, q[k].tolist(), strict=True)),
                 branch=branches[k],
-                duration=float(durations[k]),
+                distance=float(distances[k]),
             )
-            for k in np.argsort(durations, kind="stable")
+            for k in np.argsort(distances, kind="stable")
         ]
 
     def _why_none(self, T_base_tip: Array) -> str:

@@ -1,0 +1,287 @@
+"""Straight motion of a tool: the line, the postures on it, and when to take them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from tool0.control.trajectory import TrajectoryPoint
+from tool0.errors import ControlError, UnreachableError
+from tool0.runtime.arm_chain import Array
+from tool0.runtime.inverse_kinematics import InverseKinematics, as_transform
+from tool0.runtime.joint_motion import (
+    TIME_TO_FULL_ACCELERATION,
+    TIME_TO_FULL_SPEED,
+    largest_velocity,
+)
+from tool0.runtime.line_timing import SLOWEST, Stretch, Timing
+
+STEP = 0.002
+"""Way between the postures that are looked at [m]."""
+STEP_ANGLE = 0.01
+"""The same where the tool turns [rad]."""
+LEAP = 0.3
+"""A joint that turns so much in a step [rad] jumps: at 2 mm a step, that is 150 rad/m,
+so that a line at 20 mm/s would take the joint to its largest velocity."""
+PERIOD = 0.008
+"""Longest time between points [s]: the rate of a UR's own interface, 125 Hz."""
+FEWEST = 50
+_MOST_STRETCHES = 64
+_SHARE = 0.5
+"""Part of a joint's acceleration for each of the two that add up: of the motion along
+the line, and of the bend of the joints' way at steady speed."""
+_DIFFERENCE = 1e-5
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinearLimits:
+    """How fast the tool may move; its joints keep to their own limits besides."""
+
+    speed: float
+    """[m/s]"""
+    acceleration: float
+    """[m/s²]"""
+    angular_speed: float
+    """[rad/s]"""
+
+    def __post_init__(self) -> None:
+        for name in ("speed", "acceleration", "angular_speed"):
+            value = getattr(self, name)
+            if not 0.0 < value < math.inf:
+                raise ControlError(f"{name} must be above 0 and finite, got {value}")
+
+
+@final
+class Line:
+    """Poses of a tool from one to another: straight, turning about one axis steadily.
+
+    Poses are in the link that carries the arm; a place on the line is from 0 to 1.
+    """
+
+    def __init__(self, start: Array, end: Array, T_tip_tool: Array) -> None:
+        """Make the line.
+
+        Args:
+            start: Pose of the tool at the start, shape (4, 4).
+            end: Pose of the tool at the end, shape (4, 4).
+            T_tip_tool: Pose of the tool in the arm's flange, shape (4, 4).
+        """
+        self._start = start
+        self._T_tool_tip = np.linalg.inv(T_tip_tool)
+        way = end[:3, 3] - start[:3, 3]
+        turn = np.eye(4)
+        turn[:3, :3] = end[:3, :3] @ start[:3, :3].T
+        w, *xyz = as_transform(turn).quat_wxyz
+        self.length = float(np.linalg.norm(way))
+        """[m]"""
+        sine = float(np.linalg.norm(xyz))
+        self.angle = 2.0 * math.atan2(sine, w)
+        """[rad]"""
+        axis = np.array(xyz) / sine if sine > 0.0 else np.zeros(3)
+        self._way, self._turn = way, axis * self.angle
+
+    def tool(self, s: Array) -> Array:
+        """Return the tool's pose at each place, shape (n, 4, 4)."""
+        T = np.empty((len(s), 4, 4))
+        T[:, :3, :3] = _turned(self._turn, s) @ self._start[:3, :3]
+        T[:, :3, 3] = self._start[:3, 3] + s[:, None] * self._way
+        T[:, 3] = (0.0, 0.0, 0.0, 1.0)
+        return T
+
+    def tip(self, s: Array) -> Array:
+        """Return the flange's pose at each place, shape (n, 4, 4)."""
+        tip: Array = self.tool(s) @ self._T_tool_tip
+        return tip
+
+    def twist(self, s: Array, T_base_tip: Array) -> Array:
+        """Return how the flange moves per place, linear above angular, shape (n, 6)."""
+        lever = T_base_tip[:, :3, 3] - self.tool(s)[:, :3, 3]
+        linear = self._way + np.cross(self._turn, lever)
+        angular = np.broadcast_to(self._turn, linear.shape)
+        return np.concatenate([linear, angular], axis=1)
+
+    def at(self, s: float) -> str:
+        """Return where a place is, in words."""
+        pose = as_transform(self.tool(np.array([s]))[0])
+        return f"at {s:.0%} of the line, where the tool is at {pose}"
+
+
+@final
+class LinearMotion:
+    """A line that was checked: every point of it is reached, without a jump."""
+
+    def __init__(
+        self,
+        kinematics: InverseKinematics,
+        line: Line,
+        start: Array,
+        limits: LinearLimits,
+    ) -> None:
+        """Plan the motion.
+
+        Args:
+            kinematics: The arm's.
+            line: Where its tool is to move.
+            start: The posture at the start [rad], shape (6,).
+            limits: How fast the tool may move.
+
+        Raises:
+            UnreachableError: If it cannot follow; it says why, and where on the line.
+        """
+        self._kinematics = kinematics
+        self._line = line
+        self._limits = limits
+        steps = max(line.length / STEP, line.angle / STEP_ANGLE)
+        if steps < 1e-6:
+            raise ControlError("the tool is there already: the line has no length")
+        self._s = np.linspace(0.0, 1.0, max(math.ceil(steps), 8) + 1)
+        self._q = self._followed(start)
+        self._timing = Timing(self._stretches())
+        self.duration = self._timing.duration
+        """[s]"""
+
+    def points(self) -> list[TrajectoryPoint]:
+        """Return the motion as points with velocities and accelerations."""
+        line, T = self._line, self.duration
+        fine = max(2 * line.length / STEP, 2 * line.angle / STEP_ANGLE, FEWEST)
+        n = math.ceil(min(T / PERIOD, fine))
+        times = T * np.arange(1, n + 1) / n
+        s, sd, sdd = self._timing.at(times).T
+        s = np.clip(s, 0.0, 1.0)
+        guess = np.stack([np.interp(s, self._s, q) for q in self._q.T], axis=1)
+        q = self._kinematics.refined(guess, line.tip(s))
+        if len(q) != len(guess):
+            raise UnreachableError("lost the line between two of its points")
+        rate, bend = self._rates(s, q)
+        qd = rate * sd[:, None]
+        qdd = rate * sdd[:, None] + bend * sd[:, None] ** 2
+        qd[-1] = qdd[-1] = 0.0
+        rows = zip(q.tolist(), qd.tolist(), qdd.tolist(), times.tolist(), strict=True)
+        return [TrajectoryPoint(*row) for row in rows]
+
+    def _followed(self, start: Array) -> Array:
+        """Return a posture for every place, each the nearest to the one before."""
+        kinematics, line = self._kinematics, self._line
+        poses = line.tip(self._s)
+        every = kinematics.geometry.solve(poses)
+        found = np.empty((len(poses), 6))
+        found[0] = q = start
+        for k in range(1, len(poses)):
+            turns = every[k] - q
+            turns = np.remainder(turns + np.pi, 2 * np.pi) - np.pi
+            sizes = np.abs(turns).max(axis=1)
+            if np.isnan(sizes).all():
+                raise self._lost(k, poses[k], q)
+            nearest = int(np.nanargmin(sizes))
+            if sizes[nearest] > LEAP:
+                raise self._leap(k, turns[nearest])
+            found[k] = q = q + turns[nearest]
+        refined = kinematics.refined(found, poses)
+        if len(refined) != len(found):
+            raise UnreachableError(
+                "the line passes too near to a posture in which the arm is singular"
+            )
+        self._check_limits(refined)
+        return refined
+
+    def _lost(self, k: int, pose: Array, q: Array) -> UnreachableError:
+        place = self._line.at(float(self._s[k]))
+        try:
+            self._kinematics.solutions(pose, q)
+        except UnreachableError as error:
+            return UnreachableError(f"the line cannot be followed: {error}; {place}")
+        return UnreachableError(f"the line cannot be followed {place}")
+
+    def _leap(self, k: int, turns: Array) -> UnreachableError:
+        joint = self._kinematics.chain.joints[int(np.abs(turns).argmax())]
+        return UnreachableError(
+            f"the line passes a singularity: joint '{joint.name}' would have to jump "
+            f"by {np.abs(turns).max():.2f} rad {self._line.at(float(self._s[k]))}; "
+            "choose another line or another branch, or use move_to"
+        )
+
+    def _check_limits(self, q: Array) -> None:
+        for k, joint in enumerate(self._kinematics.chain.joints):
+            lower, upper = joint.limits.lower, joint.limits.upper
+            outside = (q[:, k] < lower - 1e-6) | (q[:, k] > upper + 1e-6)
+            if outside.any():
+                first = int(outside.argmax())
+                raise UnreachableError(
+                    f"joint '{joint.name}' would leave its limits "
+                    f"[{lower:.3f}, {upper:.3f}] rad "
+                    f"{self._line.at(float(self._s[first]))}"
+                )
+
+    def _stretches(self) -> list[Stretch]:
+        """Return what tool and joints allow along the line."""
+        rate, bend = self._rates(self._s, self._q)
+        rate, bend = np.abs(rate), np.abs(bend)
+        fastest = np.array(
+            [largest_velocity(joint) for joint in self._kinematics.chain.joints]
+        )
+        strongest = fastest / TIME_TO_FULL_SPEED
+        line, limits = self._line, self._limits
+        ramp = limits.speed / limits.acceleration
+        with np.errstate(divide="ignore"):
+            top = min(
+                float(np.divide(limits.speed, line.length)),
+                float(np.divide(limits.angular_speed, line.angle)),
+            )
+            by_speed = (fastest / rate).min(axis=1)
+            by_bend = np.sqrt(_SHARE * strongest / bend).min(axis=1)
+            by_acceleration = (_SHARE * strongest / rate).min(axis=1)
+        caps = np.minimum(by_speed, by_bend)
+        n = min(_MOST_STRETCHES, len(self._s) - 1)
+        borders = np.linspace(0, len(self._s) - 1, n + 1).round().astype(int)
+        stretches = []
+        for first, last in itertools.pairwise(borders):
+            speed = min(top, float(caps[first : last + 1].min()))
+            if speed < SLOWEST:
+                raise UnreachableError(
+                    "the line passes a singularity "
+                    f"{line.at(float(self._s[first]))}; choose another line or "
+                    "another branch, or use move_to"
+                )
+            acceleration = min(
+                top / ramp, float(by_acceleration[first : last + 1].min())
+            )
+            stretches.append(
+                Stretch(
+                    float(self._s[last]),
+                    speed,
+                    acceleration,
+                    acceleration / TIME_TO_FULL_ACCELERATION,
+                )
+            )
+        return stretches
+
+    def _rates(self, s: Array, q: Array) -> tuple[Array, Array]:
+        """Return dq/ds and d²q/ds², shape (n, 6) each."""
+        rate = self._rate(s, q)
+        h = _DIFFERENCE
+        ahead = self._rate(s + h, q + h * rate)
+        behind = self._rate(s - h, q - h * rate)
+        return rate, (ahead - behind) / (2 * h)
+
+    def _rate(self, s: Array, q: Array) -> Array:
+        posture = self._kinematics.chain.forward(q)
+        twist = self._line.twist(s, posture.T_base_tip)
+        solved: Array = np.linalg.solve(posture.jacobian, twist[..., None])
+        return solved[..., 0]
+
+
+def _turned(turn: Array, s: Array) -> Array:
+    """Return the rotations by ``s`` times the rotation vector, shape (n, 3, 3)."""
+    angle = float(np.linalg.norm(turn))
+    if angle == 0.0:
+        return np.broadcast_to(np.eye(3), (len(s), 3, 3))
+    x, y, z = (turn / angle).tolist()
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    a = angle * s[:, None, None]
+    turned: Array = np.eye(3) + np.sin(a) * K + (1.0 - np.cos(a)) * (K @ K)  # Rodrigues
+    return turned
