@@ -105,51 +105,46 @@ class ArmGeometry:
         Returns:
             Positions [rad], any number of turns, shape (n, 8, 6).
         """
-        n = len(T_base_tip)
-        T = T_base_tip @ self._T_tip_wrist
-        R6 = self._R @ T[:, :3, :3]
+        R6 = self._R @ (T_base_tip @ self._T_tip_wrist)[:, :3, :3]
         centre = self.wrist_centre(T_base_tip)
-        q = np.empty((n, 2, 2, 2, 6))
+        # One axis more for each choice of two: shoulder, wrist, elbow.
+        x, y, z = centre.T[..., None]
+        either = np.array([1.0, -1.0])
         with np.errstate(invalid="ignore", divide="ignore"):
-            to_centre = np.hypot(centre[:, 0], centre[:, 1])
-            before = _root(to_centre**2 - self.lateral**2, to_centre**2)
-            bearing = np.arctan2(centre[:, 1], centre[:, 0])
-            for a, forward in enumerate((before, -before)):
-                q1 = bearing - np.arctan2(self.lateral, forward)
-                c, s = np.cos(q1), np.sin(q1)
-                # Into the plane of the arm: turned back about z.
-                z6, x6 = (_turned_back(R6[:, :, k], c, s) for k in (2, 0))
-                aside = np.hypot(z6[:, 0], z6[:, 2])
-                for b, sine in enumerate((aside, -aside)):
-                    if sixth is None:
-                        q5 = np.arctan2(sine, z6[:, 1])
-                        # -(z6 x y) / sine, in the plane; it points along the fifth axis
-                        z5 = np.stack([z6[:, 2], 0.0 * c, -z6[:, 0]], axis=1)
-                        z5 /= sine[:, None]
-                        q6 = _turn_about(z6, z5, x6)
-                    else:
-                        q5 = np.arctan2(0.0 * sine, z6[:, 1])
-                        q6 = sixth
-                        z5 = _rotated(x6, z6, -q6)
-                    total = np.arctan2(z5[:, 0], z5[:, 2])
-                    joint4 = np.stack(
-                        [
-                            centre[:, 2] - self.wrist * np.cos(total),
-                            forward - self.wrist * np.sin(total),
-                        ]
-                    )
-                    bend = self._bend(joint4)
-                    for d, angle in enumerate((bend, -bend)):
-                        upper = np.arctan2(joint4[1], joint4[0]) - np.arctan2(
-                            self.forearm * np.sin(angle),
-                            self.upper_arm + self.forearm * np.cos(angle),
-                        )
-                        q2 = upper - self._upper_angle
-                        q3 = angle - (self._fore_angle - self._upper_angle)
-                        q4 = total - self._fifth_angle - q2 - q3
-                        columns = [q1, q2, q3, q4, q5 - self._sixth_angle, q6]
-                        q[:, a, b, d] = np.stack(columns, axis=1)
-        return q.reshape(n, N_BRANCHES, 6) * self._signs
+            beside = x * x + y * y
+            forward = either * _root(beside - self.lateral**2, beside)
+            q1 = np.arctan2(y, x) - np.arctan2(self.lateral, forward)
+            # Into the plane of the arm: turned back about z.
+            x6, z6 = (_turned_back(R6[:, None, :, k], q1)[:, :, None] for k in (0, 2))
+            aside = either * np.hypot(z6[..., 0], z6[..., 2])
+            if sixth is None:
+                q5 = np.arctan2(aside, z6[..., 1])
+                # -(z6 x y), in the plane; the fifth axis is along it
+                z5 = _row(z6[..., 2], 0.0, -z6[..., 0]) / aside[..., None]
+                q6 = _turn_about(z6, z5, x6)
+            else:
+                q5 = np.arctan2(0.0 * aside, z6[..., 1])
+                q6 = np.broadcast_to(sixth[:, None, None], q5.shape)
+                z5 = _rotated(x6, z6, -q6)
+            total = np.arctan2(z5[..., 0], z5[..., 2])
+            joint4 = _row(
+                z[..., None] - self.wrist * np.cos(total),
+                forward[..., None] - self.wrist * np.sin(total),
+            )
+            bend = either * self._bend(joint4)[..., None]
+            upper = np.arctan2(joint4[..., 1], joint4[..., 0])[..., None] - np.arctan2(
+                self.forearm * np.sin(bend),
+                self.upper_arm + self.forearm * np.cos(bend),
+            )
+        q2 = upper - self._upper_angle
+        q3 = bend - (self._fore_angle - self._upper_angle)
+        q4 = (total - self._fifth_angle)[..., None] - q2 - q3
+        q = np.empty((*q2.shape, 6))
+        q[..., 0] = q1[..., None, None]
+        q[..., 1], q[..., 2], q[..., 3] = q2, q3, q4
+        q[..., 4] = (q5 - self._sixth_angle)[..., None]
+        q[..., 5] = q6[..., None]
+        return q.reshape(len(q), N_BRANCHES, 6) * self._signs
 
     def signs(self, q: Array) -> Signs:
         """Return on which side of each singularity postures are, shape (n,) each."""
@@ -167,9 +162,8 @@ class ArmGeometry:
     def _bend(self, joint4: Array) -> Array:
         """Return the forearm's angle to the upper arm, 0 … π; NaN out of reach."""
         a, b = self.upper_arm, self.forearm
-        cosine = ((joint4**2).sum(axis=0) - a * a - b * b) / (2.0 * a * b)
-        sine = _root(1.0 - cosine**2, 1.0)
-        bend: Array = np.arctan2(sine, cosine)
+        cosine = ((joint4**2).sum(axis=-1) - a * a - b * b) / (2.0 * a * b)
+        bend: Array = np.arctan2(_root(1.0 - cosine**2, 1.0), cosine)
         return bend
 
     def _check(self, chain: ArmChain) -> None:
@@ -198,22 +192,29 @@ def _root(square: Array, scale: Array | float) -> Array:
     return root
 
 
-def _turned_back(vectors: Array, c: Array, s: Array) -> Array:
-    x, y, z = vectors.T
-    return np.stack([c * x + s * y, c * y - s * x, z], axis=1)
+def _row(*columns: Array | float) -> Array:
+    return np.stack(np.broadcast_arrays(*columns), axis=-1)
+
+
+def _turned_back(vectors: Array, angle: Array) -> Array:
+    """Return ``vectors`` turned back by ``angle`` about z."""
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    c, s = np.cos(angle), np.sin(angle)
+    return _row(c * x + s * y, c * y - s * x, z)
 
 
 def _turn_about(axis: Array, first: Array, second: Array) -> Array:
-    """Return the angle from ``first`` to ``second`` about ``axis``, shape (n,)."""
-    sine = np.einsum("ni,ni->n", axis, np.cross(first, second))
-    angle: Array = np.arctan2(sine, np.einsum("ni,ni->n", first, second))
+    """Return the angle from ``first`` to ``second`` about ``axis``."""
+    sine = (axis * np.cross(first, second)).sum(axis=-1)
+    angle: Array = np.arctan2(sine, (first * second).sum(axis=-1))
     return angle
 
 
 def _rotated(vectors: Array, axis: Array, angle: Array) -> Array:
     """Return ``vectors``, which are across ``axis``, turned about it."""
-    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    return c * vectors + s * np.cross(axis, vectors)
+    c, s = np.cos(angle)[..., None], np.sin(angle)[..., None]
+    turned: Array = c * vectors + s * np.cross(axis, vectors)
+    return turned
 
 
 def _nearest(point: Array, along: Array, other: Array, other_along: Array) -> Array:

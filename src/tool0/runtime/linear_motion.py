@@ -271,8 +271,8 @@ class LinearMotion:
     def _rate(self, s: Array, q: Array) -> Array:
         posture = self._kinematics.chain.forward(q)
         twist = self._line.twist(s, posture.T_base_tip)
-        solved: Array = np.linalg.solve(posture.jacobian, twist[..., None])
-        return solved[..., 0]
+        solved = np.linalg.solve(posture.jacobian, twist[..., None])
+        return np.asarray(solved[..., 0], dtype=np.float64)
 
 
 def _turned(turn: Array, s: Array) -> Array:
