@@ -140,11 +140,10 @@ class InverseKinematics:
             open_sixth = self.geometry.solve(poses, near[5:])[0]
             found = np.concatenate([open_sixth, found])
         found = self.refined(found[np.isfinite(found).all(axis=1)], T_base_tip)
-        kept: list[Array] = []
-        for q in found:
-            if all(np.abs(_wrapped(q - other)).max() > _SAME for other in kept):
-                kept.append(q)
-        return np.array(kept).reshape(-1, 6)
+        apart = np.abs(_wrapped(found[:, None] - found)).max(axis=2, initial=0.0)
+        repeats = np.tril(apart <= _SAME, -1).any(axis=1)
+        different: Array = found[~repeats]
+        return different
 
     def refined(self, q: Array, T_base_tip: Array) -> Array:
         """Return those of the postures that reach their poses, by Newton's method.
@@ -156,11 +155,12 @@ class InverseKinematics:
             T_base_tip: Where the flange is to be, shape (4, 4) or (n, 4, 4).
         """
         q = q.copy()
-        for _ in range(_STEPS):
+        for step in range(_STEPS + 1):
             posture = self.chain.forward(q)
             error = _twist(posture.T_base_tip, T_base_tip)
-            away = np.abs(error).max(axis=1, initial=0.0) > PRECISION / 10
-            if not away.any():
+            sizes = np.abs(error).max(axis=1, initial=0.0)
+            away = sizes > PRECISION / 10
+            if step == _STEPS or not away.any():
                 break
             J = posture.jacobian[away]
             Jt = J.swapaxes(1, 2)
@@ -168,8 +168,7 @@ class InverseKinematics:
                 J @ Jt + _DAMPING * np.eye(6), error[away, :, None]
             )
             q[away] += np.clip((Jt @ solved)[..., 0], -0.1, 0.1)
-        error = _twist(self.chain.forward(q).T_base_tip, T_base_tip)
-        good: Array = q[np.abs(error).max(axis=1, initial=0.0) <= PRECISION]
+        good: Array = q[sizes <= PRECISION]
         return good
 
     def branch(self, q: Array) -> Branch:
