@@ -7,6 +7,7 @@ import { ControllersPanel } from "./panels/controllers";
 import { engageOnEscape } from "./panels/estop";
 import { LogPanel } from "./panels/log";
 import { MotionPanel } from "./panels/motion";
+import { ObjectsPanel } from "./panels/objects";
 import { Toasts } from "./panels/toasts";
 import { TopBar } from "./panels/top-bar";
 import { TreePanel } from "./panels/tree";
@@ -16,11 +17,14 @@ import { ChevronDownIcon, ChevronUpIcon, PlotIcon } from "./ui/icons";
 import { Lazy } from "./ui/lazy";
 import { recall, remember } from "./ui/memory";
 
-const TABS = ["motion", "controllers", "tree", "log"] as const;
+const TABS = ["motion", "objects", "controllers", "tree", "log"] as const;
 type Tab = (typeof TABS)[number];
+/** Those that a view without physics has not. */
+const SIMULATED: readonly Tab[] = ["objects", "controllers"];
 
 const PANELS = {
   motion: MotionPanel,
+  objects: ObjectsPanel,
   controllers: ControllersPanel,
   tree: TreePanel,
   log: LogPanel,
@@ -99,7 +103,7 @@ function PlotsDrawer() {
 
 function Column() {
   const isView = hello.value?.mode === "view";
-  const tabs = TABS.filter((name) => !isView || name !== "controllers");
+  const tabs = TABS.filter((name) => !isView || !SIMULATED.includes(name));
   const shown = tabs.includes(tab.value) ? tab.value : "motion";
   const Panel = PANELS[shown];
   return (

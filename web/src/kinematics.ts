@@ -2,7 +2,10 @@
 import type { UrdfJoint, UrdfModel, Vector } from "./urdf";
 
 /** Rotation, row by row. */
-type Rotation = readonly [Vector, Vector, Vector];
+export type Rotation = readonly [Vector, Vector, Vector];
+
+/** w, x, y, z. */
+export type Quaternion = readonly [number, number, number, number];
 
 export interface Pose {
   /** [m] */
@@ -52,6 +55,15 @@ export function fromRpy([roll, pitch, yaw]: Vector): Rotation {
     [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
     [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
     [-sp, cp * sr, cp * cr],
+  ];
+}
+
+/** Return the rotation of a unit quaternion w, x, y, z. */
+export function fromQuaternion([w, x, y, z]: Quaternion): Rotation {
+  return [
+    [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+    [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+    [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
   ];
 }
 

@@ -42,6 +42,7 @@ export function hello(changes: Partial<Hello> = {}): Hello {
     mode: "simulation",
     engine: "mujoco",
     control_period: 0.001,
+    grasp_assist: false,
     robot: {
       name: "two_joints",
       title: "two joints",

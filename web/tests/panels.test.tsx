@@ -90,8 +90,9 @@ describe("the gripper", () => {
       server().say(status({ grippers: [state] }));
     });
 
-  it("goes to an opening in millimetres, with the force that was chosen", async () => {
+  it("goes to an opening in millimetres, with the speed and force that were chosen", async () => {
     await say("at_target", null);
+    fireEvent.input(screen.getByTestId("gripper-speed"), { target: { value: "50" } });
     fireEvent.input(screen.getByTestId("gripper-force"), { target: { value: "60" } });
     await pass(10);
     const field = screen.getByTestId("gripper-opening-field");
@@ -99,8 +100,8 @@ describe("the gripper", () => {
     fireEvent.keyDown(field, { key: "Enter" });
     press("gripper-close");
     expect(server().sentOf("grip")).toMatchObject([
-      { gripper: "gripper", opening: 0.0425, force: 60 },
-      { gripper: "gripper", opening: 0, force: 60 },
+      { gripper: "gripper", opening: 0.0425, speed: 0.05, force: 60 },
+      { gripper: "gripper", opening: 0, speed: 0.05, force: 60 },
     ]);
   });
 

@@ -57,6 +57,7 @@ export const en = {
 
   "tab.motion": "Motion",
   "tab.controllers": "Controllers",
+  "tab.objects": "Objects",
   "tab.tree": "Tree",
   "tab.log": "Log",
 
@@ -93,6 +94,7 @@ export const en = {
 
   "gripper.title": "Gripper",
   "gripper.opening": "Opening",
+  "gripper.speed": "Speed",
   "gripper.force": "Force",
   "gripper.open": "Open",
   "gripper.close": "Close",
@@ -102,6 +104,34 @@ export const en = {
   "gripper.holding": "Holds something",
   "gripper.holding_inside": "Holds an object {width} mm wide",
   "gripper.holding_outside": "Presses outwards, {width} mm apart",
+
+  "assist.badge": "Grasp assist (cheat)",
+  "assist.explain":
+    "What is grasped is fixed to the gripper, which no real gripper does.",
+
+  "objects.title": "Around the robot",
+  "objects.none": "Nothing is around the robot.",
+  "objects.still": "stands still",
+  "objects.move": "Move",
+  "objects.moveLong": "Move {name}",
+  "objects.remove": "Remove {name}",
+  "objects.put": "Put there",
+  "objects.position": "Position",
+  "objects.rotation": "Roll, pitch, yaw",
+  "objects.add": "Add an object",
+  "objects.addIt": "Add",
+  "objects.kind": "Shape",
+  "objects.box": "Box",
+  "objects.cylinder": "Cylinder",
+  "objects.sphere": "Sphere",
+  "objects.mesh": "Mesh",
+  "objects.name": "Name",
+  "objects.size": "Size",
+  "objects.radius": "Radius",
+  "objects.length": "Length",
+  "objects.movable": "Can be moved",
+  "objects.mass": "Mass",
+  "objects.friction": "Friction",
 
   "poses.title": "Poses",
   "poses.go": "Go",

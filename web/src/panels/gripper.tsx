@@ -34,6 +34,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
   // mm: while dragged, and as sent until it is there; otherwise where it is
   const [dragged, setDragged] = useState<number | null>(null);
   const [sent, setSent] = useState<number | null>(null);
+  const [speed, setSpeed] = useState(gripper.max_speed);
   const [force, setForce] = useState(gripper.max_force);
   const [problem, setProblem] = useState<Problem | null>(null);
   const marker = useRef<HTMLDivElement | null>(null);
@@ -53,11 +54,11 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
         type: "grip",
         gripper: gripper.name,
         opening: opening / 1000,
-        ...(hasForce && { force }),
+        ...(isReal && { speed, force }),
       })
       .then(setProblem);
   };
-  const hasForce = hello.value?.mode === "simulation";
+  const isReal = hello.value?.mode === "simulation";
   const isOneOfSeveral = (hello.value?.robot.grippers.length ?? 0) > 1;
   const opening = dragged ?? sent ?? actual;
   const named = (label: string) => `${gripper.name}: ${label}`;
@@ -69,7 +70,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
           {t("gripper.title")}{" "}
           {isOneOfSeveral && <code class="muted">{gripper.name}</code>}
         </h2>
-        {now && hasForce && (
+        {now && isReal && (
           <span role="status">
             <Badge tone={TONES[now.motion]} data-testid="gripper-state">
               {describeGripper(now)}
@@ -103,30 +104,31 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
           onCommit={grip}
         />
       </div>
-      {hasForce && gripper.max_force > gripper.min_force && (
-        <div class="row labelled">
-          <span class="caption">{t("gripper.force")}</span>
-          <Slider
-            label={named(t("gripper.force"))}
-            valueText={`${fixed(force, 0)} N`}
-            min={gripper.min_force}
-            max={gripper.max_force}
-            step={1}
-            value={force}
-            data-testid="gripper-force"
-            onInput={setForce}
+      {isReal && (
+        <>
+          <Setting
+            caption={t("gripper.speed")}
+            label={named(t("gripper.speed"))}
+            unit="mm/s"
+            min={gripper.min_speed * 1000}
+            max={gripper.max_speed * 1000}
+            value={speed * 1000}
+            testId="gripper-speed"
+            onChange={(value) => {
+              setSpeed(value / 1000);
+            }}
           />
-          <NumberField
+          <Setting
+            caption={t("gripper.force")}
             label={named(t("gripper.force"))}
             unit="N"
-            digits={0}
             min={gripper.min_force}
             max={gripper.max_force}
-            step={1}
             value={force}
-            onCommit={setForce}
+            testId="gripper-force"
+            onChange={setForce}
           />
-        </div>
+        </>
       )}
       <div class="row">
         <Button
@@ -154,5 +156,38 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
         </p>
       )}
     </section>
+  );
+}
+
+interface SettingProps {
+  caption: string;
+  label: string;
+  unit: string;
+  min: number;
+  max: number;
+  value: number;
+  testId: string;
+  onChange: (value: number) => void;
+}
+
+/** What the drive is told with the next motion; nothing, if there is no choice. */
+function Setting({ caption, testId, onChange, ...props }: SettingProps) {
+  const { label, unit, min, max, value } = props;
+  if (max <= min) return null;
+  return (
+    <div class="row labelled">
+      <span class="caption">{caption}</span>
+      <Slider
+        label={label}
+        valueText={`${fixed(value, 0)} ${unit}`}
+        min={min}
+        max={max}
+        step={1}
+        value={value}
+        data-testid={testId}
+        onInput={onChange}
+      />
+      <NumberField {...props} digits={0} step={1} onCommit={onChange} />
+    </div>
   );
 }

@@ -29,6 +29,13 @@ export function TopBar() {
       </div>
       {hello.value?.mode === "simulation" && <Simulation />}
       <div class="settings">
+        {hello.value?.grasp_assist === true && (
+          <span title={t("assist.explain")}>
+            <Badge tone="warning" data-testid="grasp-assist">
+              {t("assist.badge")}
+            </Badge>
+          </span>
+        )}
         <Connection />
         <Segmented
           label={t("app.language")}

@@ -1,0 +1,141 @@
+/** What is around the robot: where it is, and what puts it elsewhere or takes it away. */
+import { useRef, useState } from "preact/hooks";
+import { ask, connection } from "../connection";
+import { frames } from "../frames";
+import { t } from "../i18n";
+import { fromQuaternion, toRpy } from "../kinematics";
+import { useLive } from "../live";
+import type { Frame, ObjectInfo, Problem } from "../protocol";
+import { scene } from "../store";
+import { Button, IconButton } from "../ui/button";
+import { TrashIcon } from "../ui/icons";
+import { fixed } from "../ui/number-field";
+import { angleUnit, unitOf } from "../units";
+import { AddObject } from "./add-object";
+import { PoseFields } from "./pose-fields";
+import type { Target } from "./pose-fields";
+import { UnitSwitch } from "./unit-switch";
+
+export function ObjectsPanel() {
+  const objects = scene.value?.objects ?? [];
+  return (
+    <>
+      <section class="group" aria-labelledby="objects-title">
+        <header>
+          <h2 id="objects-title">{t("objects.title")}</h2>
+          <UnitSwitch />
+        </header>
+        {objects.length === 0 && <p class="muted">{t("objects.none")}</p>}
+        <ul class="objects">
+          {objects.map((object) => (
+            <ObjectRow key={object.name} object={object} />
+          ))}
+        </ul>
+      </section>
+      <AddObject />
+    </>
+  );
+}
+
+/** Return what an object is, in words: `Box 40 × 40 × 40 mm, 0.1 kg`. */
+export function describeObject({ shape, mass }: ObjectInfo): string {
+  const sizes = {
+    box: shape.size ?? [],
+    cylinder: [2 * (shape.radius ?? 0), shape.length ?? 0],
+    sphere: [2 * (shape.radius ?? 0)],
+    mesh: [],
+  }[shape.kind];
+  const round = shape.kind === "cylinder" || shape.kind === "sphere" ? "⌀ " : "";
+  const shown = sizes.map((size) => String(Number((size * 1000).toFixed(1))));
+  const measures = shown.length > 0 ? ` ${round}${shown.join(" × ")} mm` : "";
+  const weight =
+    mass === null ? t("objects.still") : `${String(Number(mass.toPrecision(4)))} kg`;
+  return `${t(`objects.${shape.kind}`)}${measures}, ${weight}`;
+}
+
+/** Return where an object is in a frame of the scene that is shown. */
+function targetIn(frame: Frame | undefined, name: string): Target | undefined {
+  const now = scene.peek();
+  if (frame === undefined || frame.scene !== now?.number) return undefined;
+  const pose = frame.objects[now.objects.findIndex((object) => object.name === name)];
+  return pose && { position: pose[0], rpy: toRpy(fromQuaternion(pose[1])) };
+}
+
+function ObjectRow({ object }: { object: ObjectInfo }) {
+  const { name, rgba } = object;
+  const [target, setTarget] = useState<Target | null>(null);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const [red, green, blue] = rgba.map((part) => String(Math.round(255 * part)));
+  const put = async ({ position, rpy }: Target) => {
+    const refusal = await connection.request({
+      type: "place_object",
+      name,
+      position: [...position],
+      rpy: [...rpy],
+    });
+    setProblem(refusal);
+  };
+  return (
+    <li data-testid={`object-row-${name}`}>
+      <div class="object-head">
+        <i
+          class="swatch"
+          style={{ background: `rgb(${String(red)} ${String(green)} ${String(blue)})` }}
+        />
+        <code class="grow ellipsis">{name}</code>
+        <Button
+          aria-label={t("objects.moveLong", { name })}
+          aria-expanded={target !== null}
+          data-testid={`object-move-${name}`}
+          onClick={() => {
+            setProblem(null);
+            setTarget(target === null ? (targetIn(frames.latest, name) ?? null) : null);
+          }}
+        >
+          {t("objects.move")}
+        </Button>
+        <IconButton
+          label={t("objects.remove", { name })}
+          data-testid={`object-remove-${name}`}
+          onClick={() => void ask({ type: "remove_object", name })}
+        >
+          <TrashIcon />
+        </IconButton>
+      </div>
+      <p class="muted">{describeObject(object)}</p>
+      <LivePose name={name} />
+      {target && (
+        <div class="object-target">
+          <PoseFields value={target} testId="object-target" onChange={setTarget} />
+          <Button
+            kind="primary"
+            data-testid={`object-put-${name}`}
+            onClick={() => void put(target)}
+          >
+            {t("objects.put")}
+          </Button>
+        </div>
+      )}
+      {problem && (
+        <p class="refusal" role="alert" data-testid={`object-refusal-${name}`}>
+          {problem.message}
+        </p>
+      )}
+    </li>
+  );
+}
+
+function LivePose({ name }: { name: string }) {
+  const shown = useRef<HTMLParagraphElement | null>(null);
+  const unit = unitOf("revolute", angleUnit.value);
+  useLive((frame) => {
+    const target = targetIn(frame, name);
+    if (!shown.current || target === undefined) return;
+    const position = target.position.map((part) => fixed(part * 1000, 1)).join("  ");
+    const angles = target.rpy
+      .map((part) => fixed(part * unit.factor, unit.digits))
+      .join("  ");
+    shown.current.textContent = `${position} mm    ${angles} ${unit.symbol}`;
+  });
+  return <p class="object-pose" ref={shown} data-testid={`object-pose-${name}`} />;
+}

@@ -1,0 +1,167 @@
+import { act, fireEvent, render, screen } from "@testing-library/preact";
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import { fromQuaternion, toRpy } from "../src/kinematics";
+import { describeObject, ObjectsPanel } from "../src/panels/objects";
+import { TopBar } from "../src/panels/top-bar";
+import type { ObjectInfo } from "../src/protocol";
+import { FakeSocket, frame, hello } from "./fixtures";
+import { useFakeServer } from "./setup";
+
+const CUBE: ObjectInfo = {
+  name: "cube",
+  shape: { kind: "box", size: [0.04, 0.04, 0.04] },
+  rgba: [1, 0, 0, 1],
+  mass: 0.1,
+};
+const TABLE: ObjectInfo = {
+  name: "table",
+  shape: { kind: "box", size: [0.5, 1, 0.08] },
+  rgba: [1, 1, 1, 1],
+  mass: null,
+};
+const QUARTER = Math.SQRT1_2;
+
+const server = () => FakeSocket.newest;
+const press = (id: string) => fireEvent.click(screen.getByTestId(id));
+
+/** Let what was clicked be rendered. */
+const settle = () =>
+  act(async () => {
+    await vi.advanceTimersByTimeAsync(50);
+  });
+
+function type(id: string, text: string): void {
+  const field = screen.getByTestId(id);
+  fireEvent.input(field, { target: { value: text } });
+  fireEvent.keyDown(field, { key: "Enter" });
+}
+
+async function refuse(type: string, message: string): Promise<void> {
+  const id = server().sentOf(type).at(-1)?.["id"] as number;
+  await act(async () => {
+    server().say({ type: "reply", id, error: { kind: "ConfigError", message } });
+    await vi.advanceTimersByTimeAsync(50);
+  });
+}
+
+describe("the objects", () => {
+  useFakeServer();
+  beforeEach(async () => {
+    server().say(hello());
+    render(<ObjectsPanel />);
+    await act(async () => {
+      server().say({ type: "scene", number: 3, objects: [TABLE, CUBE] });
+      server().say(
+        frame({
+          scene: 3,
+          objects: [
+            [
+              [0.5, 0, 0],
+              [1, 0, 0, 0],
+            ],
+            [
+              [0.5, -0.1, 0.25],
+              [QUARTER, 0, 0, QUARTER],
+            ],
+          ],
+        }),
+      );
+      await vi.advanceTimersByTimeAsync(100);
+    });
+  });
+
+  it("are told with what they are and where", () => {
+    expect(screen.getByTestId("object-row-table").textContent).toContain(
+      "Box 500 × 1000 × 80 mm, stands still",
+    );
+    const pose = screen.getByTestId("object-pose-cube").textContent;
+    expect(pose).toMatch(/500\.0 {2}-100\.0 {2}250\.0 mm +0\.000 {2}0\.000 {2}1\.571/);
+  });
+
+  it("are put where numbers say, from where they are", async () => {
+    press("object-move-cube");
+    await settle();
+    type("object-target-position-2", "300");
+    await settle();
+    press("object-put-cube");
+    const [sent] = server().sentOf("place_object");
+    expect(sent).toMatchObject({ name: "cube", position: [0.5, -0.1, 0.3] });
+    expect((sent?.["rpy"] as number[])[2]).toBeCloseTo(Math.PI / 2);
+    await refuse("place_object", "it cannot be there");
+    expect(screen.getByTestId("object-refusal-cube").textContent).toBe(
+      "it cannot be there",
+    );
+  });
+
+  it("are removed", () => {
+    press("object-remove-cube");
+    expect(server().sentOf("remove_object")).toMatchObject([{ name: "cube" }]);
+  });
+
+  it("are added as the fields say, under a free name", async () => {
+    type("object-size-0", "50");
+    await settle();
+    press("object-add");
+    await settle();
+    press("object-kind-cylinder");
+    await settle();
+    type("object-radius", "25");
+    press("object-movable");
+    fireEvent.input(screen.getByTestId("object-name"), { target: { value: "can" } });
+    await settle();
+    press("object-add");
+    expect(server().sentOf("add_object")).toMatchObject([
+      {
+        name: "box",
+        shape: { kind: "box", size: [0.05, 0.04, 0.04] },
+        position: [0.5, 0, 0.1],
+        mass: 0.1,
+        friction: 1,
+      },
+      {
+        name: "can",
+        shape: { kind: "cylinder", radius: 0.025, length: 0.1 },
+        mass: null,
+      },
+    ]);
+    await refuse("add_object", "the name is taken");
+    expect(screen.getByTestId("object-add-refusal").textContent).toBe(
+      "the name is taken",
+    );
+  });
+});
+
+describe("an object in words", () => {
+  it("has its measures in millimetres", () => {
+    const shapes: [ObjectInfo["shape"], string][] = [
+      [{ kind: "cylinder", radius: 0.03, length: 0.1 }, "Cylinder ⌀ 60 × 100 mm, 1 kg"],
+      [{ kind: "sphere", radius: 0.0125 }, "Sphere ⌀ 25 mm, 1 kg"],
+      [{ kind: "mesh", size: [1, 1, 1], url: "/a.stl" }, "Mesh, 1 kg"],
+    ];
+    for (const [shape, words] of shapes) {
+      expect(describeObject({ ...CUBE, shape, mass: 1 })).toBe(words);
+    }
+  });
+
+  it("has the angles of its quaternion", () => {
+    const [half, pitch] = [0.3, 0.6];
+    const rpy = toRpy(fromQuaternion([Math.cos(half), 0, Math.sin(half), 0]));
+    expect(rpy[1]).toBeCloseTo(pitch);
+  });
+});
+
+describe("the grasp assist", () => {
+  useFakeServer();
+
+  it("is told for what it is while it is on", async () => {
+    render(<TopBar />);
+    await act(() => {
+      server().say(hello());
+    });
+    expect(screen.queryByTestId("grasp-assist")).toBeNull();
+    await act(() => {
+      server().say(hello({ grasp_assist: true }));
+    });
+    expect(screen.getByTestId("grasp-assist").textContent).toBe("Grasp assist (cheat)");
+  });
+});
