@@ -30,7 +30,8 @@ class ForceTorque:
 
     In the axes of the link at its origin, with the sign of the UR's own ``wrench`` and
     of Gazebo's sensor, ``child_to_parent``: a tool that hangs down pulls along +z.  It
-    costs nothing until it is started; the first reading starts it.
+    costs nothing until it is started; the first reading starts it.  Gazebo tells what
+    presses only after it was asked once: there the very first sample lacks it.
     """
 
     def __init__(
