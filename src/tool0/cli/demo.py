@@ -91,7 +91,9 @@ class PickArguments:
 
 
 def pick(
-    arguments: Annotated[PickArguments, tyro.conf.arg(name="")] = PickArguments(),  # noqa: B008  # frozen
+    arguments: Annotated[
+        PickArguments, tyro.conf.arg(name="")
+    ] = PickArguments(),  # frozen
     panel: PanelOptions = PanelOptions(),  # noqa: B008  # frozen
 ) -> int:
     """Pick a cube from the table and place it in a bin; status 1 if one is not there.
@@ -166,7 +168,7 @@ def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> N
 def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
     from tool0.demo.bin import find_bin
     from tool0.demo.film import Film
-    from tool0.demo.pick import PickOptions
+    from tool0.demo.picker import PickOptions
     from tool0.demo.trials import run_trials
 
     film = Film()

@@ -23,8 +23,11 @@ class PickReport:
     """Where it is [m]."""
     force: float
     """That each pad was to exert [N]."""
+    grip_force: float | None = None
+    """That a pad exerted when it was lifted [N]."""
     peak_force: float
-    """That a pad exerted, of samples at 125 Hz [N]."""
+    """The largest that a pad exerted, of samples at 125 Hz: where pads meet something
+    rigid, they have to stop their drive's rotor [N]."""
     width: float | None = None
     """Of what the gripper held, as its joint tells [m]."""
     slip: float | None = None
@@ -45,7 +48,9 @@ class PickReport:
             words.append(f"{1e3 * self.width:.1f} mm wide")
         if self.slip is not None:
             words.append(f"slip {1e3 * self.slip:.2f} mm")
-        words.append(f"peak {self.peak_force:.0f} N at {self.force:.0f} N asked for")
+        if self.grip_force is not None:
+            words.append(f"gripped with {self.grip_force:.0f} N")
+        words.append(f"peak {self.peak_force:.0f} N")
         return ", ".join(words)
 
 

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
 from tool0.demo.bin import Bin
-from tool0.demo.pick import PickOptions, pick_and_place
+from tool0.demo.pick import pick_and_place
+from tool0.demo.picker import PickOptions
 from tool0.demo.report import DemoReport, PickReport
 from tool0.description.kinematics import Transform, to_transform
 from tool0.description.model import Pose
@@ -98,7 +99,7 @@ def run_trials(
     return DemoReport(
         engine=robot.engine.name,
         gripper_model="linkage" if robot.description.model.loops else "mimic",
-        grasp_assist=robot.grasp_assist,
+        grasp_assist=getattr(robot, "grasp_assist", False),
         picks=tuple(reports),
         sim_time=robot.time - sim_start,
         wall_time=time.perf_counter() - wall_start,

@@ -104,28 +104,7 @@ class Witness:
         """Return where the object is, in the root."""
         return _object_pose(self._robot.snapshot, self._item)
 
-    def close(self) -> None:
-        """See no more."""
-        self._subscription.close()
-
-    def _advance(self) -> None:
-        robot = self._robot
-        if not robot.is_realtime:
-            robot.run(robot.control_period * _ticks(robot))
-        snapshot = self._subscription.following(_LOOK)
-        if snapshot is None:
-            return
-        if snapshot.fault is not None:
-            raise EngineError(snapshot.fault)
-        if self._item not in {item.name for item in snapshot.scene}:
-            raise ControlError(f"the object '{self._item}' is gone")
-        self._on_snapshot(snapshot)
-        self.peak_force = max(self.peak_force, self._pressing())
-        if self._start is not None and self.slip is not None:
-            moved = math.dist(self._start, self._held_at(snapshot))
-            self.slip = max(self.slip, moved)
-
-    def _pressing(self) -> float:
+    def pressing(self) -> float:
         """Return the largest force between a pad and the object [N]."""
         item, pads = self._item, self._pads
         return max(
@@ -137,6 +116,30 @@ class Witness:
             ),
             default=0.0,
         )
+
+    def close(self) -> None:
+        """See no more."""
+        self._subscription.close()
+
+    def _advance(self) -> None:
+        robot = self._robot
+        if not robot.is_realtime:
+            robot.run(robot.control_period * _ticks(robot))
+        snapshot = self._subscription.following(_LOOK)
+        while snapshot is not None:
+            self._look_at(snapshot)
+            snapshot = self._subscription.following(0.0)
+        self.peak_force = max(self.peak_force, self.pressing())
+
+    def _look_at(self, snapshot: Snapshot) -> None:
+        if snapshot.fault is not None:
+            raise EngineError(snapshot.fault)
+        if self._item not in {item.name for item in snapshot.scene}:
+            raise ControlError(f"the object '{self._item}' is gone")
+        self._on_snapshot(snapshot)
+        if self._start is not None and self.slip is not None:
+            moved = math.dist(self._start, self._held_at(snapshot))
+            self.slip = max(self.slip, moved)
 
     def _held_at(self, snapshot: Snapshot) -> Vector3:
         """Return where the object is from midway between the pads, in the gripper."""
