@@ -6,6 +6,7 @@ each shape by where it came from.
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Iterator
 from typing import final
@@ -13,7 +14,6 @@ from typing import final
 import numpy as np
 
 from tool0.description.model import RobotModel
-from tool0.engines.gazebo.couplings import WORLD
 from tool0.hardware.bodies import Matrix, MovingBody, fixed_to_world
 from tool0.hardware.engine import Contact
 
@@ -22,6 +22,9 @@ _SEEN_FROM_SECOND = np.array([1.0] * 4 + [-1.0] * 6)
 """By what the figures change if the two things change places."""
 _GROUND = ("ground_plane", "ground")
 """What the model is called in our own world, and in the port."""
+_LUMP = "_fixed_joint_lump__"
+"""Between the names of a lump and of the link in it, unless that begins as the lump."""
+_NUMBERED = re.compile(r"_collision(_\d+)?$")
 
 
 @final
@@ -34,23 +37,17 @@ class Names:
         """Name the links of ``model``, and the ground if the world is ours."""
         self._robot = model.name
         self._ground = dict([_GROUND]) if own_world else {}
-        self.body_of_link: dict[str, str] = {}
+        self.body_of_link = {link: "" for link, _ in fixed_to_world(model)}
         """What Gazebo calls the link that a link was lumped into; "" if it is still."""
-        for link, _ in fixed_to_world(model):
-            self.body_of_link[link] = ""
         for body in bodies:
             for link, _ in body.links:
                 self.body_of_link[link] = body.joint.child
-        self._link_of_shape: dict[str, str] = {}
-        for link, lump in self.body_of_link.items():
-            shapes = len(model.link_by_name[link].collisions)
-            for shape in _shape_names(lump or _top(model, link), link, shapes):
-                self._link_of_shape[shape] = link
 
     def of(self, model: str, shape: str) -> str:
         """Return the link or object that a shape of Gazebo's belongs to."""
         if model == self._robot:
-            return self._link_of_shape.get(shape, shape)
+            link = _NUMBERED.sub("", shape.rpartition(_LUMP)[2])
+            return link if link in self.body_of_link else shape
         return self._ground.get(model, model)
 
 
@@ -101,17 +98,3 @@ def _read(answer: bytes, names: Names) -> Iterator[tuple[tuple[str, str], Matrix
         figures = np.array(_FIGURES.unpack_from(rest))
         rest = rest[_FIGURES.size :]
         yield (names.of(first, one), names.of(second, other)), figures
-
-
-def _top(model: RobotModel, link: str) -> str:
-    """Return the link that is fixed to Gazebo's world itself, above one that is."""
-    while (joint := model.parent_joint.get(link)) and joint.parent != WORLD:
-        link = joint.parent
-    return link
-
-
-def _shape_names(body: str, link: str, count: int) -> Iterator[str]:
-    """Yield what libsdformat calls the shapes of a link that is lumped into a body."""
-    stem = link if link == body else f"{body}_fixed_joint_lump__{link}"
-    for number in range(count):
-        yield f"{stem}_collision_{number}" if number else f"{stem}_collision"
