@@ -9,10 +9,12 @@ from typing import Any
 
 from tool0.control.goal import Goal, GoalResult, GoalStatus, GripperResult, Result
 from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.kinematics import Transform
 from tool0.description.model import Box, Cylinder, Geometry, ParallelGripper, Pose
 from tool0.description.scene import SceneObject
 from tool0.errors import ControlError, EngineError, GoalRejectedError, nearest_name
 from tool0.hardware.engine import ObjectState
+from tool0.runtime.grasp import GraspState
 
 ARM = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
 SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)
@@ -91,6 +93,25 @@ class FakeController:
         return TrajectoryPoint([1.0, 2.0, 3.0], [0.0] * 3, [0.0] * 3)
 
 
+class FakeArm:
+    tip = "tool0"
+
+    def __init__(self, robot: "FakeRobot") -> None:
+        self._robot = robot
+
+    def pose(
+        self, *, tip: str | None = None, relative_to: str | None = None
+    ) -> Transform:
+        x = 0.5 if tip is None else 0.6
+        return Transform(position=(x, 0.25, -1.0 if relative_to is None else 0.0))
+
+    def move_to(self, pose: Pose, **asked: object) -> FakeGoal:
+        return self._robot.begin("to", {"pose": pose, **asked})
+
+    def move_linear(self, pose: Pose, **asked: object) -> FakeGoal:
+        return self._robot.begin("linear", {"pose": pose, **asked})
+
+
 class FakeGripper:
     geometry = ParallelGripper(
         name="jaw",
@@ -111,12 +132,16 @@ class FakeGripper:
         *,
         opening: float,
         speed: float | None = None,
+        force: float | None = None,
         effort: float | None = None,
     ) -> FakeGoal:
         self.geometry.position(opening)
-        return self._robot.begin(
-            "jaw_controller", {"opening": opening, "speed": speed, "effort": effort}
-        )
+        asked = {"opening": opening, "speed": speed, "force": force, "effort": effort}
+        return self._robot.begin("jaw_controller", asked)
+
+    @property
+    def state(self) -> GraspState:
+        return GraspState(motion="holding_inside", opening=0.045, width=0.045)
 
 
 TABLE = SceneObject(
@@ -157,8 +182,20 @@ class FakeRobot:
     has_begun: threading.Event = field(default_factory=threading.Event)
 
     @property
+    def arms(self) -> dict[str, FakeArm]:
+        return {"arm": self.arm}
+
+    @property
+    def arm(self) -> FakeArm:
+        return FakeArm(self)
+
+    @property
     def gripper(self) -> FakeGripper:
         return FakeGripper(self)
+
+    @property
+    def grippers(self) -> dict[str, FakeGripper]:
+        return {"jaw": self.gripper}
 
     @property
     def scene(self) -> "FakeScene":

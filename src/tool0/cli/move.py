@@ -1,18 +1,22 @@
-"""``tool0 move``: joints of a running bringup along a trajectory."""
+"""``tool0 move``: joints or the tool of a running bringup to a place."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from tool0.cli.connection import Bringup, see_through
 from tool0.cli.options import joint_values
 from tool0.cli.parsing import parse
+from tool0.description.model import Pose
 from tool0.errors import ConfigError, ControlError, nearest_name
 
 if TYPE_CHECKING:
     from tool0.remote.client import RemoteRobot, RemoteStatus
+
+SixNumbers = tuple[float, float, float, float, float, float]
 
 _TYPE = "/JointTrajectoryController"
 _DEFAULT = Bringup()
@@ -25,26 +29,74 @@ def run(command: str, arguments: list[str]) -> int:
 
 def move(
     *,
-    joints: tuple[str, ...],
-    duration: float = 2.0,
+    joints: tuple[str, ...] = (),
+    duration: float | None = None,
     controller: str | None = None,
+    pose: SixNumbers | None = None,
+    linear: bool = False,
+    speed: float | None = None,
+    tip: str | None = None,
+    relative_to: str | None = None,
+    arm: str | None = None,
     timeout: float | None = None,
     bringup: Bringup = _DEFAULT,
 ) -> int:
-    """Move joints, and wait until they are there; Ctrl-C stops the robot.
+    """Move joints or the tool, and wait until they are there; Ctrl-C stops the robot.
+
+    Give either --joints or --pose.
 
     Args:
         joints: joint=position … [rad]; joints not given keep their place.
-        duration: How long the motion takes [simulated s].
-        controller: A trajectory controller; found by the joints if left out.
+        duration: How long the motion of --joints takes [simulated s]; 2 if left out.
+        controller: A trajectory controller; found by the --joints if left out.
+        pose: X Y Z ROLL PITCH YAW, where the tool is to be [m, rad], in the root.
+        linear: Take the tool to --pose along a straight line.
+        speed: On the way to --pose: part of the joints' largest velocities, 0.01 to 1;
+            with --linear that of the tool [m/s].
+        tip: The link that is to be at --pose; tool0 if left out.
+        relative_to: The link in whose frame --pose is, as tool0; the root if left out.
+        arm: The arm, where the robot has several.
         timeout: Stop the motion after so many wall seconds.
         bringup: Which bringup.
     """
+    of_pose: dict[str, Any] = {  # values of two types
+        "speed": speed,
+        "tip": tip,
+        "relative_to": relative_to,
+        "arm": arm,
+    }
+    if (pose is None) == (not joints):
+        raise ConfigError("give either --joints, joint=position …, or --pose")
+    if pose is None:
+        _refuse("--pose", {**of_pose, "linear": linear or None})
+        duration = 2.0 if duration is None else duration
+        return _move_joints(joints, duration, controller, timeout, bringup)
+    _refuse("--joints", {"duration": duration, "controller": controller})
+    given = {name: value for name, value in of_pose.items() if value is not None}
+    x, y, z, roll, pitch, yaw = pose
+    target = Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw))
+    with bringup.connect() as robot:
+        way = robot.arm.move_linear if linear else robot.arm.move_to
+        return see_through(partial(way, target, **given), timeout)
+
+
+def _refuse(other: str, options: Mapping[str, object]) -> None:
+    """Raise ConfigError if an option was given that belongs to ``other``."""
+    for name, value in options.items():
+        if value is not None:
+            raise ConfigError(f"--{name.replace('_', '-')} goes with {other}")
+
+
+def _move_joints(
+    joints: tuple[str, ...],
+    duration: float,
+    controller: str | None,
+    timeout: float | None,
+    bringup: Bringup,
+) -> int:
     from tool0.control.trajectory import TrajectoryPoint
 
     wanted = joint_values(joints, "--joints")
-    if not wanted:
-        raise ConfigError("--joints: write joint=position …, in radians")
     if not 0.0 < duration < math.inf:
         raise ConfigError(f"--duration must be above 0 s, got {duration}")
     with bringup.connect() as robot:

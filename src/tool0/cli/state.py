@@ -9,10 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from tool0.cli.connection import Bringup
+from tool0.cli.grip import told
 from tool0.cli.parsing import parse
 from tool0.cli.text import columns
+from tool0.description.motion import to_pose
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from tool0.description.model import Pose, Vector3
     from tool0.remote.client import RemoteState
 
 _DEFAULT = Bringup()
@@ -29,7 +34,7 @@ def state(
     as_json: Annotated[bool, tyro.conf.arg(name="json")] = False,
     bringup: Bringup = _DEFAULT,
 ) -> None:
-    """Print simulated time and every joint's position, velocity and effort.
+    """Print simulated time, every joint's motion, what grippers do, where tool0 is.
 
     Args:
         as_json: Print one JSON object.
@@ -37,10 +42,24 @@ def state(
     """
     with bringup.connect() as robot:
         measured = robot.joint_state
+        ends = {name: to_pose(pose) for name, pose in robot.arm.poses().items()}
     if as_json:
-        print(json.dumps(asdict(measured)))
+        poses = {name: asdict(pose) for name, pose in ends.items()}
+        print(json.dumps({**asdict(measured), "poses": poses}))
     else:
-        print(_table(measured), end="")
+        print(_table(measured) + _poses(ends), end="")
+
+
+def _poses(ends: Mapping[str, Pose]) -> str:
+    """Return where the end of each arm is, as ``tool0 move --pose`` takes it."""
+    return "".join(
+        f"{name}: xyz {_numbers(pose.xyz)} m, rpy {_numbers(pose.rpy)} rad\n"
+        for name, pose in ends.items()
+    )
+
+
+def _numbers(values: Vector3) -> str:
+    return " ".join(f"{value:+.5f}" for value in values)
 
 
 def _table(state: RemoteState) -> str:
@@ -63,4 +82,7 @@ def _table(state: RemoteState) -> str:
         )
         for name in state.position
     ]
-    return f"{', '.join(marks)}\n{columns(rows)}"
+    grippers = "".join(
+        f"{name}: {told(grasp)}\n" for name, grasp in state.grippers.items()
+    )
+    return f"{', '.join(marks)}\n{columns(rows)}{grippers}"

@@ -23,6 +23,7 @@ from tool0.remote.address import (
     running_names,
     socket_path,
 )
+from tool0.remote.remote_arm import RemoteArm
 from tool0.remote.remote_scene import RemoteScene
 from tool0.remote.wire import (
     PROTOCOL,
@@ -36,6 +37,8 @@ from tool0.remote.wire import (
 
 _ANSWER_TIMEOUT: Final = 30.0
 """Longest wait for an answer that should come at once [wall s]."""
+_GLANCE: Final = 0.02
+"""Time between looks at a gripper that moves [wall s]."""
 
 
 @final
@@ -52,6 +55,17 @@ class RemoteStatus:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RemoteGrasp:
+    """What a gripper does: ``tool0.runtime.grasp.GraspState``."""
+
+    motion: str
+    opening: float
+    width: float | None
+    gobj: int
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RemoteState:
     """The measured state at ``time`` [s], by joint name, and how the time runs."""
 
@@ -64,6 +78,7 @@ class RemoteState:
     position: Mapping[str, float]
     velocity: Mapping[str, float]
     effort: Mapping[str, float]
+    grippers: Mapping[str, RemoteGrasp]
 
 
 @final
@@ -80,6 +95,7 @@ class RemoteRobot:
         self.name = name
         self.pid = int(hello["pid"])
         self.gripper: Final = RemoteGripper(self._wire)
+        self.arm: Final = RemoteArm(self._wire.call, self._wire.start)
         self.scene: Final = RemoteScene(self._wire.call)
 
     def __enter__(self) -> RemoteRobot:
@@ -99,7 +115,11 @@ class RemoteRobot:
 
     @property
     def joint_state(self) -> RemoteState:
-        return RemoteState(**self._wire.call("state"))
+        answer = self._wire.call("state")
+        grippers = {
+            name: RemoteGrasp(**state) for name, state in answer["grippers"].items()
+        }
+        return RemoteState(**{**answer, "grippers": grippers})
 
     def summary(self) -> Mapping[str, object]:
         return self._wire.call("summary")
@@ -195,6 +215,7 @@ class RemoteGripper:
         opening: float | None = None,
         position: float | None = None,
         speed: float | None = None,
+        force: float | None = None,
         effort: float | None = None,
     ) -> RemoteGoal:
         return self._wire.start(
@@ -202,8 +223,20 @@ class RemoteGripper:
             opening=opening,
             position=position,
             speed=speed,
+            force=force,
             effort=effort,
         )
+
+    @property
+    def state(self) -> RemoteGrasp:
+        return RemoteGrasp(**self._wire.call("gripper.state"))
+
+    def wait(self, timeout: float) -> RemoteGrasp:
+        """Return what it does once it moves no longer, or after ``timeout`` wall s."""
+        end = time.monotonic() + timeout
+        while (state := self.state).motion == "moving" and time.monotonic() < end:
+            time.sleep(_GLANCE)
+        return state
 
 
 @final

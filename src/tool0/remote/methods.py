@@ -11,9 +11,15 @@ from typing import Final
 
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.errors import ModelError, TransportError
+from tool0.remote.arm_methods import ARM_CALLS, ARM_GOALS
 from tool0.remote.params import Params
 from tool0.remote.scene_methods import SCENE_CALLS
-from tool0.remote.served_robot import ServedGeometry, ServedGoal, ServedRobot
+from tool0.remote.served_robot import (
+    ServedGeometry,
+    ServedGoal,
+    ServedGripper,
+    ServedRobot,
+)
 from tool0.remote.wire import Json
 
 
@@ -30,7 +36,23 @@ def _state(robot: ServedRobot, params: Params) -> Json:
         "position": dict(joints.position),
         "velocity": dict(joints.velocity),
         "effort": dict(joints.effort),
+        "grippers": {name: _grasp(gripper) for name, gripper in robot.grippers.items()},
     }
+
+
+def _grasp(gripper: ServedGripper) -> Json:
+    state = gripper.state
+    return {
+        "motion": state.motion,
+        "opening": state.opening,
+        "width": state.width,
+        "gobj": state.gobj,
+    }
+
+
+def _gripper_state(robot: ServedRobot, params: Params) -> Json:
+    params.finish()
+    return _grasp(robot.gripper)
 
 
 def _summary(robot: ServedRobot, params: Params) -> Json:
@@ -148,6 +170,7 @@ def _grip(robot: ServedRobot, params: Params) -> ServedGoal:
     opening = params.optional_number("opening")
     position = params.optional_number("position")
     speed = params.optional_number("speed")
+    force = params.optional_number("force")
     effort = params.optional_number("effort")
     params.finish()
     gripper = robot.gripper
@@ -155,7 +178,7 @@ def _grip(robot: ServedRobot, params: Params) -> ServedGoal:
         raise TransportError("gripper.move: give 'opening' [m] or 'position' [rad]")
     if opening is None:
         opening = _opening_at(position or 0.0, gripper.geometry)
-    return gripper.move(opening=opening, speed=speed, effort=effort)
+    return gripper.move(opening=opening, speed=speed, force=force, effort=effort)
 
 
 def _opening_at(position: float, geometry: ServedGeometry) -> float:
@@ -183,11 +206,13 @@ CALLS: Final[dict[str, Callable[[ServedRobot, Params], Json]]] = {
     "controllers.unload": _controllers_unload,
     "controllers.switch": _controllers_switch,
     "controller.query_state": _query_state,
+    "gripper.state": _gripper_state,
     "sim.pause": _pause,
     "sim.resume": _resume,
     "sim.step": _step,
     "sim.reset": _reset,
     "sim.estop": _estop,
+    **ARM_CALLS,
     **SCENE_CALLS,
 }
 """Methods that are answered at once."""
@@ -195,5 +220,6 @@ CALLS: Final[dict[str, Callable[[ServedRobot, Params], Json]]] = {
 GOALS: Final[dict[str, Callable[[ServedRobot, Params], ServedGoal]]] = {
     "controller.follow": _follow,
     "gripper.move": _grip,
+    **ARM_GOALS,
 }
 """Methods that start a goal; the answer is ``{"goal": number}``."""

@@ -26,6 +26,9 @@ class Params:
         value = self._take(key)
         return value if isinstance(value, str) else self._refuse(key, value, "a string")
 
+    def optional_text(self, key: str) -> str | None:
+        return None if self._take(key, None) is None else self.text(key)
+
     def flag(self, key: str, default: bool) -> bool:
         value = self._take(key, default)
         return value if isinstance(value, bool) else self._refuse(key, value, "a bool")

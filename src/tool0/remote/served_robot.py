@@ -7,7 +7,8 @@ from typing import Protocol
 
 from tool0.control.goal import GoalStatus, Result
 from tool0.control.trajectory import TrajectoryPoint
-from tool0.description.model import Geometry
+from tool0.description.kinematics import Transform
+from tool0.description.model import Geometry, Pose
 from tool0.description.scene import RGBA, SceneObject
 from tool0.hardware.engine import ObjectState
 
@@ -92,17 +93,61 @@ class ServedGeometry(Protocol):
     def position(self, opening: float) -> float: ...
 
 
+class ServedGrasp(Protocol):
+    """What a gripper does: ``GraspState``."""
+
+    @property
+    def motion(self) -> str: ...
+    @property
+    def opening(self) -> float: ...
+    @property
+    def width(self) -> float | None: ...
+    @property
+    def gobj(self) -> int: ...
+
+
 class ServedGripper(Protocol):
     """A gripper, by the opening between its pads."""
 
     @property
     def geometry(self) -> ServedGeometry: ...
+    @property
+    def state(self) -> ServedGrasp: ...
     def move(
         self,
         *,
         opening: float,
         speed: float | None = None,
+        force: float | None = None,
         effort: float | None = None,
+    ) -> ServedGoal: ...
+
+
+class ServedArm(Protocol):
+    """Six joints, by where their end is."""
+
+    @property
+    def tip(self) -> str: ...
+    def pose(
+        self, *, tip: str | None = None, relative_to: str | None = None
+    ) -> Transform: ...
+    def move_to(
+        self,
+        pose: Pose,
+        *,
+        speed: float = ...,
+        tip: str | None = None,
+        relative_to: str | None = None,
+    ) -> ServedGoal: ...
+    def move_linear(
+        self,
+        pose: Pose,
+        *,
+        speed: float = ...,
+        acceleration: float = ...,
+        angular_speed: float = ...,
+        tip: str | None = None,
+        relative_to: str | None = None,
     ) -> ServedGoal: ...
 
 
@@ -140,6 +185,12 @@ class ServedRobot(Protocol):
     def joint_state(self) -> ServedJoints: ...
     @property
     def gripper(self) -> ServedGripper: ...
+    @property
+    def grippers(self) -> Mapping[str, ServedGripper]: ...
+    @property
+    def arms(self) -> Mapping[str, ServedArm]: ...
+    @property
+    def arm(self) -> ServedArm: ...
     @property
     def scene(self) -> ServedScene: ...
     def controllers(self) -> Sequence[ServedStatus]: ...

@@ -12,7 +12,11 @@ from fake_robot import ABORTED, ARM, GRIPPED, FakeRobot
 from served import serving, use_folder
 
 from tool0.cli import FAILED, GOAL_FAILED, INTERRUPTED, OK, main
+from tool0.cli.grip import told
 from tool0.control.goal import GoalStatus
+from tool0.description.model import Pose
+from tool0.remote.client import RemoteGrasp
+from tool0.runtime.grasp import GraspState, GripperMotion
 
 pytestmark = pytest.mark.slow
 
@@ -78,7 +82,9 @@ def test_state_as_json_is_one_object(
 
 def test_state_is_a_table(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("state") == OK
-    assert "elbow_joint         -1.25000" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "elbow_joint         -1.25000" in out
+    assert "tool0: xyz +0.50000 +0.25000 -1.00000 m, rpy +0.00000" in out
 
 
 def test_move_keeps_the_joints_that_are_not_given_where_they_are_desired(
@@ -92,6 +98,21 @@ def test_move_keeps_the_joints_that_are_not_given_where_they_are_desired(
     (point,) = asked["points"]
     assert point.positions == (1.0, 2.0, -0.5)
     assert point.time_from_start == 3.0
+
+
+@pytest.mark.parametrize(
+    ("options", "way", "asked"),
+    [
+        ("--speed 0.3 --tip pad", "to", {"speed": 0.3, "tip": "pad"}),
+        ("--linear --relative-to tool0", "linear", {"relative_to": "tool0"}),
+    ],
+)
+def test_move_takes_the_tool_to_a_pose(
+    options: str, way: str, asked: dict[str, object], robot: FakeRobot
+) -> None:
+    assert run(f"move --pose 0.4 -0.1 0.3 3.14 0 -1.5 {options}") == OK
+    pose = Pose(xyz=(0.4, -0.1, 0.3), rpy=(3.14, 0.0, -1.5))
+    assert robot.calls == [(way, {"pose": pose, **asked})]
 
 
 def test_a_goal_that_fails_exits_with_1(
@@ -112,6 +133,11 @@ def test_a_goal_that_fails_exits_with_1(
         ("move --joints elbow_joint=1 --duration 0", "--duration"),
         ("move --joints elbow_joint=1 --duration nan", "--duration"),
         ("move --joints elbow_joint=1 --controller spare_controller", "is running"),
+        ("move", "either --joints"),
+        ("move --joints a=1 --pose 0 0 0 0 0 0", "either --joints"),
+        ("move --joints a=1 --linear", "--linear goes with --pose"),
+        ("move --joints a=1 --tip b", "--tip goes with --pose"),
+        ("move --pose 0 0 0 0 0 0 --duration 2", "--duration goes with --joints"),
         ("grip", "either --opening"),
         ("grip --opening 0.1", "outside"),
         ("grip --position 3", "outside"),
@@ -137,10 +163,32 @@ def test_grip_tells_what_it_holds(
     robot: FakeRobot, capsys: pytest.CaptureFixture[str]
 ) -> None:
     robot.outcome = GRIPPED
-    assert run("grip --opening 0.04 --speed 0.05 --effort 5") == OK
-    assert "holding something" in capsys.readouterr().out
-    asked = {"opening": 0.04, "speed": 0.05, "effort": 5.0}
-    assert robot.calls == [("jaw_controller", asked)]
+    assert run("grip --opening 0.04 --speed 0.05 --force 60") == OK
+    assert "holds something 45.0 mm wide (gOBJ 2)\n" in capsys.readouterr().out
+    assert run("state") == OK
+    assert "jaw: holds something 45.0 mm wide (gOBJ 2)\n" in capsys.readouterr().out
+    assert run("grip --opening 0.04 --effort 5") == OK
+    asked = {"opening": 0.04, "speed": 0.05, "force": 60.0, "effort": None}
+    other = {"opening": 0.04, "speed": None, "force": None, "effort": 5.0}
+    assert robot.calls == [("jaw_controller", asked), ("jaw_controller", other)]
+
+
+@pytest.mark.parametrize(
+    ("motion", "text"),
+    [
+        ("holding_inside", "holds something 45.0 mm wide (gOBJ 2)"),
+        ("holding_outside", "presses against something outside, open 45.0 mm (gOBJ 1)"),
+        ("at_target", "open 45.0 mm (gOBJ 3)"),
+        ("moving", "moving, open 45.0 mm (gOBJ 0)"),
+        ("idle", "open 45.0 mm, commanded by nobody"),
+    ],
+)
+def test_every_state_of_a_gripper_has_words(motion: GripperMotion, text: str) -> None:
+    state = GraspState(motion=motion, opening=0.045)
+    assert (
+        told(RemoteGrasp(motion=motion, opening=0.045, width=None, gobj=state.gobj))
+        == text
+    )
 
 
 def test_a_timeout_stops_the_robot(

@@ -116,8 +116,22 @@ def test_outcomes_are_values(robot: FakeRobot, remote: RemoteRobot) -> None:
     assert remote.controller("arm_controller").follow([POINT]).wait() == ABORTED
     robot.outcome = GRIPPED
     assert remote.gripper.move(opening=0.04, effort=5.0).wait() == GRIPPED
-    asked = {"opening": 0.04, "speed": None, "effort": 5.0}
+    asked = {"opening": 0.04, "speed": None, "force": None, "effort": 5.0}
     assert robot.calls[-1] == ("jaw_controller", asked)
+
+
+def test_what_a_gripper_does_is_told_with_the_state_and_alone(
+    robot: FakeRobot, remote: RemoteRobot
+) -> None:
+    near = robot.gripper.state
+    far = remote.gripper.wait(timeout=1.0)
+    assert (far.motion, far.opening, far.width, far.gobj) == (
+        near.motion,
+        near.opening,
+        near.width,
+        near.gobj,
+    )
+    assert remote.joint_state.grippers == {"jaw": far}
 
 
 @pytest.mark.parametrize("opening", [0.0, 0.02, 0.085])
