@@ -222,7 +222,6 @@ def test_two_controllers_on_one_joint_are_refused(robot: tool0.Robot) -> None:
         (lambda r: r.switch(start=["gripper_controler"]), f"did you mean '{GRIPPER}'"),
         (lambda r: r.controller(GRIPPER).command([0.1]), "JointTrajectoryController"),
         (lambda r: r.controller(ARM).command_gripper(0.1), "GripperActionController"),
-        (lambda r: r.cap_effort("elbow", 1.0), "did you mean 'elbow_joint'"),
         (
             lambda r: r.reset({"elbow_joint": NAN}),
             "position nan of joint 'elbow_joint'",

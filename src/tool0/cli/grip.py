@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import TYPE_CHECKING
 
+from tool0.cli import INTERRUPTED
 from tool0.cli.connection import Bringup, see_through
 from tool0.cli.parsing import parse
 from tool0.errors import ConfigError
 
+if TYPE_CHECKING:
+    from tool0.remote.client import RemoteGrasp
+
 _DEFAULT = Bringup()
+_SETTLE = 1.0
+"""Longest wait, after a goal has ended, for the pads to stand still [wall s]."""
 
 
 def run(command: str, arguments: list[str]) -> int:
@@ -16,22 +23,38 @@ def run(command: str, arguments: list[str]) -> int:
     return parse(grip, command, arguments)
 
 
+def told(state: RemoteGrasp) -> str:
+    """Return what a gripper does, for people, with Robotiq's number for it."""
+    opening = f"{1e3 * state.opening:.1f} mm"
+    words = {
+        "holding_inside": f"holds something {opening} wide",
+        "holding_outside": f"presses against something outside, open {opening}",
+        "at_target": f"open {opening}",
+        "moving": f"moving, open {opening}",
+    }
+    if state.motion not in words:
+        return f"open {opening}, commanded by nobody"
+    return f"{words[state.motion]} (gOBJ {state.gobj})"
+
+
 def grip(
     *,
     opening: float | None = None,
     position: float | None = None,
     speed: float | None = None,
+    force: float | None = None,
     effort: float | None = None,
     timeout: float | None = None,
     bringup: Bringup = _DEFAULT,
 ) -> int:
-    """Open or close the gripper, and wait until it is there; Ctrl-C stops it.
+    """Open or close the gripper, wait, and tell what it holds; Ctrl-C stops it.
 
     Args:
         opening: Distance between the pads [m]; 0 is closed.
         position: Instead of that, the position of the driven joint [rad].
-        speed: Of the pads towards each other [m/s].
-        effort: Largest torque at the driven joint [N·m].
+        speed: Of the pads towards each other [m/s]; 0.02 to 0.15 for a 2F-85.
+        force: Largest force at each pad [N]; 20 to 235 for a 2F-85.
+        effort: Instead of that, the largest torque at the driven joint [N·m].
         timeout: Stop after so many wall seconds.
         bringup: Which bringup.
     """
@@ -43,6 +66,10 @@ def grip(
             opening=opening,
             position=position,
             speed=speed,
+            force=force,
             effort=effort,
         )
-        return see_through(move, timeout)
+        status = see_through(move, timeout)
+        if status != INTERRUPTED:
+            print(told(robot.gripper.wait(_SETTLE)))
+    return status

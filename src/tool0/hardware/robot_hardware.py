@@ -141,6 +141,12 @@ class RobotHardware:
         self._is_stopped = engaged
         self.restart(state)
 
+    @property
+    def bounds(self) -> Mapping[str, DriveBounds]:
+        """What bounds drives below their limits now, by joint."""
+        found = self._limiter.bounds
+        return {self.joint_names[i]: bounds for i, bounds in found.items()}
+
     def bind(self, joint: str, bounds: DriveBounds | None) -> None:
         """Bound the drive of ``joint`` below its limits; None lifts the bounds."""
         self._limiter.bind(self.index[joint], bounds)

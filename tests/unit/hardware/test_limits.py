@@ -6,7 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tool0.description.catalogue import assemble
 from tool0.description.model import JointLimits, SafetyController
+from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.joint_state import JointState
 from tool0.hardware.limits import (
     STOP_TOLERANCE,
     DriveLimits,
@@ -14,6 +17,7 @@ from tool0.hardware.limits import (
     velocity_window,
 )
 
+(GRIPPER,) = assemble("ur5", "2f85").model.grippers
 HARD = JointLimits(lower=-1.0, upper=1.0, velocity=2.0, effort=10.0)
 finite = st.floats(-100.0, 100.0)
 
@@ -21,7 +25,7 @@ finite = st.floats(-100.0, 100.0)
 def saturate(effort: float, position: float, velocity: float, **drive: object) -> float:
     limiter = EffortLimiter([0], [DriveLimits(hard=HARD, **drive)], 0.001)  # type: ignore[arg-type]
     efforts = [effort]
-    limiter.saturate(efforts, [position], [velocity])
+    limiter.saturate(efforts, JointState(0.0, [position], [velocity], [0.0]), [0.0])
     return efforts[0]
 
 
@@ -53,21 +57,25 @@ def test_effort_ends_where_ros_control_ends_it(
     assert saturate(effort, position, velocity) == expected
 
 
-def test_a_rotor_of_known_inertia_never_overshoots_its_speed() -> None:
-    armature, dt, velocity = 0.01, 0.001, 0.0
-    for _ in range(100):
-        velocity += saturate(10.0, 0.0, velocity, armature=armature) / armature * dt
-        assert velocity <= HARD.velocity + 1e-12
-    assert velocity == pytest.approx(HARD.velocity)
+@pytest.mark.parametrize("armature", [0.0, 0.01])
+def test_bounds_bind_and_are_lifted(armature: float) -> None:
+    limiter = EffortLimiter([0], [DriveLimits(hard=HARD, armature=armature)], 0.001)
+    still = JointState(0.0, [0.0], [0.0], [0.0])
 
-
-def test_a_cap_binds_and_is_lifted() -> None:
-    limiter = EffortLimiter([0], [DriveLimits(hard=HARD)], 0.001)
-    for cap, expected in ((3.0, 3.0), (30.0, 10.0), (None, 10.0)):
-        limiter.cap(0, cap)
+    def given() -> float:
         efforts = [50.0]
-        limiter.saturate(efforts, [0.0], [0.0])
-        assert efforts == [expected]
+        limiter.saturate(efforts, still, [0.0])
+        return efforts[0]
+
+    for effort, expected in ((3.0, 3.0), (30.0, 10.0)):
+        limiter.bind(0, DriveBounds(gripper=GRIPPER, effort=effort))
+        assert given() == expected
+        assert list(limiter.bounds) == [0]
+    limiter.bind(0, None)
+    assert given() == 10.0
+    limiter.bind(0, DriveBounds(gripper=GRIPPER, effort=1.0))
+    limiter.restart()
+    assert (given(), dict(limiter.bounds)) == (10.0, {})
 
 
 def test_soft_limits_brake_before_the_stop() -> None:

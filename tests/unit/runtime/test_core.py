@@ -1,18 +1,20 @@
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import pytest
 from skew_rig import START, build_core, follow
 
 from tool0.control.goal import GoalStatus
+from tool0.description.model import ParallelGripper
 from tool0.errors import (
     ClaimError,
     ConfigError,
     ControlError,
     LimitsError,
-    ModelError,
 )
+from tool0.hardware.drive_bounds import DriveBounds
 from tool0.runtime import commands as ask
 from tool0.runtime.core import Core
 
@@ -67,29 +69,73 @@ def test_a_rejected_command_does_not_hide_drift() -> None:
     assert core.drift() == pytest.approx(0.1)
 
 
-def test_a_capped_drive_gives_no_more_and_the_cap_can_be_lifted() -> None:
-    core = build_core(started=())
-    ticks(core, 200)
-    held = abs(core.state.effort[0])
-    core.apply(ask.CapEffort(joint="lift", effort=held / 2.0))
-    ticks(core, 50)
-    assert abs(core.state.effort[0]) <= held / 2.0
-    assert core.drift() > 1e-3  # it sinks
-    core.apply(ask.CapEffort(joint="lift", effort=None))
-    ticks(core, 50)
-    assert abs(core.state.effort[0]) > held / 2.0
+HAND = ParallelGripper(
+    name="hand",
+    joint="lift",
+    pad_offset=0.0,
+    pad_cos=0.1,
+    pad_sin=0.0,
+    max_opening=0.2,
+    speed=(0.01, 1.0),
+    force=(1.0, 10.0),
+)
+LIFTING = {
+    "a trajectory": follow([0.0, 0.0], 0.5),
+    "a trajectory without outcome": ask.CommandTrajectory(
+        controller="arm", goal=follow([0.0, 0.0], 0.5).goal
+    ),
+    "a motion": ask.MoveJoints(positions={"lift": 0.1}, speed=0.5),
+    "steering": ask.SteerJoints(controller="arm", positions={"lift": 0.1}, speed=0.5),
+    "another controller": ask.SwitchControllers(start=("group",), stop=("arm",)),
+    "nobody": ask.SwitchControllers(stop=("arm",)),
+    "a reset": ask.Reset(),
+    "the emergency stop": ask.EmergencyStop(engaged=True),
+}
 
 
-@pytest.mark.parametrize("effort", [0.0, -1.0, math.nan, math.inf])
-def test_a_cap_must_be_positive_and_finite(effort: float) -> None:
-    with pytest.raises(ControlError, match="above 0 and finite"):
-        build_core().apply(ask.CapEffort(joint="lift", effort=effort))
+def bound(core: Core, effort: float) -> DriveBounds:
+    """Send a goal that bounds the drive of ``lift``, and return how."""
+    bounds = DriveBounds(gripper=HAND, effort=effort)
+    core.apply(dataclasses.replace(follow([0.0, 0.0], 0.5), bounds={"lift": bounds}))
+    return bounds
 
 
-@pytest.mark.parametrize("joint", ["lfit", "follower", "base"])
-def test_only_driven_joints_can_be_capped(joint: str) -> None:
-    with pytest.raises(ModelError, match=f"'{joint}'"):
-        build_core().apply(ask.CapEffort(joint=joint, effort=1.0))
+def test_a_goal_bounds_the_drive() -> None:
+    core = build_core()
+    goal = core.apply(follow([0.0, 0.0], 0.5))
+    ticks(core, 1500)
+    assert goal.status is GoalStatus.SUCCEEDED
+    core.apply(ask.Reset())
+    bound(core, 1e-6)  # beside what carries the weight
+    ticks(core, 1500)
+    assert abs(core.state.position[0]) > 0.05
+
+
+@pytest.mark.parametrize("command", LIFTING.values(), ids=LIFTING)
+def test_whatever_else_moves_the_joint_lifts_the_bounds(
+    command: ask.CoreCommand,
+) -> None:
+    core = build_core()
+    bounds = bound(core, 1.0)
+    ticks(core, 10)
+    assert core.hardware.bounds == {"lift": bounds}
+    core.apply(command)
+    assert core.hardware.bounds == {}
+
+
+def test_a_goal_that_is_refused_leaves_the_bounds_alone() -> None:
+    core = build_core()
+    bounds = bound(core, 1.0)
+    with pytest.raises(ControlError):
+        core.apply(follow([math.nan, 0.0], 0.5))
+    assert core.hardware.bounds == {"lift": bounds}
+
+
+def test_a_motion_of_other_joints_leaves_the_bounds_alone() -> None:
+    core = build_core()
+    bounds = bound(core, 1.0)
+    core.apply(ask.MoveJoints(positions={"bend": 0.1}, speed=0.5))
+    assert core.hardware.bounds == {"lift": bounds}
 
 
 def test_a_command_for_another_kind_of_controller_says_which_it_needs() -> None:
