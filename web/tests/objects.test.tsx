@@ -1,7 +1,7 @@
 import { act, fireEvent, render, screen } from "@testing-library/preact";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { fromQuaternion, toRpy } from "../src/kinematics";
-import { describeObject, ObjectsPanel } from "../src/panels/objects";
+import { describeObject, grouped, ObjectsPanel } from "../src/panels/objects";
 import { TopBar } from "../src/panels/top-bar";
 import type { ObjectInfo } from "../src/protocol";
 import { FakeSocket, frame, hello } from "./fixtures";
@@ -132,6 +132,22 @@ describe("the objects", () => {
 });
 
 describe("an object in words", () => {
+  it("is told with its other parts, in the order in which they came", () => {
+    const still = (name: string) => ({ ...TABLE, name });
+    const objects = [still("bin.floor"), CUBE, still("bin.left"), still("a.b")];
+    const movable = { ...CUBE, name: "bin.lid" };
+    const found = grouped([...objects, movable]).map(([whole, parts]) => [
+      whole,
+      ...parts.map(({ name }) => name),
+    ]);
+    expect(found).toEqual([
+      ["bin", "bin.floor", "bin.left"],
+      [null, "cube"],
+      [null, "a.b"],
+      [null, "bin.lid"],
+    ]);
+  });
+
   it("has its measures in millimetres", () => {
     const shapes: [ObjectInfo["shape"], string][] = [
       [{ kind: "cylinder", radius: 0.03, length: 0.1 }, "Cylinder ⌀ 60 × 100 mm, 1 kg"],

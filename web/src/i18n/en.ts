@@ -111,6 +111,7 @@ export const en = {
 
   "objects.title": "Around the robot",
   "objects.none": "Nothing is around the robot.",
+  "objects.parts": "{count} parts",
   "objects.still": "stands still",
   "objects.move": "Move",
   "objects.moveLong": "Move {name}",

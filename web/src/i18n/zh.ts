@@ -108,6 +108,7 @@ export const zh: Texts = {
 
   "objects.title": "机器人周围的物体",
   "objects.none": "机器人周围没有物体。",
+  "objects.parts": "共 {count} 个部分",
   "objects.still": "固定不动",
   "objects.move": "移动",
   "objects.moveLong": "移动 {name}",

@@ -27,13 +27,55 @@ export function ObjectsPanel() {
         </header>
         {objects.length === 0 && <p class="muted">{t("objects.none")}</p>}
         <ul class="objects">
-          {objects.map((object) => (
-            <ObjectRow key={object.name} object={object} />
-          ))}
+          {grouped(objects).map(([whole, parts]) =>
+            whole === null ? (
+              parts.map((object) => <ObjectRow key={object.name} object={object} />)
+            ) : (
+              <Parts key={`${whole}.`} whole={whole} parts={parts} />
+            ),
+          )}
         </ul>
       </section>
       <AddObject />
     </>
+  );
+}
+
+/**
+ * Return the objects, those that stand still and are parts of one thing in one place: the
+ * floor and walls of a bin are called `bin.floor`, `bin.left` and so on.
+ */
+export function grouped(
+  objects: readonly ObjectInfo[],
+): (readonly [whole: string | null, parts: readonly ObjectInfo[]])[] {
+  const wholes = new Map<string, ObjectInfo[]>();
+  for (const object of objects) {
+    const dot = object.name.lastIndexOf(".");
+    const isPart = object.mass === null && dot > 0;
+    const key = isPart ? object.name.slice(0, dot + 1) : object.name;
+    wholes.set(key, [...(wholes.get(key) ?? []), object]);
+  }
+  return [...wholes].map(([key, parts]) => [
+    parts.length > 1 ? key.slice(0, -1) : null,
+    parts,
+  ]);
+}
+
+function Parts({ whole, parts }: { whole: string; parts: readonly ObjectInfo[] }) {
+  return (
+    <li>
+      <details data-testid={`object-parts-${whole}`}>
+        <summary>
+          <code>{whole}</code>{" "}
+          <span class="muted">{t("objects.parts", { count: parts.length })}</span>
+        </summary>
+        <ul class="objects">
+          {parts.map((object) => (
+            <ObjectRow key={object.name} object={object} />
+          ))}
+        </ul>
+      </details>
+    </li>
   );
 }
 
