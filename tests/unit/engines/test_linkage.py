@@ -143,3 +143,17 @@ def let_go(hand: Hand) -> None:
     for item in hand.engine.object_states():
         if item.name.startswith("stand"):
             hand.engine.delete(item.name)
+
+
+@pytest.mark.parametrize("rpy", [UP, DOWN, LEVEL])
+@pytest.mark.parametrize("gripper_model", ["mimic", "linkage"])
+def test_the_drive_carries_the_fingers_and_their_springs(
+    tmp_path: Path, gripper_model: str, rpy: str
+) -> None:
+    hand = Hand(hand_model(tmp_path, gripper_model, rpy))
+    for angle in (0.2, 0.6):
+        for _ in range(800):
+            hand.hold(angle)
+        for _ in range(300):
+            hand.drive(0.0)
+        assert hand.angle == pytest.approx(angle, abs=1e-3)
