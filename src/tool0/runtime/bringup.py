@@ -9,6 +9,7 @@ from pathlib import Path
 from tool0.control.config import ControllerConfig
 from tool0.control.lint import lint
 from tool0.control.manager import ControllerManager, Strictness
+from tool0.description.camera import Camera, default_cameras, merged
 from tool0.description.catalogue import (
     RobotDescription,
     assemble,
@@ -69,14 +70,16 @@ def bringup(
     mount_xyz: Sequence[float] | None = None,
     mount_rpy: Sequence[float] | None = None,
     meshes: str | None = None,
-    gripper_model: str | None = None,
+    gripper_model: str = "mimic",
     engine: str = "mujoco",
     spawn_z: float = 0.1,
     scene: Scene | Path | str | None = None,
+    cameras: Sequence[Camera] = (),
     world: Path | str | None = None,
     gazebo_gui: bool = False,
     dt: float = 0.001,
     control_period: float | None = None,
+    grasp_assist: bool = False,
     controllers_file: Path | str | Sequence[Path | str] | None = None,
     controllers: Names | None = None,
     stopped_controllers: Names | None = None,
@@ -113,10 +116,13 @@ def bringup(
         spawn_z: Height of the robot's root above the ground [m], as in the launch
             files of ur_gazebo: the outstretched arm must clear the ground.
         scene: What stands and lies around the robot, or the YAML file that says so.
+        cameras: Further cameras; one named as another takes its place (docs/camera.md).
         world: A world file of Gazebo's; left out, an empty one with ground.
         gazebo_gui: Whether to open Gazebo's own window, gzclient.
         dt: Length of a physics step [s].
         control_period: Time between controller updates [s]; ``dt`` if left out.
+        grasp_assist: Whether to cheat: what the gripper grips is fixed to it until it
+            opens, whatever friction and force say.
         controllers_file: ros_control YAML, one or several; later ones override.
         controllers: Names to load and start.
         stopped_controllers: Names to load only.
@@ -158,6 +164,9 @@ def bringup(
     model = description.model
     surroundings = _scene(scene)
     surroundings.check_beside(model)
+    seeing = merged(default_cameras(model), surroundings.cameras, cameras)
+    for camera in seeing.values():
+        camera.check_on(model)
     config = _controller_config(description, controllers_file)
     started, stopped = _controller_names(config, controllers, stopped_controllers)
     poses = PoseBook(description)
@@ -179,6 +188,7 @@ def bringup(
             position,
             scene=surroundings,
             control_period=control_period,
+            grasp_assist=grasp_assist,
         )
         for name in (*started, *stopped):
             core.apply(ask.LoadController(name))
@@ -200,7 +210,9 @@ def bringup(
         parameters=config.parameters(),
         joint_limits=core.hardware.limits,
         spawn_z=spawn_z,
+        cameras=seeing,
         ground=None if world else -spawn_z,  # a person's world has what it has
+        grasp_assist=grasp_assist,
         warnings=lint(config, model),
     )
 
@@ -330,6 +342,7 @@ def _core(
     *,
     scene: Scene,
     control_period: float | None,
+    grasp_assist: bool,
 ) -> Core:
     overrides = {
         name: limits.over(model.joint(name).limits)
@@ -349,4 +362,5 @@ def _core(
         initial_position=position,
         scene=scene,
         control_period=control_period,
+        grasp_assist=grasp_assist,
     )

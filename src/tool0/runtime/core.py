@@ -20,6 +20,7 @@ from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime import commands as ask
 from tool0.runtime.force_torque_sensor import ForceTorqueSensor
+from tool0.runtime.grasp_assist import GraspAssist
 from tool0.runtime.initial_pose import joint_positions
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
 from tool0.runtime.surroundings import Surroundings
@@ -39,6 +40,7 @@ class Core:
         initial_position: Sequence[float],
         scene: Scene | None = None,
         control_period: float | None = None,
+        grasp_assist: bool = False,
     ) -> None:
         """Put the robot into its initial pose.
 
@@ -51,6 +53,7 @@ class Core:
             scene: What the engine was made with around the robot.
             control_period: Time between updates of the controllers [s]; a whole
                 multiple of the engine's step, and that step if left out.
+            grasp_assist: Whether to cheat: to fix to the gripper what it grips.
         """
         self._model = model
         self.engine = engine
@@ -65,6 +68,7 @@ class Core:
         self._commanded: set[str] = set()
         self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
         self._sensors: tuple[ForceTorqueSensor, ...] = ()
+        self.grasp_assist = GraspAssist(model, engine) if grasp_assist else None
         engine.reset(self._initial)
         self.state: JointState = engine.read()
         self._before = self.state
@@ -266,6 +270,8 @@ class Core:
         self.engine.reset(start, self.time)
         self.state = self._before = self.engine.read()
         self._commanded.clear()
+        if self.grasp_assist is not None:
+            self.grasp_assist.forget()
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
         for sensor in self._sensors:

@@ -89,7 +89,7 @@ class GraspDetector:
         index = snapshot.joint_names.index(geometry.joint)
         position = snapshot.position[index]
         opening = max(0.0, geometry.opening(position))
-        wanted = _wanted(snapshot, geometry)
+        wanted = wanted_openings(snapshot, geometry)
         target = None if wanted is None else wanted[1]
         if target != self._target or (
             self._samples and snapshot.time < self._samples[-1].time
@@ -149,7 +149,9 @@ def judge(geometry: ParallelGripper, snapshots: Sequence[Snapshot]) -> GraspStat
     return [detector.observe(snapshot) for snapshot in snapshots][-1]
 
 
-def _wanted(snapshot: Snapshot, gripper: ParallelGripper) -> tuple[float, float] | None:
+def wanted_openings(
+    snapshot: Snapshot, gripper: ParallelGripper
+) -> tuple[float, float] | None:
     """Return the openings wanted now and in the end [m]; None if none are."""
     for intent in snapshot.intents.values():
         if gripper.joint in intent.joint_names:

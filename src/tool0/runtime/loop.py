@@ -28,6 +28,7 @@ from tool0.runtime.bus import (
 )
 from tool0.runtime.clock import Pacer, SpeedMeter
 from tool0.runtime.core import Core
+from tool0.runtime.grasp_assist import GraspAssist
 from tool0.runtime.mailbox import Mailbox
 
 logger = logging.getLogger(__name__)
@@ -217,6 +218,18 @@ class Loop:
         self.steps += 1
         if core.ticks % self._snapshot_ticks == 0:
             self._publish()
+            if core.grasp_assist is not None:
+                self._assist(core.grasp_assist)
+
+    def _assist(self, grasp_assist: GraspAssist) -> None:
+        """Let what is held be attached, and what is not be detached."""
+        snapshot = self._bus.latest
+        if snapshot is None or self._fault is not None:
+            return
+        try:
+            grasp_assist.look(snapshot)
+        except Exception as error:  # whatever the engine says of it
+            self._stand_still(error)
 
     def _stand_still(self, error: Exception) -> None:
         self._fault = error

@@ -67,6 +67,7 @@ class Robot:
         joint_limits: Mapping[str, JointLimits],
         spawn_z: float = 0.0,
         ground: float | None = None,
+        grasp_assist: bool = False,
         cameras: Mapping[str, Camera],
         warnings: Sequence[Finding] = (),
     ) -> None:
@@ -77,6 +78,8 @@ class Robot:
         """Height of the robot's root above the world's origin [m]."""
         self.ground = ground
         """Height of the ground [m], in the robot's root; None if there is none."""
+        self.grasp_assist = grasp_assist
+        """Whether what a gripper grips is fixed to it: a cheat."""
         self.warnings = tuple(warnings)
         """What the controllers' YAML says that nothing reads."""
         self.defined_controllers = defined_controllers
