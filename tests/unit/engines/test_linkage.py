@@ -138,6 +138,23 @@ def test_a_pinch_of_that_force_lets_it_slip(tmp_path: Path) -> None:
     assert hand.place("can")[2] < -depth - 0.1
 
 
+def test_no_force_flips_the_linkage_over(tmp_path: Path) -> None:
+    wedge = SceneObject(  # holds the inner knuckles apart; it stands still
+        name="wedge",
+        geometry=Cylinder(radius=0.026, length=0.06),
+        pose=Pose(xyz=(0.0, 0.0, 0.095), rpy=(0.0, math.pi / 2, 0.0)),
+    )
+    hand = Hand(hand_model(tmp_path, "linkage"), wedge)
+    hand.squeeze(235.0, 1.5)
+    for side in SIDES:
+        assert 0.5 < hand.joint(f"{side}_inner_finger_joint") < 0.95
+        assert hand.gap(f"{side}_loop_joint") <= 5e-4
+    for _ in range(1000):
+        hand.hold(0.0)
+    assert hand.opening() == pytest.approx(hand.geometry.opening(0.0), abs=5e-4)
+    assert hand.skew() <= 1.0
+
+
 def let_go(hand: Hand) -> None:
     """Take the stands away: from now on the can's weight pulls it out."""
     for item in hand.engine.object_states():
