@@ -90,9 +90,8 @@ def _vector(values: Matrix) -> tuple[float, float, float]:
 
 def _read(answer: bytes, names: Names) -> Iterator[tuple[tuple[str, str], Matrix]]:
     """Yield each pair of things with its figures, as ``Touch`` in bridge.cc."""
-    (count,) = struct.unpack_from("=I", answer)
-    rest = answer[4:]
-    for _ in range(count):
+    rest = answer
+    while rest:
         *words, rest = rest.split(b"\0", 4)
         first, one, second, other = (word.decode() for word in words)
         figures = np.array(_FIGURES.unpack_from(rest))

@@ -262,10 +262,18 @@ struct Gear {
 
 /// What the points of contact between two shapes add up to, in the world.
 struct Touch {
-  gazebo::physics::CollisionPtr first, second;
+  // A shape that is kept while its model goes would still bump into others.
+  boost::weak_ptr<gazebo::physics::Collision> first, second;
   double weight = 0.0;  // how hard all points press [N]
   Vector3d moment;      // of the points, by how hard each presses [N·m]
   Vector3d force, torque;  // that the first exerts on the second, about the origin
+
+  /// Returns both shapes, or nothing if somebody has deleted one of them.
+  std::pair<gazebo::physics::CollisionPtr, gazebo::physics::CollisionPtr> Shapes() const {
+    const auto one = first.lock(), other = second.lock();
+    if (!one || !other || !one->GetLink() || !other->GetLink()) return {};
+    return {one, other};
+  }
 };
 
 /// Every contact that ODE makes, from when it is first asked for.
@@ -277,16 +285,12 @@ class Touches {
   void Begin() { points_.clear(); }
   const std::vector<Touch>& Sums() const { return sums_; }
 
-  /// Returns whether nobody has deleted either shape since.
-  static bool IsThere(const Touch& touch) {
-    return touch.first->GetModel() && touch.second->GetModel();
-  }
-
   /// Adds up the points of the step that was made, while their shapes are still there.
   /// What sleeps has none, and lies as it lay.
   void AddUp() {
     const auto is_over = [](const Touch& touch) {
-      return !IsThere(touch) || IsAwake(touch.first) || IsAwake(touch.second);
+      const auto [first, second] = touch.Shapes();
+      return !first || IsAwake(first) || IsAwake(second);
     };
     sums_.erase(std::remove_if(sums_.begin(), sums_.end(), is_over), sums_.end());
     for (const Point& point : points_) Add(point);
@@ -333,7 +337,7 @@ class Touches {
   Touch& Between(const gazebo::physics::CollisionPtr& first,
                  const gazebo::physics::CollisionPtr& second) {
     for (Touch& sum : sums_)
-      if (sum.first == first && sum.second == second) return sum;
+      if (sum.Shapes() == std::make_pair(first, second)) return sum;
     sums_.push_back({first, second});
     return sums_.back();
   }
@@ -636,7 +640,7 @@ class Bridge : public gazebo::SystemPlugin {
     Begin();
   }
 
-  /// Out: how many pairs of shapes touched in the last step; of each the names of the first
+  /// Out: of each pair of shapes that touched in the last step, the names of the first
   /// one's model and of itself, the same of the second, and the figures of a Touch.  None at
   /// the first time, which makes it look from then on.
   void Contacts() {
@@ -645,12 +649,10 @@ class Bridge : public gazebo::SystemPlugin {
       world_->EnableAllModels();  // who sleeps touches nobody
     }
     Begin();
-    std::uint32_t count = 0;
-    for (const Touch& touch : touches_.Sums()) count += Touches::IsThere(touch);
-    packet_.Put(count);
     for (const Touch& touch : touches_.Sums()) {
-      if (!Touches::IsThere(touch)) continue;
-      for (const auto& shape : {touch.first, touch.second}) {
+      const auto [first, second] = touch.Shapes();
+      if (!first) continue;
+      for (const auto& shape : {first, second}) {
         packet_.PutText(shape->GetModel()->GetName());
         packet_.PutText(shape->GetName());
       }
