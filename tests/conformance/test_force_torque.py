@@ -157,7 +157,7 @@ def test_what_is_felt_on_the_way_is_what_changes_the_momentum(
     n_fast = 0
     for k in range(1, 601):
         robot.run(0.001)
-        (reading,) = robot.force_torque.samples(since=last)
+        (reading,) = robot.force_torque.samples(since=last.number)
         impulse -= 0.001 * in_root(robot, reading.raw_force)
         impulse[2] -= 0.001 * mass * G
         last = reading
@@ -191,13 +191,13 @@ def test_samples_come_at_their_rate_and_stand_still_with_time(
     first = robot.force_torque.read()
     assert robot.force_torque.rate == 125.0
     robot.run(0.1)
-    readings = robot.force_torque.samples(since=first)
+    readings = robot.force_torque.samples(since=first.number)
     times = [reading.time for reading in readings]
     np.testing.assert_allclose(times, 0.008 * np.arange(1, 13))
     robot.pause()
-    assert robot.force_torque.samples(since=readings[-1]) == ()
+    assert robot.force_torque.samples(since=readings[-1].number) == ()
     robot.step(8)
-    assert len(robot.force_torque.samples(since=readings[-1])) == 1
+    assert len(robot.force_torque.samples(since=readings[-1].number)) == 1
     robot.force_torque.stop()
     robot.force_torque.stop()
     assert robot.force_torque.rate == 0.0

@@ -4,6 +4,7 @@ import math
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,6 +16,7 @@ from tool0.description.scene import SceneObject
 from tool0.errors import ControlError, EngineError, GoalRejectedError, nearest_name
 from tool0.hardware.engine import ObjectState
 from tool0.runtime.grasp import GraspState
+from tool0.runtime.wrench import WrenchReading
 
 ARM = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
 SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)
@@ -144,6 +146,49 @@ class FakeGripper:
         return GraspState(motion="holding_inside", opening=0.045, width=0.045)
 
 
+class FakeForceTorque:
+    """Samples come two at a time, whenever one waits for them."""
+
+    def __init__(self, robot: "FakeRobot") -> None:
+        self._robot = robot
+        self._samples = 1
+        self.rate = 0.0
+
+    def start(self, rate: float | None = None, cutoff: float = 15.0) -> None:
+        if rate == 20.0:
+            raise ControlError("rate 20 Hz is outside [50, 1000] Hz")
+        self.rate = rate or 125.0
+        self._robot.calls.append(("start", {"rate": rate, "cutoff": cutoff}))
+
+    def stop(self) -> None:
+        self._robot.calls.append(("stop", {}))
+
+    def zero(self) -> None:
+        self._robot.calls.append(("zero", {}))
+
+    def read(self) -> WrenchReading:
+        return self._reading(self._samples - 1)
+
+    def samples(
+        self, since: int = -1, timeout: float | None = 0.0
+    ) -> tuple[WrenchReading, ...]:
+        if timeout:
+            self._samples += 2
+        return tuple(map(self._reading, range(since + 1, self._samples)))
+
+    @staticmethod
+    def _reading(number: int) -> WrenchReading:
+        return WrenchReading(
+            time=1.0 + 0.008 * number,
+            number=number,
+            frame="tool0",
+            force=(0.0, -0.5, 9.03),
+            torque=(0.0075, 0.0, 0.0),
+            raw_force=(0.25, -0.5, 9.0),
+            raw_torque=(0.0, 0.0, 0.0),
+        )
+
+
 TABLE = SceneObject(
     name="table", geometry=Box(size=(0.5, 0.8, 0.04)), pose=Pose(xyz=(0.6, 0.0, 0.0))
 )
@@ -180,6 +225,10 @@ class FakeRobot:
     calls: list[tuple[str, Any]] = field(default_factory=list)
     goals: list[FakeGoal] = field(default_factory=list)
     has_begun: threading.Event = field(default_factory=threading.Event)
+
+    @cached_property
+    def force_torque(self) -> FakeForceTorque:
+        return FakeForceTorque(self)
 
     @property
     def arms(self) -> dict[str, FakeArm]:

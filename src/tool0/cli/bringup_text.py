@@ -45,6 +45,10 @@ def greeting(
             [(f"  {row.name}", row.state, row.type) for row in robot.controllers()]
         ).splitlines(),
     ]
+    if simulation.grasp_assist:
+        lines.append(
+            "Grasp assist is on, a cheat: what is gripped is fixed to the hand."
+        )
     lines += [] if url is None else [panel_line(url)]
     lines += [] if ros is None else [ros]
     if simulation.duration is None:

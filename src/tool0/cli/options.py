@@ -96,6 +96,8 @@ class SimulationOptions:
     """A world file for Gazebo; if left out, an empty world with ground."""
     gazebo_gui: bool = False
     """Also open Gazebo's own window, gzclient."""
+    grasp_assist: bool = False
+    """A cheat: fix to the gripper what it grips, until it opens."""
     paused: bool = False
     """Begin paused: `tool0 resume` lets time run."""
     realtime: bool = True

@@ -24,6 +24,7 @@ from tool0.remote.address import (
     socket_path,
 )
 from tool0.remote.remote_arm import RemoteArm
+from tool0.remote.remote_force_torque import RemoteForceTorque
 from tool0.remote.remote_scene import RemoteScene
 from tool0.remote.wire import (
     PROTOCOL,
@@ -97,6 +98,7 @@ class RemoteRobot:
         self.gripper: Final = RemoteGripper(self._wire)
         self.arm: Final = RemoteArm(self._wire.call, self._wire.start)
         self.scene: Final = RemoteScene(self._wire.call)
+        self.force_torque: Final = RemoteForceTorque(self._wire.call)
 
     def __enter__(self) -> RemoteRobot:
         return self

@@ -21,6 +21,7 @@ from tool0.remote.served_robot import (
     ServedRobot,
 )
 from tool0.remote.wire import Json
+from tool0.remote.wrench_methods import WRENCH_CALLS
 
 
 def _state(robot: ServedRobot, params: Params) -> Json:
@@ -214,6 +215,7 @@ CALLS: Final[dict[str, Callable[[ServedRobot, Params], Json]]] = {
     "sim.estop": _estop,
     **ARM_CALLS,
     **SCENE_CALLS,
+    **WRENCH_CALLS,
 }
 """Methods that are answered at once."""
 

@@ -13,8 +13,9 @@ from tool0.description.model import RobotModel
 from tool0.errors import ControlError
 from tool0.hardware.low_pass import LowPass
 from tool0.runtime import commands as ask
-from tool0.runtime.force_torque_sensor import ForceTorqueSensor, WrenchReading
+from tool0.runtime.force_torque_sensor import ForceTorqueSensor
 from tool0.runtime.loop import Loop
+from tool0.runtime.wrench import WrenchReading
 
 RATES = (50.0, 1000.0)
 """Slowest and fastest sampling [Hz]."""
@@ -102,12 +103,12 @@ class ForceTorque:
         self._started().zero()
 
     def samples(
-        self, since: WrenchReading | None = None, timeout: float | None = 0.0
+        self, since: int = -1, timeout: float | None = 0.0
     ) -> tuple[WrenchReading, ...]:
         """Return all samples after ``since``, oldest first; the last 4096 are kept.
 
         Args:
-            since: The last one that is known already; None for all.
+            since: The ``number`` of the last one that is known already.
             timeout: How long to wait for the first [wall s]; None for ever.
         """
         return self._started().samples(since, timeout)

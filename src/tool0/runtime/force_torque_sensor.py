@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import final
 
 from tool0.description.model import RobotModel
@@ -13,36 +12,12 @@ from tool0.hardware.engine import Contact
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.low_pass import LowPass
 from tool0.hardware.tool_dynamics import ToolDynamics
+from tool0.runtime.wrench import WrenchReading
 
-Vector3 = tuple[float, float, float]
 Contacts = Callable[[], tuple[Contact, ...]]
 
 READINGS_KEPT = 4096
 """Samples that a reader may fall behind: four seconds at 1 kHz."""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class WrenchReading:
-    """What the tool exerts on the flange, over one step of the physics.
-
-    In the axes of ``frame``, at its origin, less what it was when zeroed.
-    """
-
-    time: float
-    """Simulated time at the end of the step [s]."""
-    number: int
-    """Of the sample, since the sensor was started; no reset sets it back."""
-    frame: str
-    """The link."""
-    force: Vector3
-    """Filtered [N]."""
-    torque: Vector3
-    """Filtered [N·m]."""
-    raw_force: Vector3
-    """[N]"""
-    raw_torque: Vector3
-    """[N·m]"""
 
 
 @final
@@ -109,14 +84,11 @@ class ForceTorqueSensor:
         with self._changed:
             return self._readings[-1]
 
-    def samples(
-        self, since: WrenchReading | None, timeout: float | None
-    ) -> tuple[WrenchReading, ...]:
-        """Return what came after ``since``; wait for the first, [wall s]."""
-        seen = -1 if since is None else since.number
+    def samples(self, since: int, timeout: float | None) -> tuple[WrenchReading, ...]:
+        """Return what came after number ``since``; wait for the first, [wall s]."""
         with self._changed:
-            self._changed.wait_for(lambda: self._number > seen, timeout)
-            count = min(self._number - seen, len(self._readings))
+            self._changed.wait_for(lambda: self._number > since, timeout)
+            count = min(self._number - since, len(self._readings))
             return tuple(self._readings[i] for i in range(-count, 0))
 
     def _sample(
