@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,10 +18,12 @@ GripperMotion = Literal[
 WINDOW = 0.1
 """Simulated time over which pads must have been still to hold something [s]: the pads
 of a simulated grip chatter, so no instant's velocity tells."""
-STILL = 0.0005
+STILL = 0.0002
 """Way within the window up to which pads count as still [m]; the slowest speed of a
-2F-85 makes ten times that."""
-MOVED = 2.0 * STILL
+2F-85 makes ten times that, weak gains creep to their target at twice that."""
+CREEP = 0.0005
+"""The same for pads that push firmly: what they squeeze gives way."""
+MOVED = 2.0 * CREEP
 """Way within the window from which pads that were still move again [m]."""
 _ROUNDING = 1e-6  # [s]
 TOLERANCE = 0.001
@@ -29,6 +32,8 @@ that what is squeezed by less than this is not noticed."""
 PUSH = 0.05
 """Part of the weakest grip from which the drive counts as pushing: 1 N for a 2F-85,
 whose own weight and friction take up to 0.8 N at a pad that nothing touches."""
+FIRM = 0.5
+"""Part of the weakest grip from which the drive counts as pushing firmly."""
 
 
 @final
@@ -117,26 +122,27 @@ class GraspDetector:
         """Return the state for openings that are wanted now and in the end [m]."""
         openings = [sample.opening for sample in self._samples]
         way = max(openings) - min(openings)
-        self._was_still = way <= (MOVED if self._was_still else STILL)
-        if not self._was_still:
-            return "moving"
         last = self._samples[-1]
         lack = desired - last.opening
+        push = self._push() * math.copysign(1.0, lack) / self._geometry.force[0]
+        still = CREEP if push >= FIRM else STILL
+        self._was_still = way <= (MOVED if self._was_still else still)
+        if not self._was_still:
+            return "moving"
         is_there = abs(lack) <= TOLERANCE
         is_long_still = last.time - self._samples[0].time >= WINDOW - _ROUNDING
-        if is_long_still and not is_there and self._pushes(lack):
+        if is_long_still and not is_there and push >= PUSH:
             return "holding_inside" if lack < 0.0 else "holding_outside"
         if abs(target - desired) <= TOLERANCE and (is_there or is_long_still):
             return "at_target"
         return "moving"
 
-    def _pushes(self, lack: float) -> bool:
-        """Return whether the drive pushed the pads that way over the window."""
-        geometry, samples = self._geometry, self._samples
-        lever = geometry.lever(samples[-1].position)
+    def _push(self) -> float:
+        """Return how hard the drive opened the pads over the window, on average [N]."""
+        samples = self._samples
+        lever = self._geometry.lever(samples[-1].position)
         # A positive effort closes the gripper: the opening shrinks.
-        force = -sum(sample.effort for sample in samples) / len(samples) / lever
-        return force * lack > 0.0 and abs(force) >= PUSH * geometry.force[0]
+        return -sum(sample.effort for sample in samples) / len(samples) / lever
 
 
 def judge(geometry: ParallelGripper, snapshots: Sequence[Snapshot]) -> GraspState:

@@ -6,11 +6,11 @@ import math
 import time
 from typing import TYPE_CHECKING, final
 
-from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError, GoalTimeoutError
 from tool0.hardware.drive_bounds import DriveBounds
 from tool0.runtime.grasp import GraspState, judge
+from tool0.runtime.gripper_motion import opening_motion
 from tool0.runtime.loop import SNAPSHOT_PERIOD
 
 if TYPE_CHECKING:
@@ -19,11 +19,6 @@ if TYPE_CHECKING:
     from tool0.runtime.loop import Loop
     from tool0.runtime.robot import Robot
 
-RAMP = 0.005
-"""Way over which the pads speed up and slow down, each [m]: a guess, no datasheet
-tells; it keeps the fingers from overshooting at full speed."""
-SPACING = 0.005
-"""Way between the points of a planned motion [m]."""
 _PATIENCE = 0.05  # [wall s] between looks at whether the loop still lives
 
 
@@ -127,7 +122,7 @@ class Gripper:
                 most = robot.joint_limits[joint].effort if force is not None else effort
                 return controller.command_gripper(target, most, bounds=bounds)
             if status.type.endswith("/JointTrajectoryController"):
-                points = self._plan(opening, speed)
+                points = opening_motion(geometry, self.opening, opening, speed)
                 return controller.follow(
                     points, joint_names=[joint], bounds={joint: bounds}
                 )
@@ -135,42 +130,3 @@ class Gripper:
             f"no running controller drives '{joint}'; start a JointTrajectory"
             "Controller or a GripperActionController that claims it"
         )
-
-    def _plan(self, opening: float, speed: float) -> list[TrajectoryPoint]:
-        """Return points along which the pads ramp up, cruise and ramp down.
-
-        The linkage turns a steady opening into an unsteady angle, so points lie close.
-        """
-        widest = self.geometry.max_opening
-        start = min(self.opening, widest)
-        way = opening - start
-        ramp = min(RAMP, abs(way) / 2.0)
-        speed *= math.sqrt(ramp / RAMP)  # a short way ends before full speed
-        n_points = max(2, math.ceil(abs(way) / SPACING))
-        points = []
-        for k in range(1, n_points + 1):
-            done = abs(way) * k / n_points
-            at, rate = _ramped(done, abs(way), ramp, speed)
-            reached = start + math.copysign(done, way)
-            q = self.geometry.position(min(max(0.0, reached), widest))  # rounding
-            qd = -math.copysign(rate, way) / self.geometry.lever(q)
-            points.append(TrajectoryPoint([q], [qd], time_from_start=max(at, 1e-3 * k)))
-        return points
-
-
-def _ramped(done: float, way: float, ramp: float, speed: float) -> tuple[float, float]:
-    """Return when [s] ``done`` of ``way`` [m] is behind, and how fast then [m/s].
-
-    Constant acceleration over ``ramp`` at both ends, reaching ``speed`` between.
-    """
-    if ramp <= 0.0:
-        return 0.0, 0.0
-    ramp_time = 2.0 * ramp / speed
-    if done < ramp:
-        return ramp_time * math.sqrt(done / ramp), speed * math.sqrt(done / ramp)
-    cruise_time = ramp_time + (min(done, way - ramp) - ramp) / speed
-    left = way - done
-    if left >= ramp:
-        return cruise_time, speed
-    slow = math.sqrt(max(0.0, left / ramp))
-    return cruise_time + ramp_time * (1.0 - slow), speed * slow

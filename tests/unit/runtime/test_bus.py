@@ -124,3 +124,15 @@ def test_a_closed_subscription_hears_nothing_more() -> None:
     bus.announce(WasReset())
     assert not reader.events
     assert list(other.events) == [WasReset()]
+
+
+def test_the_history_reaches_half_a_second_back_however_much_is_published() -> None:
+    bus = Bus()
+    for tick in range(2000):
+        for _ in range(3):
+            bus.publish(snapshot(tick))
+    ticks = [item.tick for item in bus.history()]
+    assert ticks == [*range(1488, 2000, 8), 1999]
+    bus.publish(snapshot(0))  # a reset
+    bus.publish(snapshot(1))
+    assert [item.tick for item in bus.history()][-2:] == [0, 1]

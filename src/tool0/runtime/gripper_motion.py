@@ -1,0 +1,62 @@
+"""The way of a gripper's pads from one opening to another, as a trajectory."""
+
+from __future__ import annotations
+
+import math
+
+from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.model import ParallelGripper
+
+RAMP = 0.005
+"""Way over which the pads speed up and slow down, each [m]: a guess, no datasheet
+tells; it keeps the fingers from overshooting at full speed."""
+SPACING = 0.005
+"""Way between the points of a planned motion [m]."""
+
+
+def opening_motion(
+    geometry: ParallelGripper, start: float, end: float, speed: float
+) -> list[TrajectoryPoint]:
+    """Return points of the driven joint along which the pads ramp up, cruise and stop.
+
+    The linkage turns a steady opening into an unsteady angle, so points lie close.
+
+    Args:
+        geometry: The gripper.
+        start: Distance between the pads now [m].
+        end: Distance to go to [m], 0 … ``geometry.max_opening``.
+        speed: Of the pads towards each other [m/s].
+    """
+    widest = geometry.max_opening
+    start = min(start, widest)
+    way = end - start
+    ramp = min(RAMP, abs(way) / 2.0)
+    speed *= math.sqrt(ramp / RAMP)  # a short way ends before full speed
+    n_points = max(2, math.ceil(abs(way) / SPACING))
+    points = []
+    for k in range(1, n_points + 1):
+        done = abs(way) * k / n_points
+        at, rate = _ramped(done, abs(way), ramp, speed)
+        reached = start + math.copysign(done, way)
+        q = geometry.position(min(max(0.0, reached), widest))  # rounding
+        qd = -math.copysign(rate, way) / geometry.lever(q)
+        points.append(TrajectoryPoint([q], [qd], time_from_start=max(at, 1e-3 * k)))
+    return points
+
+
+def _ramped(done: float, way: float, ramp: float, speed: float) -> tuple[float, float]:
+    """Return when [s] ``done`` of ``way`` [m] is behind, and how fast then [m/s].
+
+    Constant acceleration over ``ramp`` at both ends, reaching ``speed`` between.
+    """
+    if ramp <= 0.0:
+        return 0.0, 0.0
+    ramp_time = 2.0 * ramp / speed
+    if done < ramp:
+        return ramp_time * math.sqrt(done / ramp), speed * math.sqrt(done / ramp)
+    cruise_time = ramp_time + (min(done, way - ramp) - ramp) / speed
+    left = way - done
+    if left >= ramp:
+        return cruise_time, speed
+    slow = math.sqrt(max(0.0, left / ramp))
+    return cruise_time + ramp_time * (1.0 - slow), speed * slow
