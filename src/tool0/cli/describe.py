@@ -114,7 +114,8 @@ def _row(model: RobotModel, joint: Joint) -> Sequence[str]:
 def _drive(model: RobotModel, joint: Joint) -> str:
     if joint.mimic is not None:
         offset = f" {joint.mimic.offset:+g}" if joint.mimic.offset else ""
-        return f"{joint.mimic.multiplier:+g} · {joint.mimic.joint}{offset}"
+        free = " (passive)" if joint.passive else ""
+        return f"{joint.mimic.multiplier:+g} · {joint.mimic.joint}{offset}{free}"
     transmission = model.transmission_by_joint.get(joint.name)
     if transmission is None:
         return "-"
