@@ -216,7 +216,9 @@ class Arm:
         T_base_tip = self.chain.forward(start[None]).T_base_tip[0]
         everywhere = {**self._robot.joint_state.position, **standing}
         end = self._in_base(pose, relative_to, everywhere)
-        line = Line(T_base_tip @ T_tip_tool, end, T_tip_tool)
+        found = transforms(self._robot.description.model, everywhere)
+        T_root_base = found[self.chain.base].matrix
+        line = Line(T_base_tip @ T_tip_tool, end, T_tip_tool, T_root_base)
         points = LinearMotion(self.kinematics, line, start, limits).points()
         if self._at_rest(controller) != standing:
             raise ControlError("the arm was moved while its line was planned")

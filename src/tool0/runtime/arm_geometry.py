@@ -21,13 +21,15 @@ from tool0.errors import ControlError
 from tool0.runtime.arm_chain import ArmChain, Array
 
 N_BRANCHES = 8
-STRETCHED = 1e-6
-"""So much beyond the reach counts as at its end, as a part of it: rounding, and what
-a calibrated arm differs; what comes of it is refined."""
+ROUNDING = 1e-6
+"""So much beyond the reach counts as within, as a part of its square."""
+INEXACT = 20.0
+"""The same for each radian that an arm differs from the ideal build: what is found so
+is refined, and dropped if it does not reach the pose."""
 SINGULAR = 1e-5
 """Below this sine the fifth joint leaves open how the fourth and the sixth share."""
-_BUILD = 0.1
-"""How far an arm may be from the ideal build [rad]: solutions are refined later."""
+MAX_INEXACT = 0.1
+"""How far an arm may be from the ideal build [rad]: solutions are refined."""
 
 
 class Signs(NamedTuple):
@@ -81,7 +83,10 @@ class ArmGeometry:
         )
         frame[:3, 3] = self._R.T @ centre + self._origin
         self._T_tip_wrist = np.linalg.inv(T) @ frame
-        self._check(chain)
+        self._slack = ROUNDING
+        self.inexact = self._check(chain)
+        """How far it is from the ideal build [rad], roughly."""
+        self._slack += INEXACT * self.inexact
 
     @property
     def reach(self) -> float:
@@ -112,7 +117,7 @@ class ArmGeometry:
         either = np.array([1.0, -1.0])
         with np.errstate(invalid="ignore", divide="ignore"):
             beside = x * x + y * y
-            forward = either * _root(beside - self.lateral**2, beside)
+            forward = either * self._root(beside - self.lateral**2, beside)
             q1 = np.arctan2(y, x) - np.arctan2(self.lateral, forward)
             # Into the plane of the arm: turned back about z.
             x6, z6 = (_turned_back(R6[:, None, :, k], q1)[:, :, None] for k in (0, 2))
@@ -163,11 +168,17 @@ class ArmGeometry:
         """Return the forearm's angle to the upper arm, 0 … π; NaN out of reach."""
         a, b = self.upper_arm, self.forearm
         cosine = ((joint4**2).sum(axis=-1) - a * a - b * b) / (2.0 * a * b)
-        bend: Array = np.arctan2(_root(1.0 - cosine**2, 1.0), cosine)
+        bend: Array = np.arctan2(self._root(1.0 - cosine**2, 1.0), cosine)
         return bend
 
-    def _check(self, chain: ArmChain) -> None:
-        """Raise ControlError unless known postures are found again."""
+    def _root(self, square: Array, scale: Array | float) -> Array:
+        """Return the root; NaN if ``square`` is below 0 by more than the arm is off."""
+        within = square > -self._slack * scale
+        root: Array = np.sqrt(np.where(within, np.abs(square), np.nan))
+        return root
+
+    def _check(self, chain: ArmChain) -> float:
+        """Return how well known postures are found again [rad], or ControlError."""
         known = np.array(
             [[0.3, -1.1, 1.3, -0.7, -1.2, 0.4], [-2.0, -2.2, -1.2, 2.5, 0.9, -2.5]]
         )
@@ -176,20 +187,13 @@ class ArmGeometry:
             found = self.solve(chain.forward(known).T_base_tip)
             away = np.abs(_wrapped(found - known[:, None])).max(axis=2)
         worst = np.nan_to_num(away, nan=np.inf).min(axis=1).max()
-        if not worst < _BUILD:
+        if not worst < MAX_INEXACT:
             raise ControlError(
                 f"the arm that ends at '{chain.tip}' is not built like a UR (axes 2, 3 "
                 "and 4 parallel, 1 and 5 across them, 6 across 5), and there is no "
                 "inverse kinematics for other arms; use move_joints"
             )
-
-
-def _root(square: Array, scale: Array | float) -> Array:
-    """Return the root; 0 where rounding made the square negative, NaN below that."""
-    root: Array = np.sqrt(
-        np.where((square < 0) & (square > -STRETCHED * scale), 0.0, square)
-    )
-    return root
+        return float(worst)
 
 
 def _row(*columns: Array | float) -> Array:

@@ -18,6 +18,8 @@ from tool0.runtime.joint_motion import largest_velocity
 
 PRECISION = 1e-9
 """How exactly a solution reaches its pose [m, rad]."""
+EXACT = 1e-6
+"""Below this the closed form is as good as any refinement [rad]."""
 _SAME = 1e-6
 """Postures nearer to each other than this are one [rad]."""
 _LIMIT_ROUNDING = 1e-9
@@ -139,6 +141,8 @@ class InverseKinematics:
         if not np.isfinite(found).any() or (wrist < SINGULAR).any():
             open_sixth = self.geometry.solve(poses, near[5:])[0]
             found = np.concatenate([open_sixth, found])
+        if self.geometry.inexact > EXACT:  # near a singularity it may be found so alone
+            found = np.concatenate([near[None], found])
         found = self.refined(found[np.isfinite(found).all(axis=1)], T_base_tip)
         apart = np.abs(_wrapped(found[:, None] - found)).max(axis=2, initial=0.0)
         repeats = np.tril(apart <= _SAME, -1).any(axis=1)

@@ -42,15 +42,14 @@ class Timing:
     def __init__(self, stretches: Sequence[Stretch]) -> None:
         import ruckig  # without annotations: its values are Any
 
-        merged = _merged(stretches)
-        speeds = _border_speeds(merged)
+        speeds = _border_speeds(stretches)
         self._parts: list[ruckig.Trajectory] = []
         self._starts: list[float] = []
         self.duration = 0.0
         """[s]"""
         begin = 0.0
         planner = ruckig.Ruckig(1)
-        for stretch, before, after in zip(merged, speeds, speeds[1:], strict=False):
+        for stretch, before, after in zip(stretches, speeds, speeds[1:], strict=False):
             wanted = ruckig.InputParameter(1)
             wanted.current_position, wanted.target_position = [begin], [stretch.end]
             wanted.current_velocity, wanted.target_velocity = [before], [after]
@@ -75,17 +74,6 @@ class Timing:
             for k, time in zip(parts.tolist(), times.tolist(), strict=True)
         ]
         return np.array(rows)
-
-
-def _merged(stretches: Sequence[Stretch]) -> list[Stretch]:
-    """Return them with neighbours of the same limits as one."""
-    merged: list[Stretch] = []
-    for stretch in stretches:
-        if merged and merged[-1][1:] == stretch[1:]:
-            merged[-1] = stretch
-        else:
-            merged.append(stretch)
-    return merged
 
 
 def _border_speeds(stretches: Sequence[Stretch]) -> list[float]:

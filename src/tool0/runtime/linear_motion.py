@@ -30,11 +30,13 @@ so that a line at 20 mm/s would take the joint to its largest velocity."""
 PERIOD = 0.008
 """Longest time between points [s]: the rate of a UR's own interface, 125 Hz."""
 FEWEST = 50
-_MOST_STRETCHES = 64
+_LEVEL = 0.7
+"""Ratio between the speeds that stretches of a line may have."""
 _SHARE = 0.5
 """Part of a joint's acceleration for each of the two that add up: of the motion along
 the line, and of the bend of the joints' way at steady speed."""
 _DIFFERENCE = 1e-5
+_REMEDY = "choose another line, begin in another branch, or use move_to"
 
 
 @final
@@ -63,14 +65,22 @@ class Line:
     Poses are in the link that carries the arm; a place on the line is from 0 to 1.
     """
 
-    def __init__(self, start: Array, end: Array, T_tip_tool: Array) -> None:
+    def __init__(
+        self,
+        start: Array,
+        end: Array,
+        T_tip_tool: Array,
+        T_root_base: Array | None = None,
+    ) -> None:
         """Make the line.
 
         Args:
             start: Pose of the tool at the start, shape (4, 4).
             end: Pose of the tool at the end, shape (4, 4).
             T_tip_tool: Pose of the tool in the arm's flange, shape (4, 4).
+            T_root_base: Where the arm is, shape (4, 4), for what is said of the line.
         """
+        self._T_root_base = np.eye(4) if T_root_base is None else T_root_base
         self._start = start
         self._T_tool_tip = np.linalg.inv(T_tip_tool)
         way = end[:3, 3] - start[:3, 3]
@@ -107,7 +117,7 @@ class Line:
 
     def at(self, s: float) -> str:
         """Return where a place is, in words."""
-        pose = as_transform(self.tool(np.array([s]))[0])
+        pose = as_transform(self._T_root_base @ self.tool(np.array([s]))[0])
         return f"at {s:.0%} of the line, where the tool is at {pose}"
 
 
@@ -179,12 +189,12 @@ class LinearMotion:
                 raise self._lost(k, poses[k], q)
             nearest = int(np.nanargmin(sizes))
             if sizes[nearest] > LEAP:
-                raise self._leap(k, turns[nearest])
+                raise self._leap(k, turns[nearest], q)
             found[k] = q = q + turns[nearest]
         refined = kinematics.refined(found, poses)
         if len(refined) != len(found):
             raise UnreachableError(
-                "the line passes too near to a posture in which the arm is singular"
+                f"the line passes too near to a singularity; {_REMEDY}"
             )
         self._check_limits(refined)
         return refined
@@ -197,12 +207,13 @@ class LinearMotion:
             return UnreachableError(f"the line cannot be followed: {error}; {place}")
         return UnreachableError(f"the line cannot be followed {place}")
 
-    def _leap(self, k: int, turns: Array) -> UnreachableError:
+    def _leap(self, k: int, turns: Array, q: Array) -> UnreachableError:
+        branch = self._kinematics.branch(q)
         joint = self._kinematics.chain.joints[int(np.abs(turns).argmax())]
         return UnreachableError(
-            f"the line passes a singularity: joint '{joint.name}' would have to jump "
-            f"by {np.abs(turns).max():.2f} rad {self._line.at(float(self._s[k]))}; "
-            "choose another line or another branch, or use move_to"
+            f"the line passes a singularity, or the reach of '{branch}' ends: joint "
+            f"'{joint.name}' would have to jump by {np.abs(turns).max():.2f} rad "
+            f"{self._line.at(float(self._s[k]))}; {_REMEDY}"
         )
 
     def _check_limits(self, q: Array) -> None:
@@ -236,26 +247,24 @@ class LinearMotion:
             by_bend = np.sqrt(_SHARE * strongest / bend).min(axis=1)
             by_acceleration = (_SHARE * strongest / rate).min(axis=1)
         caps = np.minimum(by_speed, by_bend)
-        n = min(_MOST_STRETCHES, len(self._s) - 1)
-        borders = np.linspace(0, len(self._s) - 1, n + 1).round().astype(int)
+        slowest = int(caps.argmin())
+        if caps[slowest] < SLOWEST:
+            where = line.at(float(self._s[slowest]))
+            raise UnreachableError(f"the line passes a singularity {where}; {_REMEDY}")
+        # Few stretches, each as fast as its slowest place: a change of speed takes way.
+        between = np.minimum(caps[:-1], caps[1:]) / top
+        levels = np.ceil(np.log(np.minimum(between, 1.0)) / np.log(_LEVEL) - 1e-9)
+        borders = [0, *(np.flatnonzero(np.diff(levels)) + 1), len(levels)]
         stretches = []
         for first, last in itertools.pairwise(borders):
-            speed = min(top, float(caps[first : last + 1].min()))
-            if speed < SLOWEST:
-                raise UnreachableError(
-                    "the line passes a singularity "
-                    f"{line.at(float(self._s[first]))}; choose another line or "
-                    "another branch, or use move_to"
-                )
-            acceleration = min(
-                top / ramp, float(by_acceleration[first : last + 1].min())
-            )
+            within = float(by_acceleration[first : last + 1].min())
+            acceleration = min(top / ramp, within)
             stretches.append(
                 Stretch(
-                    float(self._s[last]),
-                    speed,
-                    acceleration,
-                    acceleration / TIME_TO_FULL_ACCELERATION,
+                    end=float(self._s[last]),
+                    speed=top * _LEVEL ** float(levels[first]),
+                    acceleration=acceleration,
+                    jerk=acceleration / TIME_TO_FULL_ACCELERATION,
                 )
             )
         return stretches

@@ -1,0 +1,178 @@
+"""Laws of straight motions: line and limits are kept, and errors say where."""
+
+import numpy as np
+import pytest
+from arm_rig import ur5
+
+from tool0.control.playback import hold_track, sample_track, splice
+from tool0.control.segment import Motion
+from tool0.control.tolerances import NO_TOLERANCES
+from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.kinematics import to_transform
+from tool0.description.model import Pose
+from tool0.errors import ControlError, UnreachableError
+from tool0.runtime.arm_chain import Array
+from tool0.runtime.inverse_kinematics import InverseKinematics, as_matrix
+from tool0.runtime.joint_motion import TIME_TO_FULL_SPEED
+from tool0.runtime.linear_motion import PERIOD, Line, LinearLimits, LinearMotion
+
+HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])
+PAD = as_matrix(Pose(xyz=(0.01, 0.0, 0.15), rpy=(0.2, 0.0, 0.3)))
+FASTEST = np.pi
+USUAL = LinearLimits(speed=0.25, acceleration=1.2, angular_speed=1.0)
+QUICK = LinearLimits(speed=3.0, acceleration=30.0, angular_speed=20.0)
+ENDS = {
+    "down": Pose(xyz=(0.0, 0.0, 0.2)),
+    "aside": Pose(xyz=(-0.35, 0.1, 0.05), rpy=(0.3, 0.2, -0.5)),
+    "turn": Pose(rpy=(0.0, 0.0, 1.5)),
+    "far": Pose(xyz=(0.4, 0.0, -0.1), rpy=(0.0, 0.3, 2.0)),
+}
+"""In the tool's frame at the start."""
+
+
+@pytest.fixture(scope="module")
+def arm() -> InverseKinematics:
+    return InverseKinematics(ur5())
+
+
+def planned(
+    arm: InverseKinematics, end: Pose, limits: LinearLimits, start: Array = HOME
+) -> tuple[Line, list[TrajectoryPoint]]:
+    begin = arm.chain.forward(start[None]).T_base_tip[0] @ PAD
+    line = Line(begin, begin @ as_matrix(end), PAD)
+    return line, LinearMotion(arm, line, start, limits).points()
+
+
+def played(start: Array, points: list[TrajectoryPoint], times: Array) -> Array:
+    """Return how the joints move as a controller plays it, shape (n, 6, 3)."""
+    joints = []
+    for k in range(6):
+        way = [
+            (
+                point.time_from_start,
+                Motion(
+                    point.positions[k],
+                    (point.velocities or ())[k],
+                    (point.accelerations or ())[k],
+                ),
+            )
+            for point in points
+        ]
+        rest = hold_track(0.0, float(start[k]))
+        track = splice(rest, 0.0, 0.0, way, goal=None, tolerances=NO_TOLERANCES)
+        joints.append([sample_track(track, time) for time in times.tolist()])
+    return np.array(joints).transpose(1, 0, 2)
+
+
+@pytest.mark.parametrize("limits", [USUAL, QUICK], ids=["usual", "quick"])
+@pytest.mark.parametrize("end", ENDS.values(), ids=ENDS.keys())
+def test_the_tool_keeps_to_its_line_and_all_to_their_limits(
+    end: Pose, limits: LinearLimits, arm: InverseKinematics
+) -> None:
+    line, points = planned(arm, end, limits)
+    duration = points[-1].time_from_start
+    times = np.linspace(0.0, duration, 1500)
+    motion = played(HOME, points, times)
+    tool = arm.chain.forward(motion[:, :, 0]).T_base_tip @ PAD
+    # Where on the line it is: by its place, or by its turn if it stays.
+    start, last = line.tool(np.array([0.0, 1.0]))
+    np.testing.assert_allclose(tool[0], start, atol=1e-8)
+    np.testing.assert_allclose(tool[-1], last, atol=1e-8)
+    if line.length > 0.0:
+        way = last[:3, 3] - start[:3, 3]
+        s = (tool[:, :3, 3] - start[:3, 3]) @ way / (way @ way)
+    else:
+        s = np.arccos((np.einsum("nij,ij->n", tool[:, :3, :3], start[:3, :3]) - 1) / 2)
+        s /= line.angle
+    apart = np.abs(tool - line.tool(s))
+    assert apart[:, :3, 3].max() < 1e-6
+    assert apart.max() < 1e-5
+    # Its speed, and those of the joints.
+    speed = np.linalg.norm(np.diff(tool[:, :3, 3], axis=0), axis=1) / times[1]
+    assert speed.max() < limits.speed * 1.001
+    turning = np.abs(np.diff(s)) * line.angle / times[1]
+    assert turning.max() < limits.angular_speed * 1.001
+    assert np.abs(motion[:, :, 1]).max() < FASTEST * 1.001
+    assert np.abs(motion[:, :, 2]).max() < FASTEST / TIME_TO_FULL_SPEED * 1.01
+
+
+def test_points_lie_close_and_end_at_rest(arm: InverseKinematics) -> None:
+    _, points = planned(arm, ENDS["aside"], USUAL)
+    times = [0.0, *(point.time_from_start for point in points)]
+    assert np.diff(times).max() <= PERIOD * 1.0001
+    assert points[-1].velocities == points[-1].accelerations == (0.0,) * 6
+
+
+def test_the_speed_is_reached_where_nothing_is_in_the_way(
+    arm: InverseKinematics,
+) -> None:
+    line, points = planned(arm, ENDS["down"], USUAL)
+    ramp = USUAL.speed / USUAL.acceleration
+    least = line.length / USUAL.speed + ramp
+    assert least < points[-1].time_from_start < least + 0.11
+
+
+def test_a_line_near_a_singularity_is_slower_by_its_joints(
+    arm: InverseKinematics,
+) -> None:
+    durations = []
+    for wrist in (-0.1, -0.5):  # at 0 its axes are parallel
+        start = np.array([0.0, -1.2, 1.6, -2.0, wrist, 0.3])
+        _, points = planned(arm, Pose(xyz=(0.0, 0.0, -0.2)), QUICK, start)
+        durations.append(points[-1].time_from_start)
+        motion = played(start, points, np.linspace(0, durations[-1], 800))
+        share = np.abs(motion[:, :, 2]).max() / (FASTEST / TIME_TO_FULL_SPEED)
+        assert 0.45 < share < 1.01
+    assert durations[0] > 1.5 * durations[1]
+
+
+@pytest.mark.parametrize(
+    ("end", "why"),
+    [
+        (Pose(xyz=(0.0, -0.9, 0.0)), r"with this orientation.* at \d+% of the line"),
+        (Pose(xyz=(0.0, 0.0, 1.4)), r"at \d+% of the line, where the tool is at"),
+    ],
+)
+def test_a_line_out_of_reach_says_where(
+    end: Pose, why: str, arm: InverseKinematics
+) -> None:
+    with pytest.raises(UnreachableError, match=why):
+        planned(arm, end, USUAL)
+
+
+def test_a_line_through_a_singularity_says_where(arm: InverseKinematics) -> None:
+    start = np.array([0.3, -1.2, 1.6, -0.7, -0.3, 0.3])
+    begin = arm.chain.forward(start[None]).T_base_tip[0]
+    through = start * [1, 1, 1, 1, -1, 1]  # the wrist goes through 0
+    end = arm.chain.forward(through[None]).T_base_tip[0]
+    line = Line(begin, end, np.eye(4))
+    with pytest.raises(UnreachableError, match=r"singularity.*at \d+% of the line"):
+        LinearMotion(arm, line, start, USUAL)
+
+
+def test_limits_of_joints_are_kept(arm: InverseKinematics) -> None:
+    start = HOME + 5.5 * np.eye(6)[5]
+    with pytest.raises(
+        UnreachableError, match=r"'wrist_3_joint' would leave its limits"
+    ):
+        planned(arm, Pose(rpy=(0.0, 0.0, 1.5)), USUAL, start)
+
+
+def test_no_way_is_refused(arm: InverseKinematics) -> None:
+    with pytest.raises(ControlError, match="there already"):
+        planned(arm, Pose(), USUAL)
+
+
+@pytest.mark.parametrize("name", ["speed", "acceleration", "angular_speed"])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
+def test_limits_are_above_zero(name: str, value: float) -> None:
+    values = {"speed": 0.1, "acceleration": 1.0, "angular_speed": 1.0, name: value}
+    with pytest.raises(ControlError, match=f"{name} must be above 0"):
+        LinearLimits(**values)
+
+
+def test_half_a_turn_is_a_line_too() -> None:
+    end = to_transform(Pose(rpy=(0.0, 0.0, np.pi))).matrix
+    line = Line(np.eye(4), end, np.eye(4))
+    assert line.angle == pytest.approx(np.pi)
+    np.testing.assert_allclose(line.tool(np.array([1.0]))[0], end, atol=1e-9)
