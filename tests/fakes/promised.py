@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from typing import NoReturn
 
 import pytest
 
 from tool0.engines.gazebo.readiness import readiness
+from tool0.engines.mujoco.gl import make_context
+from tool0.errors import RenderError
 from tool0.ros1.setup.packages import wanted
 from tool0.ros1.setup.readiness import readiness as readiness_of_ros
 
 
 def absent(part: str, why: str) -> NoReturn:
-    """Skip visibly, or fail if this run promised ``part``: browser, gazebo, ros1."""
+    """Skip visibly, or fail if this run promised ``part``.
+
+    Parts are browser, gazebo, gl and ros1.
+    """
     if part in os.environ.get("TOOL0_REQUIRE", "").split():
         pytest.fail(f"{why}, which this run promised")
     pytest.skip(f"{why}; `make test` sees to it")
@@ -23,6 +29,15 @@ def require_engine(name: str) -> None:
     """Skip visibly, or fail if this run promised it, if there is no Gazebo for it."""
     if name == "gazebo" and not (found := readiness()).can_run:
         absent(name, f"no Gazebo can run here ({'; '.join(found.missing)})")
+
+
+@functools.cache
+def require_gl() -> None:
+    """Skip visibly, or fail if this run promised it, if nothing draws pictures."""
+    try:
+        make_context(8, 8).free()
+    except RenderError as error:
+        absent("gl", str(error))
 
 
 def require_ros(*, rviz: bool = False) -> None:

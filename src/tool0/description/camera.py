@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, final
 from tool0.description.kinematics import Transform, to_transform
 from tool0.description.model import Pose, RobotModel, Vector3
 from tool0.description.motion import to_pose
-from tool0.errors import ConfigError, ModelError
+from tool0.errors import ConfigError, ModelError, SourceLocation
 
 if TYPE_CHECKING:
     import numpy as np
@@ -48,6 +48,8 @@ class Camera:
     """What is nearer along z is not seen [m]."""
     far: float = 10.0
     """What is farther along z is not seen [m]."""
+    location: SourceLocation | None = field(default=None, compare=False, repr=False)
+    """Where it is written, for messages."""
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
@@ -104,7 +106,9 @@ class Camera:
         try:
             model.link(self.link)
         except ModelError as error:
-            raise ConfigError(f"camera '{self.name}': {error.message}") from None
+            raise ConfigError(
+                f"camera '{self.name}': {error.message}", self.location
+            ) from None
 
 
 def looking(
@@ -141,6 +145,7 @@ def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
         name="scene",
         pose=looking(SCENE_POSITION, SCENE_TARGET),
         field_of_view=SCENE_FIELD_OF_VIEW,
+        far=20.0,
     )
     flanges = [link.name for link in model.links if link.name.endswith("tool0")]
     if len(flanges) != 1:
@@ -160,12 +165,12 @@ SCENE_TARGET: Vector3 = (0.35, 0.05, 0.15)
 """In the robot's root [m]: arm, gripper and what lies within its reach."""
 SCENE_FIELD_OF_VIEW = math.radians(50.0)
 
-WRIST_POSITION: Vector3 = (0.0, -0.075, 0.03)
+WRIST_POSITION: Vector3 = (-0.075, 0.0, 0.05)
 """On tool0 [m], beside the gripper's body, in the plane between its fingers: where a
 bracket of a depth camera holds it."""
-WRIST_TARGET: Vector3 = (0.0, 0.0, 0.17)
-"""A little beyond the tips of the fingers [m]."""
-WRIST_UP: Vector3 = (0.0, -1.0, 0.0)
+WRIST_TARGET: Vector3 = (0.0, 0.0, 0.25)
+"""Ahead of the fingers, whose tips come into the lower part of the picture [m]."""
+WRIST_UP: Vector3 = (-1.0, 0.0, 0.0)
 WRIST_FIELD_OF_VIEW = math.radians(58.0)
 """As of the depth image of a RealSense D435 (87° x 58°, https://www.intelrealsense.com
 /depth-camera-d435/); its picture is wider than ours of 4:3."""
@@ -182,9 +187,7 @@ def merged(*groups: Iterable[Camera]) -> dict[str, Camera]:
         names: set[str] = set()
         for camera in group:
             if camera.name in names:
-                raise ConfigError(
-                    f"two cameras are called '{camera.name}'; rename one"
-                )
+                raise ConfigError(f"two cameras are called '{camera.name}'; rename one")
             names.add(camera.name)
             found[camera.name] = camera
     return found

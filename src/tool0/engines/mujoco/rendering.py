@@ -27,6 +27,11 @@ from tool0.hardware.engine import ObjectState
 GEOMS_MOST = 10000
 """Shapes in one picture; MuJoCo leaves out what is beyond."""
 
+HORIZON, ZENITH = np.array([237.0, 242.0, 247.0]), np.array([180.0, 203.0, 230.0])
+"""Colours of the sky."""
+HAZE = (3.0, 9.0)
+"""Along the camera's z [m]: where things begin to fade, and where only sky is left."""
+
 Picture = tuple[NDArray[np.uint8], NDArray[np.float32], Transform]
 
 
@@ -89,7 +94,9 @@ class Renderer:
         self._pose(position, states)
         frame = self._frame(camera)
         self._aim(camera, frame)
-        return (*self._draw(camera), frame)
+        rgb, depth = self._draw(camera)
+        _paint_sky(rgb, depth, camera, frame)
+        return rgb, depth, frame
 
     def close(self) -> None:
         """Give back what OpenGL holds."""
@@ -114,6 +121,7 @@ class Renderer:
         self._drawing.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
         self._visible = mujoco.MjvScene(model, maxgeom=GEOMS_MOST)
+        self._visible.flags[mujoco.mjtRndFlag.mjRND_SKYBOX.value] = 0
         self._options = mujoco.MjvOption()
         self._options.geomgroup[:] = [1, 1, 1, 0, 0, 0]  # no collision shapes
         self._options.sitegroup[:] = 0
@@ -186,25 +194,43 @@ class Renderer:
         return rgb[::-1].copy(), z[::-1].astype(np.float32)
 
 
+def _paint_sky(
+    rgb: NDArray[np.uint8],
+    depth: NDArray[np.float32],
+    camera: Camera,
+    T_root_camera: Transform,
+) -> None:
+    """Paint what is infinitely far, and let the rest fade into it.
+
+    MuJoCo's own sky is a box at a finite distance, which would be in the depth.
+    """
+    rows, columns = np.nonzero(depth > HAZE[0])
+    focal, (cx, cy) = camera.focal_length, camera.intrinsics[:2, 2]
+    x, y = (columns - cx) / focal, (rows - cy) / focal
+    right, down, forward = T_root_camera.rotation[2]  # upwards, in the camera's axes
+    height = (right * x + down * y + forward) / np.sqrt(x * x + y * y + 1.0)
+    sky = HORIZON + (ZENITH - HORIZON) * np.maximum(height, 0.0)[:, np.newaxis]
+    share = np.minimum((depth[rows, columns] - HAZE[0]) / (HAZE[1] - HAZE[0]), 1.0)
+    share = share[:, np.newaxis]
+    rgb[rows, columns] = share * sky + (1.0 - share) * rgb[rows, columns]
+
+
 def _furnish(spec: Any, width: int, height: int) -> None:
-    """Add light and sky, and room for pictures of this size."""
+    """Add light, and room for pictures of this size."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.shadowsize = 2048
     # Of several samples in a pixel the depth would be that of one off its middle:
     # millimetres wrong on a steep face.  And drawing would take twice as long.
     spec.visual.quality.offsamples = 0
+    spec.visual.map.shadowscale = 0.3  # of the lamp's cone: 1.8 m around on the ground
     spec.visual.headlight.ambient = [0.38, 0.38, 0.38]
     spec.visual.headlight.diffuse = [0.32, 0.32, 0.32]
     spec.visual.headlight.specular = [0.1, 0.1, 0.1]
     spec.worldbody.add_light(
         pos=[-0.4, -1.0, 4.0],
         dir=[0.15, 0.25, -1.0],
-        cutoff=60.0,
+        cutoff=80.0,
         exponent=1.0,
         diffuse=[0.5, 0.5, 0.5],
         specular=[0.2, 0.2, 0.2],
     )
-    sky = spec.add_texture(name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX)
-    sky.builtin = mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
-    sky.rgb1, sky.rgb2 = [0.93, 0.95, 0.97], [0.8, 0.85, 0.9]
-    sky.width, sky.height = 64, 384

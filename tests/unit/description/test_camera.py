@@ -1,0 +1,103 @@
+"""Cameras as values: where they look, and where a point comes to lie."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tool0.description.camera import Camera, default_cameras, looking, merged
+from tool0.description.catalogue import assemble
+from tool0.description.kinematics import to_transform
+from tool0.description.model import Pose, RobotModel
+from tool0.errors import ConfigError
+
+COORDINATE = st.floats(-5.0, 5.0)
+POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE)
+
+
+@given(position=POINT, at=POINT)
+def test_what_is_looked_at_is_straight_ahead_and_up_is_up(
+    position: tuple[float, float, float], at: tuple[float, float, float]
+) -> None:
+    sideways = math.hypot(at[0] - position[0], at[1] - position[1])
+    if sideways < 1e-3:
+        return  # straight up or down: nothing says what is up in the picture
+    T_root_camera = to_transform(looking(position, at))
+    assert T_root_camera.inverse().apply(at) == pytest.approx(
+        (0.0, 0.0, math.dist(position, at)), abs=1e-6
+    )
+    right, down, _ = zip(*T_root_camera.rotation, strict=True)
+    assert right[2] == pytest.approx(0.0, abs=1e-9)  # the horizon is level
+    assert down[2] < 0.0
+    assert np.linalg.det(np.array(T_root_camera.rotation)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("at", "up"),
+    [((1, 2, 3), (0, 0, 1)), ((1, 2, 8), (0, 0, 2)), ((4, 4, 4), (0,) * 3)],
+)
+def test_what_cannot_be_looked_at_is_refused(
+    at: tuple[float, float, float], up: tuple[float, float, float]
+) -> None:
+    with pytest.raises(ConfigError, match="cannot look at"):
+        looking((1.0, 2.0, 3.0), at, up)
+
+
+def test_the_corners_of_the_view_come_to_the_corners_of_the_picture() -> None:
+    camera = Camera(name="c", width=200, height=100, field_of_view=math.radians(60.0))
+    up = math.tan(math.radians(30.0))
+    for x, y in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
+        u, v, one = camera.intrinsics @ (2.0 * up * x, up * y, 1.0)
+        assert one == 1.0
+        # Pixels have their middles at whole numbers, so their edges at halves.
+        assert (u, v) == pytest.approx((100 * x + 99.5, 50 * y + 49.5))
+
+
+BAD: dict[str, tuple[dict[str, object], str]] = {
+    "no name": ({"name": ""}, "cannot name a camera"),
+    "a name with a slash": ({"name": "a/b"}, "cannot name a camera"),
+    "nowhere": ({"pose": Pose(xyz=(math.nan, 0.0, 0.0))}, "must be finite"),
+    "no width": ({"width": 0}, "the width of camera 'c' must be 1 … 4096 pixels"),
+    "half a pixel": ({"height": 99.5}, "the height .* got 99.5"),
+    "too high": ({"height": 5000}, "got 5000"),
+    "no view": ({"field_of_view": 0.0}, "field of view"),
+    "all round": ({"field_of_view": math.pi}, "field of view"),
+    "no number": ({"field_of_view": math.nan}, "field of view"),
+    "near zero": ({"near": 0.0}, "0 < near < far"),
+    "far before near": ({"near": 1.0, "far": 0.5}, "near 1 and far 0.5"),
+    "without end": ({"far": math.inf}, "0 < near < far"),
+}
+
+
+@pytest.mark.parametrize(("wrong", "message"), BAD.values(), ids=BAD)
+def test_a_camera_that_cannot_be_is_refused(
+    wrong: dict[str, object], message: str
+) -> None:
+    with pytest.raises(ConfigError, match=message):
+        Camera(**{"name": "c", **wrong})  # type: ignore[arg-type]
+
+
+def test_a_link_that_is_not_there_is_told_with_the_nearest() -> None:
+    model = assemble().model
+    with pytest.raises(ConfigError, match=r"camera 'c'.*did you mean 'tool0'"):
+        Camera(name="c", link="tool00").check_on(model)
+    Camera(name="c", link="tool0").check_on(model)
+    Camera(name="c").check_on(model)
+
+
+def test_robots_with_one_flange_have_a_camera_on_it(skew_model: RobotModel) -> None:
+    assert [camera.name for camera in default_cameras(skew_model)] == ["scene"]
+    wrist, scene = default_cameras(assemble(prefix="left_").model)
+    assert (wrist.name, wrist.link) == ("wrist", "left_tool0")
+    assert (scene.name, scene.link) == ("scene", None)
+
+
+def test_of_two_groups_the_later_one_counts() -> None:
+    first, second, other = Camera(name="a"), Camera(name="a", width=8), Camera(name="b")
+    assert merged([first, other], [second]) == {"a": second, "b": other}
+    with pytest.raises(ConfigError, match="two cameras are called 'a'"):
+        merged([first, second])
