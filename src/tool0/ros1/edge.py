@@ -11,6 +11,7 @@ from typing import final
 
 from tool0.errors import RosUnavailableError
 from tool0.ros1.controllers import ControllerEdges
+from tool0.ros1.force_torque_edge import force_torque_edges
 from tool0.ros1.gazebo.services import present_gazebo
 from tool0.ros1.library import keep_to_this_machine
 from tool0.ros1.manager_services import ManagerServices
@@ -73,6 +74,7 @@ class Ros1:
             ManagerServices(node, robot, controllers)
             node.time.advance(robot.snapshot.time)
             self._parts.append(present_gazebo(node, robot))
+            self._parts += force_torque_edges(node, robot)
             self._transforms = transforms_of(node, robot)
             self._parts.append(self._transforms)
             for part in self._parts:
