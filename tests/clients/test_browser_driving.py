@@ -3,6 +3,7 @@
 import time
 from unittest.mock import patch
 
+import pytest
 from browser import Tab, comes_to_rest, eventually
 
 import tool0
@@ -142,3 +143,16 @@ def test_the_gripper_closes_and_opens(tab: Tab, robot: tool0.Robot) -> None:
     tab.text("gripper-state", "target")
     tab.get("gripper-open").click()
     eventually(lambda: robot.gripper.opening > 0.084, "the gripper opens")
+
+
+def test_the_gripper_goes_at_the_chosen_speed(tab: Tab, robot: tool0.Robot) -> None:
+    slider = tab.get("gripper-speed")
+    assert (slider.get_attribute("min"), slider.get_attribute("max")) == ("20", "150")
+    slider.press("Home")
+    tab.get("gripper-close").click()
+    eventually(lambda: robot.gripper.opening < 0.075, "the gripper closes")
+    time, opening = robot.time, robot.gripper.opening
+    eventually(lambda: robot.gripper.opening < opening - 0.01, "it goes on")
+    passed = robot.time - time
+    assert 0.01 / passed == pytest.approx(0.02, rel=0.2)
+    tab.get("gripper-open").click()

@@ -1,6 +1,7 @@
 """Objects that come and go while pages are open."""
 
 import base64
+import re
 import struct
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from playwright.sync_api import ViewportSize
 
 import tool0
 from conftest import OpenTab
-from tool0.description.model import Box, Geometry, Mesh, Pose
+from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose
 from tool0.description.scene import SceneObject
 from tool0.panel.server import Panel
 
@@ -94,3 +95,46 @@ def test_every_page_shows_what_is_there_now(
     robot.scene.remove("part")
     for tab in (old, new):
         shows(tab, magenta=True, green=False)
+
+
+def fill(tab: Tab, test_id: str, text: str) -> None:
+    field = tab.get(test_id)
+    field.fill(text)
+    field.press("Enter")
+
+
+def shown_position(tab: Tab, name: str) -> list[float]:
+    """Return where the page says an object is [mm]."""
+    text = tab.get(f"object-pose-{name}").text_content() or ""
+    return [float(part) for part in re.findall(r"-?\d+\.\d", text)[:3]]
+
+
+def test_a_person_adds_moves_and_removes_objects(tab: Tab, robot: tool0.Robot) -> None:
+    tab.page.set_viewport_size(SMALL)
+    tab.get("tab-objects").click()
+    tab.get("object-name").fill("post")
+    tab.get("object-kind-cylinder").click()
+    fill(tab, "object-radius", "50")
+    fill(tab, "object-length", "200")
+    tab.get("object-movable").click()  # it stands still then
+    fill(tab, "object-position-0", "1200")
+    tab.get("object-add").click()
+    tab.get("object-row-post").wait_for()
+    item = robot.scene["post"]
+    assert tab.get("grasp-assist").count() == 0  # a badge for those who cheat
+    assert item.geometry == Cylinder(radius=0.05, length=0.2)
+    assert (item.mass, item.pose.xyz) == (None, (1.2, 0.0, 0.1))
+    eventually(lambda: shown_position(tab, "post") == [1200, 0, 100], "it is there")
+
+    tab.get("object-move-post").click()
+    fill(tab, "object-target-position-1", "-300")
+    tab.get("object-put-post").click()
+    eventually(lambda: shown_position(tab, "post") == [1200, -300, 100], "it moved")
+    assert robot.scene.pose("post").position == pytest.approx((1.2, -0.3, 0.1))
+
+    tab.get("object-name").fill("post")
+    tab.get("object-add").click()
+    tab.text("object-add-refusal", "post")
+    tab.get("object-remove-post").click()
+    tab.get("object-row-post").wait_for(state="detached")
+    assert "post" not in robot.scene

@@ -7,6 +7,7 @@ import pytest
 from browser import Tab
 from playwright.sync_api import Browser
 
+import tool0
 from conftest import OpenTab
 from tool0.description.catalogue import assemble
 from tool0.panel.robot_files import RobotFiles
@@ -85,6 +86,18 @@ def test_chinese_is_chinese(tab: Tab) -> None:
     assert not tab.page.evaluate(ARE_DRAWN_ALIKE, ["急", "停"])
     tab.page.reload()
     tab.text("estop", "急停")
+
+
+def test_a_cheat_is_named_whatever_is_shown(open_tab: OpenTab) -> None:
+    with (
+        tool0.bringup(grasp_assist=True, realtime=False) as cheat,
+        Panel(cheat) as panel,
+    ):
+        tab = open_tab(panel.url)
+        for name in ("motion", "log"):
+            tab.get(f"tab-{name}").click()
+            tab.text("grasp-assist", "cheat")
+        tab.close()  # before its server
 
 
 def test_themes_change_the_colours(tab: Tab) -> None:

@@ -86,7 +86,8 @@ describe("the gripper", () => {
     width: number | null,
   ) =>
     act(() => {
-      const state = { name: "gripper", opening: 0.0401, motion, width };
+      const gobj = { moving: 0, at_target: 3, holding_inside: 2 }[motion];
+      const state = { name: "gripper", opening: 0.0401, motion, gobj, width };
       server().say(status({ grippers: [state] }));
     });
 

@@ -330,6 +330,9 @@ class GripperState(Struct, frozen=True, kw_only=True):
     motion: Literal["moving", "at_target", "holding_inside", "holding_outside", "idle"]
     """``holding_inside`` squeezes between the pads; ``holding_outside`` presses
     outwards; ``idle`` if no controller moves it."""
+    gobj: int
+    """The same as Robotiq's ``gOBJ`` has it: 0 moving, 1 and 2 stopped at an object
+    while opening and closing, 3 at target."""
     width: float | None
     """Of what it holds [m]."""
 

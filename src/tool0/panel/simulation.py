@@ -40,7 +40,7 @@ class SimulationSource:
             mode="simulation",
             engine=robot.engine.name,
             control_period=robot.control_period,
-            grasp_assist=False,
+            grasp_assist=robot.grasp_assist,
             robot=robot_info(
                 robot.description, first.joint_names, robot.ground, robot.joint_limits
             ),
@@ -255,6 +255,7 @@ def _gripper_state(
         name=name,
         opening=round(grasp.opening, 4),
         motion=grasp.motion,
+        gobj=grasp.gobj,
         width=None if grasp.width is None else round(grasp.width, 4),
     )
 

@@ -84,6 +84,7 @@ class ViewSource:
                         max(0.0, gripper.opening(position[gripper.joint])), 4
                     ),
                     motion="idle",
+                    gobj=0,
                     width=None,
                 )
                 for gripper in self._model.grippers

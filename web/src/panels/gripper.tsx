@@ -71,7 +71,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
           {isOneOfSeveral && <code class="muted">{gripper.name}</code>}
         </h2>
         {now && isReal && (
-          <span role="status">
+          <span role="status" title={`gOBJ ${String(now.gobj)}`}>
             <Badge tone={TONES[now.motion]} data-testid="gripper-state">
               {describeGripper(now)}
             </Badge>
