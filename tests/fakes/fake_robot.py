@@ -8,13 +8,23 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+
 from tool0.control.goal import Goal, GoalResult, GoalStatus, GripperResult, Result
 from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.camera import Camera
 from tool0.description.kinematics import Transform
 from tool0.description.model import Box, Cylinder, Geometry, ParallelGripper, Pose
 from tool0.description.scene import SceneObject
-from tool0.errors import ControlError, EngineError, GoalRejectedError, nearest_name
+from tool0.errors import (
+    ControlError,
+    EngineError,
+    GoalRejectedError,
+    RenderError,
+    nearest_name,
+)
 from tool0.hardware.engine import ObjectState
+from tool0.runtime.cameras import CameraImage
 from tool0.runtime.grasp import GraspState
 from tool0.runtime.wrench import WrenchReading
 
@@ -189,6 +199,23 @@ class FakeForceTorque:
         )
 
 
+class FakeCamera:
+    camera = Camera(name="eye", link="tool0", width=4, height=3)
+    rgb = np.arange(36, dtype=np.uint8).reshape(3, 4, 3)
+    depth = np.linspace(0.5, 0.6, 12, dtype=np.float32).reshape(3, 4)
+
+    def image(self) -> CameraImage:
+        depth = self.depth.copy()
+        depth[0, 0] = np.inf
+        return CameraImage(
+            time=1.5,
+            rgb=self.rgb,
+            depth=depth,
+            K=self.camera.intrinsics,
+            T_root_camera=Transform(position=(1.0, 2.0, 3.0)),
+        )
+
+
 TABLE = SceneObject(
     name="table", geometry=Box(size=(0.5, 0.8, 0.04)), pose=Pose(xyz=(0.6, 0.0, 0.0))
 )
@@ -237,6 +264,15 @@ class FakeRobot:
     @property
     def arm(self) -> FakeArm:
         return FakeArm(self)
+
+    @property
+    def cameras(self) -> dict[str, FakeCamera]:
+        return {"eye": FakeCamera()}
+
+    def camera(self, name: str) -> FakeCamera:
+        if name != "eye":
+            raise RenderError(f"no camera '{name}'; did you mean 'eye'?")
+        return FakeCamera()
 
     @property
     def gripper(self) -> FakeGripper:

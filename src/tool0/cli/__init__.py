@@ -21,6 +21,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "scene": ("scene", "list, add, remove or place objects around the robot"),
     "state": ("state", "print time and joints"),
     "wrench": ("wrench", "print force and torque at the wrist, or zero them"),
+    "camera": ("camera", "take a picture by a camera, or list them"),
     "pause": ("simulation", "hold simulated time"),
     "resume": ("simulation", "let simulated time run on"),
     "step": ("simulation", "advance a paused simulation by some ticks"),

@@ -15,6 +15,7 @@ from typing import Final, final
 
 from tool0.control.goal import GoalStatus, Result
 from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.camera import Camera
 from tool0.errors import GoalTimeoutError, TransportError
 from tool0.remote.address import (
     DEFAULT_NAME,
@@ -24,9 +25,11 @@ from tool0.remote.address import (
     socket_path,
 )
 from tool0.remote.remote_arm import RemoteArm
+from tool0.remote.remote_camera import RemoteCamera, list_cameras
 from tool0.remote.remote_force_torque import RemoteForceTorque
 from tool0.remote.remote_scene import RemoteScene
 from tool0.remote.wire import (
+    MAX_ANSWER,
     PROTOCOL,
     Json,
     LineReader,
@@ -125,6 +128,13 @@ class RemoteRobot:
 
     def summary(self) -> Mapping[str, object]:
         return self._wire.call("summary")
+
+    def cameras(self) -> Mapping[str, Camera]:
+        """Return the cameras by name."""
+        return list_cameras(self._wire.call)
+
+    def camera(self, name: str) -> RemoteCamera:
+        return RemoteCamera(self._wire.call, name)
 
     def controllers(self) -> tuple[RemoteStatus, ...]:
         rows = self._wire.call("controllers.list")["controllers"]
@@ -291,7 +301,7 @@ class _Wire:
 
     def __init__(self, peer: socket.socket) -> None:
         self._peer = peer
-        self._reader = LineReader(peer)
+        self._reader = LineReader(peer, MAX_ANSWER)
         self._last_id = 0
         self._early: dict[int, Json] = {}
 

@@ -15,6 +15,7 @@ from tool0.remote.methods import CALLS, GOALS
 from tool0.remote.params import Params
 from tool0.remote.served_robot import ServedGoal, ServedRobot
 from tool0.remote.wire import (
+    MAX_ANSWER,
     PROTOCOL,
     Json,
     LineReader,
@@ -180,7 +181,7 @@ class Connection:
 
     def _send(self, message: Json) -> None:
         try:
-            line = encode(message)
+            line = encode(message, MAX_ANSWER)
         except (TransportError, TypeError, ValueError) as error:
             line = encode({"id": message["id"], "error": error_to_json(error)})
         # A peer that died is seen by the reading thread too.

@@ -12,6 +12,7 @@ from typing import Final
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.errors import ModelError, TransportError
 from tool0.remote.arm_methods import ARM_CALLS, ARM_GOALS
+from tool0.remote.camera_methods import CAMERA_CALLS
 from tool0.remote.params import Params
 from tool0.remote.scene_methods import SCENE_CALLS
 from tool0.remote.served_robot import (
@@ -214,6 +215,7 @@ CALLS: Final[dict[str, Callable[[ServedRobot, Params], Json]]] = {
     "sim.reset": _reset,
     "sim.estop": _estop,
     **ARM_CALLS,
+    **CAMERA_CALLS,
     **SCENE_CALLS,
     **WRENCH_CALLS,
 }

@@ -7,10 +7,12 @@ from typing import Protocol
 
 from tool0.control.goal import GoalStatus, Result
 from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.camera import Camera
 from tool0.description.kinematics import Transform
 from tool0.description.model import Geometry, Pose
 from tool0.description.scene import RGBA, SceneObject
 from tool0.hardware.engine import ObjectState
+from tool0.runtime.cameras import CameraImage
 from tool0.runtime.wrench import WrenchReading
 
 
@@ -187,6 +189,14 @@ class ServedScene(Protocol):
     ) -> None: ...
 
 
+class ServedCamera(Protocol):
+    """What looks at the robot."""
+
+    @property
+    def camera(self) -> Camera: ...
+    def image(self) -> CameraImage: ...
+
+
 class ServedRobot(Protocol):
     """A robot that runs in this process."""
 
@@ -210,6 +220,9 @@ class ServedRobot(Protocol):
     def scene(self) -> ServedScene: ...
     @property
     def force_torque(self) -> ServedForceTorque: ...
+    @property
+    def cameras(self) -> Mapping[str, ServedCamera]: ...
+    def camera(self, name: str) -> ServedCamera: ...
     def controllers(self) -> Sequence[ServedStatus]: ...
     def controller(self, name: str) -> ServedController: ...
     def load(self, name: str) -> None: ...

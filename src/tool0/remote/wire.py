@@ -20,6 +20,8 @@ PROTOCOL: Final = 1
 """Raised by one when an old client could misunderstand a new server."""
 MAX_LINE: Final = 1 << 20
 """Longest line [bytes], newline included; 10 000 waypoints of 6 joints fit."""
+MAX_ANSWER: Final = 1 << 28
+"""Longest line of the bringup, which its visitor trusts: the largest picture fits."""
 
 Json = dict[str, Any]
 """An object as json gives it: Any, because the peer decides what is in it."""
@@ -34,8 +36,9 @@ class LineTooLongError(TransportError):
 class LineReader:
     """Splits what a socket receives into lines, keeping a started line on timeout."""
 
-    def __init__(self, peer: socket.socket) -> None:
+    def __init__(self, peer: socket.socket, longest: int = MAX_LINE) -> None:
         self._peer = peer
+        self._longest = longest
         self._buffer = bytearray()
         self._searched = 0
 
@@ -43,7 +46,7 @@ class LineReader:
         """Return a line without its newline, or None when the peer has closed.
 
         Raises:
-            LineTooLongError: If no newline comes within MAX_LINE bytes.
+            LineTooLongError: If no newline comes within ``longest`` bytes.
             TimeoutError: If the socket has a timeout, and it passed.
         """
         while True:
@@ -52,9 +55,9 @@ class LineReader:
                 line = bytes(self._buffer[:end])
                 del self._buffer[: end + 1]
                 self._searched = 0
-            if end >= MAX_LINE or (end < 0 and len(self._buffer) >= MAX_LINE):
+            if end >= self._longest or (end < 0 and len(self._buffer) >= self._longest):
                 raise LineTooLongError(
-                    f"a line is longer than {MAX_LINE} bytes; send fewer waypoints"
+                    f"a line is longer than {self._longest} bytes; send fewer waypoints"
                 )
             if end >= 0:
                 return line
@@ -65,17 +68,17 @@ class LineReader:
             self._buffer += received
 
 
-def encode(message: Mapping[str, object]) -> bytes:
-    """Return ``message`` as one line.
+def encode(message: Mapping[str, object], longest: int = MAX_LINE) -> bytes:
+    """Return ``message`` as one line, or raise LineTooLongError.
 
     Infinity and NaN travel as Python's json writes them, so that a value is refused
     by the same check, with the same words, near and far.
     """
     text = json.dumps(message, separators=(",", ":"), ensure_ascii=False)
     line = text.encode() + b"\n"
-    if len(line) > MAX_LINE:
+    if len(line) > longest:
         raise LineTooLongError(
-            f"a message of {len(line)} bytes is longer than {MAX_LINE}; "
+            f"a message of {len(line)} bytes is longer than {longest}; "
             "send fewer waypoints"
         )
     return line

@@ -7,7 +7,6 @@ costs the tick nothing; a GL context belongs to one thread, so a thread draws.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from threading import Lock
 from typing import TYPE_CHECKING, final
@@ -19,6 +18,8 @@ from tool0.errors import RenderError, nearest_name
 from tool0.runtime.bus import Snapshot
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future, ThreadPoolExecutor
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -94,6 +95,8 @@ class Cameras(Mapping[str, "CameraHandle"]):
             RenderError: If there is no OpenGL here, or the robot is closed.
             ModelError: If MuJoCo cannot have an object that Gazebo has.
         """
+        from concurrent.futures import ThreadPoolExecutor
+
         state = snapshot or self._newest()
         with self._lock:
             if self._is_closed:
