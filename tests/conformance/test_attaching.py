@@ -66,6 +66,20 @@ def test_it_moves_with_the_link_and_falls_when_let_go(robot: tool0.Robot) -> Non
     assert fallen == pytest.approx(GRAVITY * 0.2**2 / 2, abs=5e-3)
 
 
+def test_what_holds_it_is_told_with_the_contacts(robot: tool0.Robot) -> None:
+    robot.engine.contacts()  # Gazebo looks from the first time on
+    robot.engine.attach("cube", "tool0")
+    robot.run(2.0)
+    (contact,) = robot.contacts()
+    assert (contact.first, contact.second) == ("tool0", "cube")
+    weight = 0.5 * GRAVITY
+    np.testing.assert_allclose(contact.force, (0.0, 0.0, weight), atol=0.01 * weight)
+    np.testing.assert_allclose(contact.point, cube(robot).position, atol=1e-3)
+    pull = np.array(robot.pose("tool0").rotation) @ robot.force_torque.read().raw_force
+    gripper = 0.921 * GRAVITY
+    assert pull[2] == pytest.approx(-weight - gripper, rel=0.01)
+
+
 def test_what_cannot_be_attached_is_refused(robot: tool0.Robot) -> None:
     engine = robot.engine
     with pytest.raises(ModelError, match="left_inner_fingr_pad"):

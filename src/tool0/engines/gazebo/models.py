@@ -197,7 +197,7 @@ class Models:
             raise ModelError(f"there is no link '{link}'{hint}")
         if self._object(name).mass is None:
             raise EngineError(f"object '{name}' has no mass: it cannot move")
-        self._connection.ask(Kind.ATTACH, text(name), text(links[link]))
+        self._connection.ask(Kind.ATTACH, text(name), text(links[link]), text(link))
 
     def detach(self, name: str) -> None:
         """Let an object go, if it is attached."""

@@ -260,6 +260,15 @@ struct Gear {
   static dBodyID Body(const Drive& drive) { return BodyOf(drive.child); }
 };
 
+Vector3d From(const dReal* v) { return Vector3d(v[0], v[1], v[2]); }
+
+/// An object that is fixed to a link, and what holds it.
+struct Attached {
+  dJointID joint;
+  std::string link;  // as the URDF has it
+  dJointFeedback feedback;
+};
+
 /// What the points of contact between two shapes add up to, in the world.
 struct Touch {
   // A shape that is kept while its model goes would still bump into others.
@@ -351,8 +360,6 @@ class Touches {
     return boost::static_pointer_cast<gazebo::physics::Collision>(
         shape->shared_from_this());
   }
-  static Vector3d From(const dReal* v) { return Vector3d(v[0], v[1], v[2]); }
-
   static inline std::deque<Point> points_;  // which stay where they are, for ODE
   std::vector<Touch> sums_;
 };
@@ -642,7 +649,8 @@ class Bridge : public gazebo::SystemPlugin {
 
   /// Out: of each pair of shapes that touched in the last step, the names of the first
   /// one's model and of itself, the same of the second, and the figures of a Touch.  None at
-  /// the first time, which makes it look from then on.
+  /// the first time, which makes it look from then on.  So of each object that is attached:
+  /// the robot and the link that holds it, the object, and nothing.
   void Contacts() {
     if (!touches_.IsOn()) {
       touches_.SwitchOn();
@@ -660,20 +668,34 @@ class Bridge : public gazebo::SystemPlugin {
       for (const auto& vector : {touch.moment, touch.force, touch.torque})
         packet_.Put(vector);
     }
+    for (const auto& [name, attached] : attached_) {
+      const dBodyID body = dJointGetBody(attached.joint, 0);
+      const Vector3d force = From(attached.feedback.f1);
+      const double weight = force.Length();
+      if (!body || !(weight > 0.0)) continue;
+      for (const auto& word : {robot_->GetName(), attached.link, name, std::string()})
+        packet_.PutText(word);
+      const Vector3d at = From(dBodyGetPosition(body));  // its centre of mass
+      packet_.Put(weight);
+      for (const auto& vector :
+           {at * weight, force, From(attached.feedback.t1) + at.Cross(force)})
+        packet_.Put(vector);
+    }
   }
 
   /// In: name of an object that moves, name of the robot's link that it is fixed to as it
-  /// is; none if that never moves.
+  /// is, or none if that never moves; and what the URDF calls that.
   void Attach() {
     const auto object = Model(packet_.TakeText());
     const std::string name = packet_.TakeText();
+    const std::string called = packet_.TakeText();
     const auto link = name.empty() ? nullptr : robot_->GetLink(name);
     if (!name.empty() && !link)
       throw std::runtime_error("Gazebo's robot has no link '" + name + "'");
     if (!IsThere(object))
       throw std::runtime_error("somebody deleted '" + object->GetName() + "'");
     if (const auto found = attached_.find(object->GetName()); found != attached_.end()) {
-      if (dJointGetBody(found->second, 0))
+      if (dJointGetBody(found->second.joint, 0))
         throw std::runtime_error("'" + found->first + "' is attached already");
       Detach(found->first);  // of one that had the name, and that somebody deleted
     }
@@ -682,7 +704,8 @@ class Bridge : public gazebo::SystemPlugin {
     dJointAttach(joint, body, link ? BodyOf(link) : nullptr);
     dJointSetFixed(joint);
     dBodyEnable(body);
-    attached_[object->GetName()] = joint;
+    Attached& attached = attached_[object->GetName()] = {joint, called, {}};
+    dJointSetFeedback(joint, &attached.feedback);
     Begin();
   }
 
@@ -690,8 +713,9 @@ class Bridge : public gazebo::SystemPlugin {
   void Detach(const std::string& name) {
     const auto found = attached_.find(name);
     if (found == attached_.end()) return;
-    if (const dBodyID body = dJointGetBody(found->second, 0)) dBodyEnable(body);
-    dJointDestroy(found->second);
+    const dJointID joint = found->second.joint;
+    if (const dBodyID body = dJointGetBody(joint, 0)) dBodyEnable(body);
+    dJointDestroy(joint);
     attached_.erase(found);
   }
 
@@ -879,7 +903,7 @@ class Bridge : public gazebo::SystemPlugin {
   const dJointGroupID teeth_ = dJointGroupCreate(0);
   std::vector<gazebo::physics::ModelPtr> objects_;
   gazebo::physics::ModelPtr robot_;
-  std::map<std::string, dJointID> attached_;  // objects, by the joint that does so
+  std::map<std::string, Attached> attached_;  // by the object's name
   Touches touches_;
   std::function<bool()> until_;
   std::string otherwise_;
