@@ -6,6 +6,7 @@ position or velocity through a servo; or the brake's, when nobody claims it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from operator import mul, truediv
 from typing import final
@@ -81,6 +82,11 @@ class RobotHardware:
             ],
             dt,
         )
+        self._with_rotor = {
+            name
+            for name in self.interfaces
+            if model.transmission_by_joint[name].armature > 0.0
+        }
         self._is_stopped = False
         self._steps = 0
         self._masses: list[tuple[int, list[float]]] = []
@@ -149,7 +155,11 @@ class RobotHardware:
 
     def bind(self, joint: str, bounds: DriveBounds | None) -> None:
         """Bound the drive of ``joint`` below its limits; None lifts the bounds."""
-        self._limiter.bind(self.index[joint], bounds)
+        i = self.index[joint]
+        self._limiter.bind(i, bounds)
+        servo = self._servos.get(i)
+        if bounds is None and isinstance(servo, PositionServo):
+            servo.speed = math.inf
 
     def efforts(self, state: JointState) -> list[float]:
         """Return what the drives apply during the next step [N·m | N]."""
@@ -171,7 +181,10 @@ class RobotHardware:
             self._servos[i] = Brake()
         elif interface is Interface.POSITION:
             self._servos[i] = PositionServo(
-                position, self.limits[name], self._soft[name]
+                position,
+                self.limits[name],
+                self._soft[name],
+                is_stiff=name in self._with_rotor,
             )
         elif interface is Interface.VELOCITY:
             self._servos[i] = VelocityServo(self.limits[name], self._soft[name])
@@ -210,9 +223,12 @@ class RobotHardware:
         for (i, servo), most in zip(self._servos.items(), self._fastest, strict=True):
             a = servo.acceleration(command[i], position[i], velocity[i], dt)
             wanted.append(-most if a < -most else min(a, most))
-        for i in self._limiter.bounds:
-            if i in self._servos:
+        for i, bounds in self._limiter.bounds.items():
+            bounded = self._servos.get(i)
+            if bounded is not None:
                 self._load[i] = gravity[i]
+            if isinstance(bounded, PositionServo):
+                _, bounded.speed = bounds.at(state.position[i])
         for i, masses in self._masses:
             effort[i] = gravity[i] + sum(map(mul, masses, wanted))
 

@@ -7,6 +7,7 @@ joint answers alike whatever hangs on it, plus a slow integral against payloads.
 
 from __future__ import annotations
 
+import math
 from typing import final
 
 from tool0.description.model import JointLimits, SafetyController
@@ -15,6 +16,11 @@ from tool0.hardware.limits import velocity_window
 BANDWIDTH = 80.0
 """Natural frequency of a servo [rad/s]: 1 kHz steps are 12 times shorter."""
 DAMPING_RATIO = 1.0
+STIFF_BANDWIDTH = 200.0
+"""The same where the inertia of a known rotor leads, whatever the joint carries: a
+gripper squeezes with all its force from 5 mm on that are left to its target."""
+STOPPED = 0.005
+"""How far behind a stiff servo counts as stopped by something [rad | m]."""
 INTEGRAL_RATE = 4.0
 """How fast a constant disturbance is taken over by the integral [1/s]."""
 STANDSTILL = 0.02
@@ -30,26 +36,41 @@ class PositionServo:
         position: float,
         limits: JointLimits,
         soft: SafetyController | None = None,
+        *,
+        is_stiff: bool = False,
     ) -> None:
         self._limits = limits
         self._soft = soft
+        self._is_stiff = is_stiff
+        self._bandwidth = STIFF_BANDWIDTH if is_stiff else BANDWIDTH
         self._target = limits.clamp(position)
         self._integral = 0.0  # [1/s²], an acceleration
+        self.speed = math.inf
+        """Largest speed below the limits, as a goal may say [rad/s | m/s]."""
 
     def acceleration(
         self, command: float, position: float, velocity: float, dt: float
     ) -> float:
         """Return what to ask of the joint [rad/s² | m/s²] for ``command``."""
         previous = self._target
+        lag = previous - position
+        is_stopped = self._is_stiff and abs(lag) > STOPPED
+        if is_stopped and (command - position) * lag < 0.0:
+            previous = position  # to let go, it need not come back first
         slowest, fastest = velocity_window(previous, self._limits, self._soft)
+        slowest, fastest = max(slowest, -self.speed), min(fastest, self.speed)
         step = min(max(command - previous, slowest * dt), fastest * dt)
         self._target = target = self._limits.clamp(previous + step)
         error = target - position
-        self._integral += BANDWIDTH**2 * INTEGRAL_RATE * error * dt
+        stiffness = self._bandwidth**2
+        if is_stopped:
+            self._integral = 0.0  # what is in the way is no load
+        else:
+            self._integral += stiffness * INTEGRAL_RATE * error * dt
         speed_error = (target - previous) / dt - velocity
         return (
-            BANDWIDTH**2 * error
-            + 2.0 * DAMPING_RATIO * BANDWIDTH * speed_error
+            stiffness * error
+            + 2.0 * DAMPING_RATIO * self._bandwidth * speed_error
             + self._integral
         )
 
