@@ -31,6 +31,10 @@ _OLD = """<robot name="mine"><link name="pedestal"/>
 <link name="tool0"/>
 <joint name="flange" type="fixed"><parent link="l6"/><child link="tool0"/>
   <origin xyz="0 0.0823 0" rpy="-1.5707963267948966 0 0"/></joint></robot>"""
+_SOLID = (
+    '<inertial><mass value="2"/><inertia ixx="0.01" iyy="0.01" izz="0.01" '
+    'ixy="0" ixz="0" iyz="0"/></inertial>'
+)
 _OLD_JOINTS = (
     ("0 0 0.089159", 0.0, "0 0 1"),
     ("0 0.13585 0", QUARTER, "0 1 0"),
@@ -84,7 +88,8 @@ def old_urdf(
         parent = f"l{k}" if k else "base_link"
         turned = elbow if k == 2 else axis
         joints += (
-            f'<link name="l{k + 1}"/><joint name="j{k + 1}" type="{kind}">'
+            f'<link name="l{k + 1}">{_SOLID}</link>'
+            f'<joint name="j{k + 1}" type="{kind}">'
             f'<parent link="{parent}"/><child link="l{k + 1}"/>'
             f'<origin xyz="{xyz}" rpy="0 {pitch!r} 0"/><axis xyz="{turned}"/>'
             f'<limit lower="{lower}" upper="6.3" velocity="3.14" effort="150"/></joint>'

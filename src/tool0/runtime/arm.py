@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, final
 
@@ -10,30 +10,17 @@ import numpy as np
 
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.kinematics import Transform, transforms
-from tool0.description.model import Pose
 from tool0.errors import ControlError
-from tool0.runtime.arm_chain import (
-    ArmChain,
-    Array,
-    find_chains,
-    fixed_transform,
-    why_no_arm,
-)
-from tool0.runtime.inverse_kinematics import (
-    Branch,
-    InverseKinematics,
-    Solution,
-    as_matrix,
-    as_transform,
-)
+from tool0.runtime.arm_chain import ArmChain, Array, fixed_transform
+from tool0.runtime.branch import Branch, Solution
+from tool0.runtime.inverse_kinematics import InverseKinematics
 from tool0.runtime.linear_motion import Line, LinearLimits, LinearMotion
+from tool0.runtime.pose_matrix import AnyPose, as_matrix, as_transform
 
 if TYPE_CHECKING:
     from tool0.runtime.handles import ControllerHandle, GoalHandle
     from tool0.runtime.robot import Robot
 
-AnyPose = Transform | Pose | Iterable[Sequence[float]]
-"""A pose; anything else is a homogeneous matrix, shape (4, 4)."""
 _LATER = 1e6
 """After so long every motion is over [s]."""
 AT_REST = 1e-6
@@ -305,22 +292,3 @@ class Arm:
             T = found[model.link(relative_to).name].matrix @ T
         T_base_tool: Array = found[self.chain.base].inverse().matrix @ T
         return T_base_tool
-
-
-def find_arms(robot: Robot) -> Mapping[str, Arm]:
-    """Return the robot's arms by name."""
-    chains = find_chains(robot.description.model)
-    return {name: Arm(name, chain, robot) for name, chain in chains.items()}
-
-
-def the_arm(robot: Robot, arms: Mapping[str, Arm]) -> Arm:
-    """Return the robot's arm, or raise ControlError if it has not exactly one."""
-    if len(arms) == 1:
-        return next(iter(arms.values()))
-    if arms:
-        raise ControlError(
-            f"'arm' needs exactly one arm, this robot has: {', '.join(arms)}; "
-            "use arms[name]"
-        )
-    why = why_no_arm(robot.description.model)
-    raise ControlError(f"this robot has no arm that poses could be given to: {why}")

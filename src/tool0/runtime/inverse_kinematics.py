@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import JointType, Pose
-from tool0.errors import ControlError, ModelError, UnreachableError
+from tool0.description.model import JointType
+from tool0.errors import UnreachableError
 from tool0.runtime.arm_chain import ArmChain, Array
 from tool0.runtime.arm_geometry import SINGULAR, ArmGeometry
+from tool0.runtime.branch import Branch, Solution
 from tool0.runtime.joint_motion import largest_velocity
 
 PRECISION = 1e-9
@@ -26,65 +24,6 @@ _LIMIT_ROUNDING = 1e-9
 """How far beyond a limit a position may be, which is put back then [rad]."""
 _STEPS = 12
 _DAMPING = 1e-12
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Branch:
-    """Which of the eight postures that reach one pose; None for either.
-
-    Left, up and no flip is how a UR usually stands.  Where two branches meet the arm
-    is singular.
-    """
-
-    shoulder: Literal["left", "right"] | None = None
-    """On which side of the line from the base to the wrist's centre the upper arm is,
-    as seen from behind the base."""
-    elbow: Literal["up", "down"] | None = None
-    """Whether the elbow is above the line from shoulder to wrist, for a wrist that is
-    before the shoulder; "up" bends the same way there when it is behind."""
-    wrist: Literal["flip", "no_flip"] | None = None
-    """The sign of the fifth joint's sine, from where the sixth axis is parallel to the
-    second: negative for "no_flip"."""
-
-    def __post_init__(self) -> None:
-        for name, values in _BRANCHES.items():
-            value = getattr(self, name)
-            if value is not None and value not in values:
-                raise ControlError(
-                    f"{name} must be {values[0]!r} or {values[1]!r}, got {value!r}"
-                )
-
-    def includes(self, other: Branch) -> bool:
-        """Return whether ``other`` is the same in all that is given here."""
-        return all(
-            getattr(self, name) in (None, getattr(other, name)) for name in _BRANCHES
-        )
-
-    def __str__(self) -> str:
-        """Return what is given, in words."""
-        words = (getattr(self, item.name) for item in fields(self))
-        return ", ".join(word for word in words if word is not None) or "any"
-
-
-_BRANCHES = {
-    "shoulder": ("left", "right"),
-    "elbow": ("up", "down"),
-    "wrist": ("flip", "no_flip"),
-}
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Solution:
-    """A posture that reaches the pose."""
-
-    positions: Mapping[str, float]
-    """Joint → where to [rad], from the base on."""
-    branch: Branch
-    distance: float
-    """How far it is from ``near``: what each joint has to turn by its largest velocity,
-    as the root of the sum of squares [s]."""
 
 
 @final
@@ -257,49 +196,6 @@ class InverseKinematics:
                 f"[{joint.limits.lower:.3f}, {joint.limits.upper:.3f}]"
             )
         return "the joints' limits are in the way: " + "; ".join(bad)
-
-
-def as_matrix(pose: Transform | Pose | Iterable[Sequence[float]]) -> Array:
-    """Return a pose as a homogeneous matrix, shape (4, 4).
-
-    A rotation that is rounded is put right.
-
-    Raises:
-        ModelError: If it is no pose.
-    """
-    if isinstance(pose, Pose):
-        pose = to_transform(pose)
-    if isinstance(pose, Transform):
-        pose = pose.matrix
-    try:
-        T = np.array(pose, dtype=float)
-    except (TypeError, ValueError):
-        raise ModelError(
-            f"a pose must be a Transform, a Pose or a (4, 4) array, got {pose!r:.80}"
-        ) from None
-    if T.shape != (4, 4) or not np.isfinite(T).all():
-        raise ModelError(
-            f"a pose must be finite and of shape (4, 4), got {T.shape}: {T.tolist()}"
-        )
-    R = T[:3, :3]
-    is_rotation = np.abs(R @ R.T - np.eye(3)).max() < 1e-3 and np.linalg.det(R) > 0
-    if not is_rotation or np.abs(T[3] - [0, 0, 0, 1]).max() > 1e-9:
-        raise ModelError(
-            "the array is no pose: need a rotation above left and 0 0 0 1 below, "
-            f"got {T.tolist()}"
-        )
-    U, _, Vt = np.linalg.svd(R)
-    T[:3, :3] = U @ Vt
-    return T
-
-
-def as_transform(T: Array) -> Transform:
-    """Return a homogeneous matrix, shape (4, 4), as a transform."""
-    rows = T[:3, :3].tolist()
-    return Transform(
-        position=tuple(T[:3, 3].tolist()),
-        rotation=tuple(tuple(row) for row in rows),  # type: ignore[arg-type]
-    )
 
 
 def _twist(T: Array, T_wanted: Array) -> Array:

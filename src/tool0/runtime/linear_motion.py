@@ -12,13 +12,14 @@ import numpy as np
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.errors import ControlError, UnreachableError
 from tool0.runtime.arm_chain import Array
-from tool0.runtime.inverse_kinematics import InverseKinematics, as_transform
+from tool0.runtime.inverse_kinematics import InverseKinematics
 from tool0.runtime.joint_motion import (
     TIME_TO_FULL_ACCELERATION,
     TIME_TO_FULL_SPEED,
     largest_velocity,
 )
 from tool0.runtime.line_timing import SLOWEST, Stretch, Timing
+from tool0.runtime.pose_matrix import as_transform
 
 STEP = 0.002
 """Way between the postures that are looked at [m]."""

@@ -295,14 +295,14 @@ class Robot:
     @cached_property
     def arms(self) -> Mapping[str, Arm]:
         """The arms: six turning joints that end at a link ``…tool0``, by its prefix."""
-        from tool0.runtime.arm import find_arms  # numpy and more, for who asks
+        from tool0.runtime.arms import find_arms  # numpy and more, for who asks
 
         return find_arms(self)
 
     @property
     def arm(self) -> Arm:
         """The robot's arm, if it has exactly one: poses, inverse kinematics, motion."""
-        from tool0.runtime.arm import the_arm
+        from tool0.runtime.arms import the_arm
 
         return the_arm(self, self.arms)
 

@@ -11,7 +11,9 @@ from tool0.description.model import Pose
 from tool0.errors import ControlError, ModelError, UnreachableError
 from tool0.runtime.arm_chain import ArmChain, Array
 from tool0.runtime.arm_geometry import ArmGeometry
-from tool0.runtime.inverse_kinematics import Branch, InverseKinematics, as_matrix
+from tool0.runtime.branch import Branch
+from tool0.runtime.inverse_kinematics import InverseKinematics
+from tool0.runtime.pose_matrix import as_matrix
 
 N_POSES = 200
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])

@@ -1,0 +1,68 @@
+"""The eight postures of an arm that reach one pose, and what a solution is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Literal, final
+
+from tool0.errors import ControlError
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Branch:
+    """Which of the eight postures that reach one pose; None for either.
+
+    Left, up and no flip is how a UR usually stands.  Where two branches meet the arm
+    is singular.
+    """
+
+    shoulder: Literal["left", "right"] | None = None
+    """On which side of the line from the base to the wrist's centre the upper arm is,
+    as seen from behind the base."""
+    elbow: Literal["up", "down"] | None = None
+    """Whether the elbow is above the line from shoulder to wrist, for a wrist that is
+    before the shoulder; "up" bends the same way there when it is behind."""
+    wrist: Literal["flip", "no_flip"] | None = None
+    """The sign of the fifth joint's sine, from where the sixth axis is parallel to the
+    second: negative for "no_flip"."""
+
+    def __post_init__(self) -> None:
+        for name, values in _BRANCHES.items():
+            value = getattr(self, name)
+            if value is not None and value not in values:
+                raise ControlError(
+                    f"{name} must be {values[0]!r} or {values[1]!r}, got {value!r}"
+                )
+
+    def includes(self, other: Branch) -> bool:
+        """Return whether ``other`` is the same in all that is given here."""
+        return all(
+            getattr(self, name) in (None, getattr(other, name)) for name in _BRANCHES
+        )
+
+    def __str__(self) -> str:
+        """Return what is given, in words."""
+        words = (getattr(self, item.name) for item in fields(self))
+        return ", ".join(word for word in words if word is not None) or "any"
+
+
+_BRANCHES = {
+    "shoulder": ("left", "right"),
+    "elbow": ("up", "down"),
+    "wrist": ("flip", "no_flip"),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solution:
+    """A posture that reaches the pose."""
+
+    positions: Mapping[str, float]
+    """Joint → where to [rad], from the base on."""
+    branch: Branch
+    distance: float
+    """How far it is from ``near``: what each joint has to turn by its largest velocity,
+    as the root of the sum of squares [s]."""
