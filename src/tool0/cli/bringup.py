@@ -157,6 +157,8 @@ def _ros_options(options: BringupOptions) -> Ros1Options | None:
     )
     if given.tf_pub_rate is not None:
         ros = replace(ros, tf_pub_rate=given.tf_pub_rate)
+    if given.camera_rate is not None:
+        ros = replace(ros, camera_rate=given.camera_rate)
     return ros
 
 

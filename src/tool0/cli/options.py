@@ -91,7 +91,7 @@ class SimulationOptions:
     initial_pose: tuple[str, ...] = ()
     """The name of a pose, or joint=position … [rad]."""
     scene: Path | None = None
-    """A YAML file of the objects around the robot."""
+    """What is around the robot: a YAML file, or table_and_bin or table_and_cubes."""
     world: Path | None = None
     """A world file for Gazebo; if left out, an empty world with ground."""
     gazebo_gui: bool = False
@@ -155,10 +155,15 @@ class RosOptions:
     """Put before all its names in ROS, as robot1: several robots, one roscore."""
     tf_pub_rate: float | None = None
     """Transforms per second [Hz]."""
+    camera_rate: float | None = None
+    """Pictures of each camera per second [Hz], at most; 10 if left out."""
 
     def __post_init__(self) -> None:
-        if not self.ros1 and (self.roscore or self.ns or self.tf_pub_rate is not None):
-            raise ConfigError("--roscore, --ns and --tf-pub-rate need --ros1")
+        is_paced = self.tf_pub_rate is not None or self.camera_rate is not None
+        if not self.ros1 and (self.roscore or self.ns or is_paced):
+            raise ConfigError(
+                "--roscore, --ns, --tf-pub-rate and --camera-rate need --ros1"
+            )
 
 
 @final

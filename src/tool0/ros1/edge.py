@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import final
 
 from tool0.errors import RosUnavailableError
+from tool0.ros1.camera_edge import CameraEdges
 from tool0.ros1.controllers import ControllerEdges
 from tool0.ros1.force_torque_edge import force_torque_edges
 from tool0.ros1.gazebo.services import present_gazebo
@@ -75,6 +76,7 @@ class Ros1:
             node.time.advance(robot.snapshot.time)
             self._parts.append(present_gazebo(node, robot))
             self._parts += force_torque_edges(node, robot)
+            self._parts.append(CameraEdges(node, robot))
             self._transforms = transforms_of(node, robot)
             self._parts.append(self._transforms)
             for part in self._parts:

@@ -25,6 +25,8 @@ class Ros1Options:
     """Put before every frame, as robot_state_publisher does."""
     tf_pub_rate: float = 125.0
     """Transforms per second of simulated time [Hz]."""
+    camera_rate: float = 10.0
+    """Pictures of each camera per second of simulated time [Hz], at most."""
     roscore: bool = False
     """Whether to start a roscore where none answers."""
 
@@ -38,6 +40,10 @@ class Ros1Options:
             raise ConfigError(
                 f"the rate of transforms must be in (0, 1000] Hz, got "
                 f"{self.tf_pub_rate:g}"
+            )
+        if not 0.0 < self.camera_rate <= 125.0:
+            raise ConfigError(
+                f"the rate of cameras must be in (0, 125] Hz, got {self.camera_rate:g}"
             )
 
     @property

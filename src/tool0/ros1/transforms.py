@@ -10,6 +10,7 @@ from typing import Any, Protocol, final
 from tool0.control.publish_rate import PublishRate
 from tool0.description.kinematics import Transform, joint_transform
 from tool0.description.model import Joint
+from tool0.ros1.camera_edge import camera_transforms
 from tool0.ros1.child import Child
 from tool0.ros1.node import Part, RosNode
 from tool0.ros1.setup.packages import find_node
@@ -42,10 +43,14 @@ class TheirTransforms:
     """The real robot_state_publisher, as a child; if it ends, ours go on."""
 
     def __init__(self, node: RosNode, robot: Robot, program: Path) -> None:
+        from tf2_msgs.msg import TFMessage
+
         self._node, self._robot = node, robot
         self._own: OwnTransforms | None = None
         self._rate = PublishRate(_WATCH_RATE)
         self._program = program
+        self._static = node.publisher("/tf_static", TFMessage, latch=True)
+        self._static.publish(TFMessage(camera_transforms(node, robot)))
         self._child = self._start()
 
     def _start(self) -> Child:
@@ -80,6 +85,7 @@ class TheirTransforms:
     def close(self) -> None:
         """End it."""
         self._child.close()
+        self._static.unregister()
 
 
 @final
@@ -107,6 +113,7 @@ class OwnTransforms:
                     for joint in joints
                     if not joint.is_movable
                 ]
+                + camera_transforms(node, robot)
             )
         )
 

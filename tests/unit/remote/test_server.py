@@ -273,6 +273,7 @@ def test_every_method_can_be_called(robot: FakeRobot, visitor: Visitor) -> None:
         "controller.query_state": {"controller": "arm_controller"},
         "controller.follow": FOLLOW,
         "gripper.move": {"opening": 0.04},
+        "camera.image": {"name": "eye"},
         "arm.move_to": {"xyz": [0.4, 0, 0.3]},
         "arm.move_linear": {"xyz": [0.4, 0, 0.3]},
         "scene.add": {"name": "a", "kind": "sphere", "radius": 0.1},
