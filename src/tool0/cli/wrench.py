@@ -77,4 +77,5 @@ def _line(reading: WrenchReading, raw: bool) -> str:
 
 
 def _numbers(values: Vector3, digits: int) -> str:
-    return " ".join(f"{value:+{digits + 5}.{digits}f}" for value in values)
+    rounded = (round(value, digits) + 0.0 for value in values)  # no -0.00
+    return " ".join(f"{value:+{digits + 5}.{digits}f}" for value in rounded)
