@@ -115,7 +115,8 @@ def bringup(
         engine: The physics: "mujoco", or "gazebo" (docs/gazebo.md).
         spawn_z: Height of the robot's root above the ground [m], as in the launch
             files of ur_gazebo: the outstretched arm must clear the ground.
-        scene: What stands and lies around the robot, or the YAML file that says so.
+        scene: What stands and lies around the robot, the YAML file that says so, or the
+            name of a scene that comes along: ``table_and_bin``, ``table_and_cubes``.
         cameras: Further cameras; one named as another takes its place (docs/camera.md).
         world: A world file of Gazebo's; left out, an empty one with ground.
         gazebo_gui: Whether to open Gazebo's own window, gzclient.
