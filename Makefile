@@ -13,6 +13,7 @@ WEB  := $(BIN)/python tools/web.py
 BROWSER := $(VENV)/.stamp-browser
 GAZEBO  := $(VENV)/.stamp-gazebo
 ROS1    := $(VENV)/.stamp-ros1
+GL      := $(VENV)/.stamp-gl
 # What `make test` may not do without; other things that are absent skip their tests.
 TOOL0_REQUIRE ?= browser
 # Tests that no load disturbs run in as many processes as there are processors, at most:
@@ -62,7 +63,7 @@ unit-python: $(DEV)
 unit-web: $(DEV)
 	$(WEB) run test
 
-test: $(DEV) $(PAGE) $(BROWSER) $(GAZEBO) $(ROS1) unit-web
+test: $(DEV) $(PAGE) $(BROWSER) $(GAZEBO) $(ROS1) $(GL) unit-web
 	export TOOL0_REQUIRE='$(TOOL0_REQUIRE)'; sturdy=0; others=0; \
 	$(AT_ONCE) $(STURDY) $(ARGS) || sturdy=$$?; \
 	$(PYTEST) $(STURDY:%=--ignore=%) $(ARGS) || others=$$?; \
@@ -100,6 +101,10 @@ $(PAGE): $(filter-out %/protocol.ts,$(shell find web -name node_modules -prune -
 $(BROWSER): tools/setup-browser | $(RUN)
 	@tools/setup-browser
 	@touch $@
+
+$(GL): tools/setup-gl | $(RUN)
+	@if tools/setup-gl $(VENV); then touch $@; \
+	else echo 'setup: no OpenGL here; the tests that draw pictures will be skipped' >&2; fi
 
 # A quarter of a gigabyte from the network: without one, the tests that need Gazebo skip.
 $(GAZEBO): tools/setup-gazebo | $(RUN)

@@ -175,7 +175,7 @@ def test_without_opengl_it_is_told_what_to_install(
         raise OSError(name)
 
     monkeypatch.setattr("ctypes.CDLL", no_library)
-    with pytest.raises(RenderError, match=r"apt-get install libegl1 .*libosmesa6"):
+    with pytest.raises(RenderError, match=r"apt-get install libegl1 .*dri.*libosmesa6"):
         Renderer(skew_model, None, 8, 8)
 
 

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from tool0.errors import RenderError
 
-PACKAGES: Final = "libegl1 libgl1-mesa-dri"
+PACKAGES: Final = "libegl1 libopengl0 libgl1-mesa-dri"
 """What Debian and Ubuntu have for it; or libosmesa6, which needs no EGL."""
 
 _MODULES: Final = {
