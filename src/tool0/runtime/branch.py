@@ -22,8 +22,9 @@ class Branch:
     """On which side of the line from the base to the wrist's centre the upper arm is,
     as seen from behind the base."""
     elbow: Literal["up", "down"] | None = None
-    """Whether the elbow is above the line from shoulder to wrist, for a wrist that is
-    before the shoulder; "up" bends the same way there when it is behind."""
+    """Whether the elbow is above the line from the shoulder to the fourth joint; the
+    other way round where that joint and the wrist's centre are on different sides of
+    the base's axis, so that the word changes in singular postures alone."""
     wrist: Literal["flip", "no_flip"] | None = None
     """The sign of the fifth joint's sine, from where the sixth axis is parallel to the
     second: negative for "no_flip"."""

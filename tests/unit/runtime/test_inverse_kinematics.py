@@ -137,8 +137,7 @@ def test_branches_are_as_the_words_say(arm: InverseKinematics) -> None:
         to_wrist = wrist - shoulder
         share = (elbow - shoulder) @ to_wrist / (to_wrist @ to_wrist)
         is_up = elbow[2] > (shoulder + share * to_wrist)[2]
-        if item.branch.shoulder == "left":
-            assert is_up == (item.branch.elbow == "up")
+        assert is_up == (item.branch.elbow == "up")
         # The upper arm is beside the base along the second axis.
         ahead = points[5] - points[0]
         left = np.cross([0.0, 0.0, 1.0], ahead)
