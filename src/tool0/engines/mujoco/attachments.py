@@ -13,7 +13,7 @@ from typing import Any, final
 import mujoco
 import numpy as np
 
-from tool0.engines.mujoco.contacts import Touch
+from tool0.engines.mujoco.contacts import Touch, Vector3
 from tool0.engines.mujoco.model import MIMIC_SOLIMP, MIMIC_SOLREF
 from tool0.engines.mujoco.objects import free_joint_name
 
@@ -82,9 +82,10 @@ def attachment_touches(
         start = int(model.joint(free_joint_name(name)).dofadr[0])
         force, torque = effort[start : start + 3], effort[start + 3 : start + 6]
         thing = data.body(name)
-        torque = thing.xmat.reshape(3, 3) @ torque
+        point = _three(thing.xpos)
         hold = max(float(np.linalg.norm(force)), TINY)
-        yield (attachment.link, name), (thing.xpos, hold, force, torque)
+        turned = thing.xmat.reshape(3, 3) @ torque
+        yield (attachment.link, name), (point, hold, _three(force), _three(turned))
 
 
 def _weld_name(name: str) -> str:
@@ -99,3 +100,8 @@ def _inverse(position: Any, quat: Any) -> tuple[Any, Any]:
     inverse, turned = np.zeros(3), np.zeros(4)
     mujoco.mju_negPose(inverse, turned, position, quat)
     return inverse, turned
+
+
+def _three(vector: Any) -> Vector3:
+    x, y, z = vector.tolist()
+    return x, y, z

@@ -16,7 +16,8 @@ def names_of_geoms(model: Any) -> tuple[str, ...]:
     return tuple(model.geom(i).name.partition("/")[0] for i in range(model.ngeom))
 
 
-Touch = tuple[Any, float, Any, Any]
+Vector3 = tuple[float, float, float]
+Touch = tuple[Vector3, float, Vector3, Vector3]
 """A point, how much it counts, and the force and the torque that act there."""
 
 
@@ -26,7 +27,8 @@ def read_contacts(
     """Yield pairs that touch, and what the first does to the second at a point.
 
     After ``mj_step`` the contacts and their forces are still those that the step was
-    made with: only position and velocity are newer.
+    made with: only position and velocity are newer.  A wrist's sensor asks a thousand
+    times a second, and plain floats are what Python computes with fastest.
 
     Args:
         model: The ``MjModel``.
@@ -34,15 +36,22 @@ def read_contacts(
         names: What each geom is a shape of.
     """
     contacts = data.contact
-    points, frames = contacts.pos, contacts.frame.reshape(-1, 3, 3)
     wrench = np.zeros(6)
-    for i, (one, two) in enumerate(contacts.geom.tolist()):
+    for i, ((one, two), frame, (x, y, z)) in enumerate(
+        zip(
+            contacts.geom.tolist(),
+            contacts.frame.tolist(),
+            contacts.pos.tolist(),
+            strict=True,
+        )
+    ):
         mujoco.mj_contactForce(model, data, i, wrench)
         # In the contact's frame, whose x points from the first shape to the second;
         # what is positive along it pushes the second away.
-        if pressing := float(wrench[0]):
-            force, torque = wrench[:3] @ frames[i], wrench[3:] @ frames[i]
-            yield (names[one], names[two]), (points[i], pressing, force, torque)
+        fx, fy, fz, tx, ty, tz = wrench.tolist()
+        if fx:
+            force, torque = _turned(frame, fx, fy, fz), _turned(frame, tx, ty, tz)
+            yield (names[one], names[two]), ((x, y, z), fx, force, torque)
 
 
 def one_for_each_pair(
@@ -52,8 +61,9 @@ def one_for_each_pair(
     found: dict[tuple[str, str], list[Touch]] = {}
     for pair, touch in touches:
         if pair[::-1] in found:
-            point, pressing, force, torque = touch
-            found[pair[::-1]].append((point, pressing, -force, -torque))
+            point, pressing, (fx, fy, fz), (tx, ty, tz) = touch
+            turned = point, pressing, (-fx, -fy, -fz), (-tx, -ty, -tz)
+            found[pair[::-1]].append(turned)
         else:
             found.setdefault(pair, []).append(touch)
     return tuple(_as_one(*pair, met) for pair, met in found.items())
@@ -61,14 +71,20 @@ def one_for_each_pair(
 
 def _as_one(first: str, second: str, met: list[Touch]) -> Contact:
     pressing = sum(weight for _, weight, _, _ in met)
-    middle = sum(point * weight for point, weight, _, _ in met) / pressing
-    total = sum(force for _, _, force, _ in met)
-    turning = sum(
-        torque + np.cross(point - middle, force) for point, _, force, torque in met
-    )
-    return Contact(first, second, _three(middle), _three(total), _three(turning))
+    px = sum(weight * x for (x, _, _), weight, _, _ in met) / pressing
+    py = sum(weight * y for (_, y, _), weight, _, _ in met) / pressing
+    pz = sum(weight * z for (_, _, z), weight, _, _ in met) / pressing
+    fx = fy = fz = tx = ty = tz = 0.0
+    for (x, y, z), _, (ax, ay, az), (bx, by, bz) in met:
+        rx, ry, rz = x - px, y - py, z - pz
+        fx, fy, fz = fx + ax, fy + ay, fz + az
+        tx += bx + ry * az - rz * ay
+        ty += by + rz * ax - rx * az
+        tz += bz + rx * ay - ry * ax
+    return Contact(first, second, (px, py, pz), (fx, fy, fz), (tx, ty, tz))
 
 
-def _three(vector: Any) -> tuple[float, float, float]:
-    x, y, z = vector.tolist()
-    return x, y, z
+def _turned(frame: list[float], x: float, y: float, z: float) -> Vector3:
+    """Return a vector in the axes of ``frame``, its rows, in those of the world."""
+    a, b, c, d, e, f, g, h, i = frame
+    return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
