@@ -17,12 +17,19 @@ def read_meshes(spec: Any, known: Mapping[str, bytes]) -> Mapping[str, bytes]:
         known: What was read for the spec before it.
     """
     files = {}
-    for name in {mesh.file for mesh in spec.meshes}:
-        if name in known:
-            files[name] = known[name]
-        elif Path(name).is_file():  # otherwise MuJoCo says what is wrong
-            files[name] = Path(name).read_bytes()
-    spec.assets = files
+    assets = {}
+    for mesh in spec.meshes:
+        name = mesh.file
+        if name not in files:
+            if name in known:
+                files[name] = known[name]
+            elif Path(name).is_file():  # otherwise MuJoCo says what is wrong
+                files[name] = Path(name).read_bytes()
+        if name in files:
+            # mujoco 3.3.0 takes two files of one name in two folders for the same.
+            mesh.file = name.replace("/", "|").replace("\\", "|")
+            assets[mesh.file] = files[name]
+    spec.assets = assets
     return files
 
 
