@@ -1,8 +1,10 @@
 """Laws of straight motions: line and limits are kept, and errors say where."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
-from arm_rig import ur5
+from arm_rig import calibration, ur5
 
 from tool0.control.playback import hold_track, sample_track, splice
 from tool0.control.segment import Motion
@@ -95,6 +97,16 @@ def test_the_tool_keeps_to_its_line_and_all_to_their_limits(
     assert turning.max() < limits.angular_speed * 1.001
     assert np.abs(motion[:, :, 1]).max() < FASTEST * 1.001
     assert np.abs(motion[:, :, 2]).max() < FASTEST / TIME_TO_FULL_SPEED * 1.01
+
+
+def test_a_calibrated_arm_keeps_to_its_line_too(tmp_path: Path) -> None:
+    own = InverseKinematics(ur5(kinematics_params=calibration(tmp_path)))
+    line, points = planned(own, Pose(xyz=(0.0, 0.2, 0.1)), USUAL)
+    tool = own.chain.forward(np.array([p.positions for p in points])).T_base_tip @ PAD
+    start, last = line.tool(np.array([0.0, 1.0]))
+    way = last[:3, 3] - start[:3, 3]
+    s = (tool[:, :3, 3] - start[:3, 3]) @ way / (way @ way)
+    np.testing.assert_allclose(tool, line.tool(s), atol=1e-8)
 
 
 def test_points_lie_close_and_end_at_rest(arm: InverseKinematics) -> None:
