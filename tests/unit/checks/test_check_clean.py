@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from tool0.checks import check as module
 from tool0.checks.check import check
 from tool0.checks.document import document_findings
+from tool0.description.catalogue import GRIPPER_MODELS, assemble
 from tool0.description.packages import BUNDLED
 from tool0.errors import ConfigError
 
@@ -30,6 +31,13 @@ def test_the_packages_that_we_ship_are_clean() -> None:
     report = check([BUNDLED])
     assert report.findings == ()
     assert len(report.files) > 20
+
+
+@pytest.mark.parametrize("gripper_model", GRIPPER_MODELS)
+def test_a_urdf_that_we_make_is_clean(tmp_path: Path, gripper_model: str) -> None:
+    path = tmp_path / "robot.urdf"
+    path.write_text(assemble(gripper_model=gripper_model).urdf)
+    assert check([path]).findings == ()
 
 
 @pytest.fixture
