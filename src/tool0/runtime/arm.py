@@ -14,7 +14,8 @@ from tool0.errors import ControlError
 from tool0.runtime.arm_chain import ArmChain, Array, fixed_transform
 from tool0.runtime.branch import Branch, Solution
 from tool0.runtime.inverse_kinematics import InverseKinematics
-from tool0.runtime.linear_motion import Line, LinearLimits, LinearMotion
+from tool0.runtime.line import Line
+from tool0.runtime.linear_motion import LinearLimits, LinearMotion
 from tool0.runtime.pose_matrix import AnyPose, as_matrix, as_transform
 
 if TYPE_CHECKING:

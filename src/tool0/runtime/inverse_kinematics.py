@@ -186,8 +186,8 @@ class InverseKinematics:
 
     def _why_not_allowed(self, q: Array) -> str:
         bad = []
-        middle = np.nan_to_num((self._lower + self._upper) / 2, nan=0.0)
-        outside = ~np.isfinite(self._turned(q, middle))
+        allowed = np.clip(np.zeros(len(self._lower)), self._lower, self._upper)
+        outside = ~np.isfinite(self._turned(q, allowed))
         for k in np.flatnonzero(outside.any(axis=0)):
             joint = self.chain.joints[k]
             where = ", ".join(f"{value:.3f}" for value in _wrapped(q[outside[:, k], k]))

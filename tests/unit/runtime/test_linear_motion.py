@@ -16,7 +16,8 @@ from tool0.errors import ControlError, UnreachableError
 from tool0.runtime.arm_chain import Array
 from tool0.runtime.inverse_kinematics import InverseKinematics
 from tool0.runtime.joint_motion import TIME_TO_FULL_SPEED
-from tool0.runtime.linear_motion import PERIOD, Line, LinearLimits, LinearMotion
+from tool0.runtime.line import Line
+from tool0.runtime.linear_motion import PERIOD, LinearLimits, LinearMotion
 from tool0.runtime.pose_matrix import as_matrix
 
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])
@@ -161,6 +162,17 @@ def test_a_line_through_a_singularity_says_where(arm: InverseKinematics) -> None
     line = Line(begin, end, np.eye(4))
     with pytest.raises(UnreachableError, match=r"singularity.*at \d+% of the line"):
         LinearMotion(arm, line, start, USUAL)
+
+
+@pytest.mark.parametrize("q", [[0.0] * 6, [0, -np.pi / 2, 0, -np.pi / 2, 0, 0]])
+@pytest.mark.parametrize(
+    "way", [Pose(xyz=(0.0, 0.0, -0.1)), Pose(xyz=(0.1, 0.0, 0.0)), Pose(rpy=(0, 1, 0))]
+)
+def test_no_line_begins_where_the_arm_is_singular(
+    q: list[float], way: Pose, arm: InverseKinematics
+) -> None:
+    with pytest.raises(UnreachableError):
+        planned(arm, way, USUAL, np.array(q))
 
 
 def test_limits_of_joints_are_kept(arm: InverseKinematics) -> None:
