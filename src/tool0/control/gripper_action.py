@@ -20,6 +20,7 @@ from tool0.control.pid import Gains, Pid
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import GoalRejectedError
+from tool0.hardware.drive_bounds import DriveBounds
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.pick import picker
 
@@ -89,6 +90,8 @@ class GripperActionController:
         self._pid = None if spec.gains is None else Pid(spec.gains)
         self._target = state.position[index]
         self._position = self._target
+        self._setpoint = self._target
+        self._bounds: DriveBounds | None = None
         self._max_effort = spec.max_effort
         self._effort = 0.0
         self._goal: Goal | None = None
@@ -110,16 +113,29 @@ class GripperActionController:
         """Return the joint's command: its position, or an effort towards it."""
         self._state = state
         position = self._position = state.position[self._index]
-        error = self._target - position
         if self._goal is not None:
-            self._judge(state.time, position, error)
+            self._judge(state.time, position, self._target - position)
         if self._pid is None:
             self._effort = self._max_effort
             return (self._target,)
+        error = self._lead(period) - position
         effort = self._pid.update(error, -state.velocity[self._index], period)
         bound = self._max_effort
         self._effort = -bound if effort < -bound else min(effort, bound)
         return (self._effort,)
+
+    def _lead(self, period: float) -> float:
+        """Return where to be now: on the way to the target, at a bounded speed.
+
+        An integral that saw the whole way while the drive keeps it slow would wind up.
+        """
+        if self._bounds is None:
+            self._setpoint = self._target
+        else:
+            _, speed = self._bounds.at(self._setpoint)
+            left = self._target - self._setpoint
+            self._setpoint += min(max(left, -speed * period), speed * period)
+        return self._setpoint
 
     def _judge(self, time: float, position: float, error: float) -> None:
         if abs(error) < self.spec.goal_tolerance:
@@ -132,7 +148,13 @@ class GripperActionController:
                 GoalStatus.SUCCEEDED if is_success else GoalStatus.ABORTED, stalled=True
             )
 
-    def command(self, position: float, max_effort: float | None, now: float) -> Goal:
+    def command(
+        self,
+        position: float,
+        max_effort: float | None,
+        now: float,
+        bounds: DriveBounds | None = None,
+    ) -> Goal:
         """Replace the goal and return the new one's handle, or reject it.
 
         Args:
@@ -140,6 +162,7 @@ class GripperActionController:
             max_effort: Bound on the effort [N·m | N], its sign ignored as in ROS; None
                 or 0 for the controller's own.
             now: Simulated time of the coming update [s].
+            bounds: What bounds the joint's drive meanwhile.
 
         Raises:
             GoalRejectedError: What was commanded before goes on untouched.
@@ -151,7 +174,14 @@ class GripperActionController:
         check_position(self.spec.joint, position, f"a goal of '{self.spec.name}'")
         self._finish(GoalStatus.PREEMPTED)
         self._goal = goal = Goal(self.spec.name)
-        self._target = float(position)
+        self._target, self._bounds = float(position), bounds
+        ahead = self._setpoint - self._position
+        way = self._target - self._position
+        # What is squeezed is not let go of for a squeeze in the same direction.
+        if ahead * way <= 0.0:
+            self._setpoint = self._position
+        elif abs(ahead) > abs(way):
+            self._setpoint = self._target
         self._max_effort = abs(max_effort or 0.0) or self.spec.max_effort
         self._still_position, self._still_since = self._position, now
         return goal
@@ -160,7 +190,7 @@ class GripperActionController:
         """Hold the measured position, if ``goal`` is the active one."""
         del now
         if goal is self._goal and goal is not None:
-            self._target = self._position
+            self._target = self._setpoint = self._position
             self._max_effort = self.spec.max_effort
             self._finish(GoalStatus.PREEMPTED)
 

@@ -125,9 +125,9 @@ class Core:
                 name = command.controller
                 gripper = self._drivable(name, GripperActionController)
                 position, effort = command.position, command.max_effort
-                goal = gripper.command(position, effort, self.time)
-                joint = gripper.spec.joint.name
-                self._bind(name, (joint,), {joint: command.bounds})
+                bounds, joint = command.bounds, gripper.spec.joint.name
+                goal = gripper.command(position, effort, self.time, bounds)
+                self._bind(name, (joint,), {joint: bounds})
                 return self._watch(goal)
             case ask.CommandJoints():
                 name = command.controller

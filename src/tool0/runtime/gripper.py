@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, final
 from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError, GoalTimeoutError
 from tool0.hardware.drive_bounds import DriveBounds
-from tool0.runtime.grasp import GraspState, judge
+from tool0.runtime.grasp import GraspState, judge, wanted_openings
 from tool0.runtime.gripper_motion import opening_motion
 from tool0.runtime.loop import SNAPSHOT_PERIOD
 
@@ -122,7 +122,7 @@ class Gripper:
                 most = robot.joint_limits[joint].effort if force is not None else effort
                 return controller.command_gripper(target, most, bounds=bounds)
             if status.type.endswith("/JointTrajectoryController"):
-                points = opening_motion(geometry, self.opening, opening, speed)
+                points = opening_motion(geometry, self._start(opening), opening, speed)
                 return controller.follow(
                     points, joint_names=[joint], bounds={joint: bounds}
                 )
@@ -130,3 +130,16 @@ class Gripper:
             f"no running controller drives '{joint}'; start a JointTrajectory"
             "Controller or a GripperActionController that claims it"
         )
+
+    def _start(self, end: float) -> float:
+        """Return from which opening [m] a motion to ``end`` begins.
+
+        Where it is; but what is squeezed is not let go of for a squeeze in the same
+        direction.
+        """
+        now = self.opening
+        wanted = wanted_openings(self._robot.snapshot, self.geometry)
+        ahead = 0.0 if wanted is None else wanted[0] - now
+        if ahead * (end - now) <= 0.0:
+            return now
+        return end if abs(ahead) > abs(end - now) else now + ahead
