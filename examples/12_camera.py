@@ -1,0 +1,49 @@
+"""Cameras: what the wrist sees, where that is, and a video of a motion."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+import tool0
+from tool0.description.camera import Camera, looking
+from tool0.runtime.png import encode_png
+from tool0.runtime.video import VideoWriter
+
+SIDE = Camera(  # besides `wrist` and `scene`, which every arm has
+    name="side",
+    pose=looking((0.6, -1.2, 0.4), at=(0.5, 0.0, 0.1)),
+    width=320,
+    height=240,
+)
+
+with (
+    TemporaryDirectory() as folder,
+    tool0.bringup(
+        scene="table_and_cubes", initial_pose="ready", cameras=[SIDE], realtime=False
+    ) as robot,
+):
+    image = robot.camera("wrist").image()
+    Path(folder, "wrist.png").write_bytes(encode_png(image.rgb))
+
+    # The red cube lies between the fingers: where is its upper face in the root?
+    red, green, blue = np.moveaxis(image.rgb.astype(int), -1, 0)
+    rows, columns = np.nonzero(red > 3 * np.maximum(green, blue))
+    u, v = round(columns.mean()), round(rows.mean())
+    x, y, one = np.linalg.inv(image.K) @ (u, v, 1.0)
+    z = float(image.depth[v, u])
+    seen = image.T_root_camera.apply((x * z, y * z, z))
+    print("seen at    ", " ".join(f"{part:+.3f}" for part in seen), "m")
+    position = robot.scene.pose("red cube").position
+    print("its middle:", " ".join(f"{part:+.3f}" for part in position), "m")
+
+    # Snapshots can be drawn later: so a video costs the motion nothing.
+    goals = robot.go_to_pose("home")
+    snapshots = []
+    while goals[0].result is None:
+        snapshots.append(robot.snapshot)
+        robot.run(0.04)
+    with VideoWriter(Path(folder, "home.mp4"), 320, 240, fps=25.0) as video:
+        for snapshot in snapshots:
+            video.write(robot.camera("side").image(snapshot).rgb)
+    print(f"a video of {len(snapshots)} pictures")
