@@ -18,11 +18,10 @@ from tool0.engines.gazebo.couplings import WORLD, Coupling, gearbox
 from tool0.hardware.bodies import Matrix, MovingBody
 
 STOP_SLACK = 0.02
-"""By how much the stops of mimic joints, and of those with an armature, are set back.
+"""By how much the stops of mimic joints are set back [rad | m].
 
-[rad | m].  Where a master's stop holds, those of its mimics hold already: ODE's direct
-solver gives up on rows that say the same, and undamped fingers then hammer at 6 rad/s.
-And at a stop Gazebo takes away a joint's damper, which is what makes an armature.
+Where a master's stop holds, those of its mimics hold already: ODE's direct solver gives
+up on rows that say the same, and undamped fingers then hammer at 6 rad/s.
 """
 
 
@@ -43,7 +42,7 @@ def gazebo_urdf(
         ET.SubElement(joint, "child", link=model.root)
     paint(robot, model)
     links = {bodies[c.joint].joint.child: c for c in couplings}
-    loose = _joints_with_slack(model)
+    loose = {joint.name for joint in model.movable_joints if joint.mimic is not None}
     for joint in robot.iterfind("joint"):
         limit = joint.find("limit")
         if joint.get("name") in loose and limit is not None:
@@ -62,20 +61,6 @@ def gazebo_urdf(
             extension = ET.SubElement(robot, "gazebo")
             extension.append(gearbox(model, bodies, coupling))
     return ET.tostring(robot, encoding="unicode")
-
-
-def _joints_with_slack(model: RobotModel) -> set[str]:
-    """Return the joints that have stops, which are to stay out of the way."""
-    transmissions = model.transmission_by_joint
-    return {
-        joint.name
-        for joint in model.movable_joints
-        if joint.type is not JointType.CONTINUOUS
-        and (
-            joint.mimic is not None
-            or (joint.name in transmissions and transmissions[joint.name].armature)
-        )
-    }
 
 
 def body_poses(bodies: tuple[MovingBody, ...], position: list[float]) -> list[Matrix]:

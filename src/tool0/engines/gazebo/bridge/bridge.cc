@@ -169,13 +169,14 @@ bool IsFinite(const gazebo::physics::LinkPtr& link) {
 /// and armature.
 ///
 /// An armature A resists by -A (v' - v) / dt, where v' is the velocity after the step.
-/// That is a damper of A/dt, which Gazebo makes implicitly, and an effort of A/dt v.
+/// That is a motor of ODE's, beside the joint, that wants to keep the velocity v, of
+/// unbounded strength, but yielding by dt/A.  Gazebo's own damper of the joint could do the
+/// same, but not at a stop, where it ceases.
 class Drive {
  public:
-  Drive(gazebo::physics::JointPtr its, double rate)
+  explicit Drive(gazebo::physics::JointPtr its)
       : joint(std::move(its)),
         child(joint->GetChild()),
-        armature_rate(rate),
         turns(joint->HasType(gazebo::physics::Base::HINGE_JOINT)),
         above(joint->GetParent() ? BodyOf(joint->GetParent()) : nullptr),
         below(BodyOf(child)),
@@ -184,8 +185,7 @@ class Drive {
 
   gazebo::physics::JointPtr joint;
   gazebo::physics::LinkPtr child;
-  double armature_rate;  // A/dt [N·m·s/rad]
-  bool turns;            // whether the angle wraps at ±π
+  bool turns;  // whether the angle wraps at ±π
   double position = 0.0, velocity = 0.0;
 
   /// Not by the angle that ODE adds up, in which every earlier one has left its rounding.
@@ -200,18 +200,41 @@ class Drive {
     }
     velocity = joint->GetVelocity(0);
   }
-  void Push(double effort, double dt) {
-    // Beyond its stops a joint has no damper (ODEJoint::ApplyImplicitStiffnessDamping).
-    const double ahead = joint->Position(0) + 2.0 * velocity * dt;
-    if (ahead > joint->LowerLimit(0) && ahead < joint->UpperLimit(0))
-      effort += armature_rate * velocity;
+  void Push(double effort) {
     joint->SetForce(0, effort);
+    if (!motor_) return;
+    const Vector3d along = joint->GlobalAxis(0);
+    const double speed = along.Dot(Moves(below)) - along.Dot(Moves(above));
+    SetMotor(dParamVel, speed);
+  }
+  /// Adds an armature [kg·m² | kg].
+  void Load(double armature, double dt, dWorldID world) {
+    motor_ = turns ? dJointCreateAMotor(world, 0) : dJointCreateLMotor(world, 0);
+    dJointAttach(motor_, below, above);
+    const Vector3d along = joint->GlobalAxis(0);
+    (turns ? dJointSetAMotorNumAxes : dJointSetLMotorNumAxes)(motor_, 1);
+    (turns ? dJointSetAMotorAxis : dJointSetLMotorAxis)(
+        motor_, 0, kOfFirstBody, along.X(), along.Y(), along.Z());
+    SetMotor(dParamFMax, dInfinity);
+    SetMotor(dParamCFM, dt / armature);
   }
 
  private:
   dBodyID above, below;  // of the parent, which may be none, and of the child
   Quaterniond back;      // from how the child is turned in its parent, at zero
   Vector3d axis;         // in the child
+  dJointID motor_ = nullptr;
+  static constexpr int kOfFirstBody = 1;
+
+  void SetMotor(int parameter, double value) const {
+    (turns ? dJointSetAMotorParam : dJointSetLMotorParam)(motor_, parameter, value);
+  }
+  /// Returns how fast a body turns, or its centre moves.
+  Vector3d Moves(dBodyID body) const {
+    if (!body) return Vector3d::Zero;
+    const dReal* v = turns ? dBodyGetAngularVel(body) : dBodyGetLinearVel(body);
+    return Vector3d(v[0], v[1], v[2]);
+  }
 
   /// What has no body stands still, turned as it may be.
   static Quaterniond Turned(dBodyID body) {
@@ -471,7 +494,7 @@ class Bridge : public gazebo::SystemPlugin {
       PutState();
       return false;
     }
-    for (Drive& drive : drives_) drive.Push(packet_.Take<double>(), dt_);
+    for (Drive& drive : drives_) drive.Push(packet_.Take<double>());
     Mesh();
     touches_.Begin();
     return stepping_ = true;
@@ -566,8 +589,11 @@ class Bridge : public gazebo::SystemPlugin {
       if (!joint)
         throw std::runtime_error("Gazebo's model has no joint '" + name + "'");
       const double armature = packet_.Take<double>();
-      if (armature > 0.0) Damp(joint, armature / dt_);
-      drives.emplace_back(joint, armature / dt_);
+      drives.emplace_back(joint);
+      if (armature > 0.0) {
+        Unbind(joint);
+        drives.back().Load(armature, dt_, Ode());
+      }
     }
     std::vector<Gear> gears;
     for (auto g = packet_.Take<std::uint32_t>(); g > 0; --g) {
@@ -606,14 +632,13 @@ class Bridge : public gazebo::SystemPlugin {
       }
   }
 
-  /// Adds to the damping, implicitly.  What is pushed beside it (see Drive::Push) is
-  /// above the joint's own limits, which so are left to tool0's drives.
-  static void Damp(const gazebo::physics::JointPtr& joint, double rate) {
+  /// Leaves the limits of effort and velocity to tool0's drives.  The damping of what is
+  /// light must be implicit.
+  static void Unbind(const gazebo::physics::JointPtr& joint) {
     boost::dynamic_pointer_cast<gazebo::physics::ODEJoint>(joint)
         ->UseImplicitSpringDamper(true);
     joint->SetEffortLimit(0, -1.0);
     joint->SetVelocityLimit(0, -1.0);
-    joint->SetDamping(0, joint->GetDamping(0) + rate);
   }
 
   /// Out: of each object, in the order of their coming, its pose in the world [m,
