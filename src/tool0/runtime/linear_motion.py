@@ -29,8 +29,9 @@ LEAP = 0.3
 """A joint that turns so much in a step [rad] jumps: at 2 mm a step, that is 150 rad/m,
 so that a line at 20 mm/s would take the joint to its largest velocity."""
 PERIOD = 0.008
-"""Longest time between points [s]: the rate of a UR's own interface, 125 Hz."""
-FEWEST = 50
+"""Time between points at least [s]: the rate of a UR's own interface, 125 Hz."""
+FEWEST = 300
+"""So many points are made unless PERIOD allows fewer; more where the line is long."""
 _LEVEL = 0.7
 """Ratio between the speeds that stretches of a line may have."""
 _SHARE = 0.5
