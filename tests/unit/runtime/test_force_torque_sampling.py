@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from ur5_rig import ARM, TWO_ROBOTS
 
 import tool0
-from tool0.errors import ControlError
+from tool0.errors import ControlError, ModelError
 
 WEIGHT = 0.921 * 9.81  # [N] of the gripper
+
+
+@pytest.fixture
+def robot() -> Iterator[tool0.Robot]:
+    with tool0.bringup(realtime=False) as robot:
+        yield robot
 
 
 @pytest.mark.parametrize(
@@ -53,20 +60,18 @@ def test_a_sample_is_the_same_however_often_one_samples() -> None:
             assert often[reading.time] == reading.raw_force
 
 
-def test_whoever_waits_for_a_sample_is_woken() -> None:
-    with tool0.bringup(realtime=False) as robot:
-        first = robot.force_torque.read()
-        found: list[object] = []
-        waiting = threading.Thread(
-            target=lambda: found.extend(
-                robot.force_torque.samples(first.number, timeout=10.0)
-            )
-        )
-        waiting.start()
-        robot.run(0.02)
-        waiting.join(10.0)
-        assert found
-        assert robot.force_torque.samples(99, timeout=0.01) == ()
+def test_whoever_waits_for_a_sample_is_woken(robot: tool0.Robot) -> None:
+    sensor = robot.force_torque
+    first = sensor.read()
+    found: list[object] = []
+    waiting = threading.Thread(
+        target=lambda: found.extend(sensor.samples(first.number, timeout=10.0))
+    )
+    waiting.start()
+    robot.run(0.02)
+    waiting.join(10.0)
+    assert found
+    assert sensor.samples(99, timeout=0.01) == ()
 
 
 def test_a_prefix_is_part_of_the_name() -> None:
@@ -75,13 +80,12 @@ def test_a_prefix_is_part_of_the_name() -> None:
         assert robot.force_torque is robot.force_torque_of("left_tool0")
 
 
-def test_any_link_has_one_and_each_its_own_zero() -> None:
-    with tool0.bringup(realtime=False) as robot:
-        wrist = robot.force_torque_of("wrist_3_link")
-        robot.force_torque.zero()
-        heavier = float(np.linalg.norm(wrist.read().force))
-        assert heavier == pytest.approx(WEIGHT + 0.1879 * 9.81, rel=0.01)
-        assert robot.force_torque.read().force == (0.0, 0.0, 0.0)
+def test_any_link_has_one_and_each_its_own_zero(robot: tool0.Robot) -> None:
+    wrist = robot.force_torque_of("wrist_3_link")
+    robot.force_torque.zero()
+    heavier = float(np.linalg.norm(wrist.read().force))
+    assert heavier == pytest.approx(WEIGHT + 0.1879 * 9.81, rel=0.01)
+    assert robot.force_torque.read().force == (0.0, 0.0, 0.0)
 
 
 def test_without_one_tool0_a_link_is_to_be_named() -> None:
@@ -91,3 +95,44 @@ def test_without_one_tool0_a_link_is_to_be_named() -> None:
         ):
             robot.force_torque  # noqa: B018  # the property refuses
         assert robot.force_torque_of("left_tool0").read().frame == "left_tool0"
+
+
+def test_filtered_is_calmer_than_raw(robot: tool0.Robot) -> None:
+    robot.force_torque.start(rate=500.0, cutoff=10.0)
+    for opening in (0.0, 0.085, 0.02):
+        robot.gripper.move(opening=opening)
+        robot.run(0.5)
+    readings = robot.force_torque.samples()
+    assert len(readings) == 751
+    raw = np.diff([reading.raw_force for reading in readings], axis=0)
+    filtered = np.diff([reading.force for reading in readings], axis=0)
+    assert np.abs(filtered).max() < 0.2 * np.abs(raw).max()
+
+
+def test_samples_come_at_their_rate_and_stand_still_with_time(
+    robot: tool0.Robot,
+) -> None:
+    first = robot.force_torque.read()
+    assert robot.force_torque.rate == 125.0
+    robot.run(0.1)
+    readings = robot.force_torque.samples(since=first.number)
+    times = [reading.time for reading in readings]
+    np.testing.assert_allclose(times, 0.008 * np.arange(1, 13))
+    robot.pause()
+    assert robot.force_torque.samples(since=readings[-1].number) == ()
+    robot.step(8)
+    assert len(robot.force_torque.samples(since=readings[-1].number)) == 1
+    robot.force_torque.stop()
+    robot.force_torque.stop()
+    assert robot.force_torque.rate == 0.0
+
+
+def test_what_cannot_be_sampled_is_refused(robot: tool0.Robot) -> None:
+    with pytest.raises(ControlError, match=r"rate 20 Hz is outside \[50, 1000\] Hz"):
+        robot.force_torque.start(rate=20.0)
+    with pytest.raises(ControlError, match=r"rate 300 Hz is no whole part.* 333"):
+        robot.force_torque.start(rate=300.0)
+    with pytest.raises(ControlError, match=r"below half the rate, 50 Hz; got 60 Hz"):
+        robot.force_torque.start(rate=100.0, cutoff=60.0)
+    with pytest.raises(ModelError, match="did you mean 'wrist_3_link'"):
+        robot.force_torque_of("wrist_3_lnk")
