@@ -104,11 +104,7 @@ class EffortLimiter:
         _, position, velocity, applied = state
         for i, drive in self._regulated.items():
             effort[i] = drive.bound(
-                effort[i],
-                applied=applied[i],
-                load=load[i],
-                position=position[i],
-                velocity=velocity[i],
+                effort[i], applied[i], load[i], position[i], velocity[i]
             )
         for i, most, lower, upper, speed in self._rows:
             u = effort[i]

@@ -43,7 +43,6 @@ class RegulatedDrive:
     def bound(
         self,
         effort: float,
-        *,
         applied: float,
         load: float,
         position: float,
@@ -59,6 +58,13 @@ class RegulatedDrive:
             velocity: Of the joint [rad/s | m/s].
         """
         most, speed = self._effort, self._speed
+        if (
+            self.bounds is None
+            and -most <= effort <= most
+            and abs(velocity) + abs(effort) / self._rotor <= speed
+        ):
+            self._velocity = None
+            return effort  # as nearly always: nothing binds
         if self.bounds is not None:
             grip, fastest = self.bounds.at(position)
             effort = min(max(effort, load - grip), load + grip)
