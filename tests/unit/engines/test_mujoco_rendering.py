@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,9 +13,22 @@ from promised import require_gl
 
 from tool0.description.camera import Camera, looking
 from tool0.description.kinematics import Transform, link_pose, to_transform
-from tool0.description.model import Box, Cylinder, Pose, RobotModel, Sphere
+from tool0.description.model import (
+    Box,
+    Collision,
+    Cylinder,
+    Joint,
+    JointType,
+    Link,
+    Mesh,
+    Pose,
+    RobotModel,
+    Sphere,
+    Visual,
+)
 from tool0.description.motion import to_pose
 from tool0.description.scene import SceneObject
+from tool0.engines.mujoco.drawable import drawable
 from tool0.engines.mujoco.rendering import Renderer
 from tool0.errors import RenderError
 from tool0.hardware.engine import ObjectState
@@ -162,6 +176,30 @@ def test_the_ground_is_where_it_is(skew_model: RobotModel) -> None:
     )
     renderer.close()
     assert depth == pytest.approx(np.full((16, 16), 1.5), abs=1e-5)
+
+
+def test_collision_shapes_stand_in_for_meshes_that_mujoco_cannot_read(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    ball, disc = Sphere(radius=0.3), Cylinder(radius=0.3, length=0.1)
+    collada = Mesh(uri="hand.dae", path=Path("hand.dae"))
+    links = (
+        Link(name="arm", visuals=(Visual(geometry=disc),)),
+        Link(
+            name="hand",
+            visuals=(Visual(geometry=collada),),
+            collisions=(Collision(geometry=ball),),
+        ),
+    )
+    joint = Joint(name="wrist", type=JointType.FIXED, parent="arm", child="hand")
+    model = RobotModel(name="r", root="arm", links=links, joints=(joint,))
+    found = drawable(model)
+    assert [visual.geometry for link in found.links for visual in link.visuals] == [
+        disc,
+        ball,
+    ]
+    assert "instead of hand.dae, which MuJoCo cannot read" in caplog.text
+    assert drawable(found) is found
 
 
 def test_without_opengl_it_is_told_what_to_install(

@@ -59,6 +59,9 @@ LINKAGE_SOLIMP = (0.995, 0.999, 0.001, 0.5, 2.0)
 newtons on links of a few grams: with mimic's, loops gape by a millimetre at 235 N
 (with this, 0.15 mm); firmer yet, the closed pads tremble."""
 
+MESH_SUFFIXES = (".stl", ".obj", ".msh")
+"""Of files that MuJoCo reads."""
+
 _VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
 
 
@@ -295,7 +298,7 @@ def _make_grip(geom: Any, surface: Surface) -> None:
 
 
 def _add_mesh(spec: Any, mesh: Mesh) -> str:
-    if mesh.path.suffix.lower() not in (".stl", ".obj", ".msh"):
+    if mesh.path.suffix.lower() not in MESH_SUFFIXES:
         raise ModelError(
             f"MuJoCo cannot read the mesh {mesh.path}; convert it to STL or OBJ"
         )

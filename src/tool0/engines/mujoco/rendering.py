@@ -18,6 +18,7 @@ from tool0.description.camera import Camera
 from tool0.description.kinematics import Transform
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.engines.mujoco.drawable import drawable
 from tool0.engines.mujoco.gl import make_context
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.objects import add_objects, compile_with, free_joint_name
@@ -53,7 +54,7 @@ class Renderer:
         Raises:
             RenderError: If there is no OpenGL here.
         """
-        self._robot = model
+        self._robot = model = drawable(model)
         self._size = width, height
         self._bare = build_spec(model, dt=0.001, visuals=True, ground=ground)
         _furnish(self._bare, width, height)
