@@ -362,8 +362,10 @@ class Robot:
 
     def close(self) -> None:
         """End the simulation; closing twice is allowed."""
-        self.cameras.close()
-        self._loop.close()
+        try:
+            self.cameras.close()
+        finally:
+            self._loop.close()
 
     def __enter__(self) -> Robot:
         return self

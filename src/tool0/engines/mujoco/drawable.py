@@ -24,7 +24,7 @@ def drawable(model: RobotModel) -> RobotModel:
             visual.geometry.path.name
             for link in model.links
             for visual in link.visuals
-            if not _is_readable(visual)
+            if isinstance(visual.geometry, Mesh) and not _is_readable(visual)
         }
     )
     if not unread:
