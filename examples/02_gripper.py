@@ -1,8 +1,9 @@
 """The gripper by its opening in metres: 0.085 is open, 0 is closed."""
 
 import tool0
+from tool0.scene import Box
 
-with tool0.bringup(realtime=False) as robot:
+with tool0.bringup(initial_pose="ready", realtime=False) as robot:
     gripper = robot.gripper
     slowest, fastest = gripper.geometry.speed
     print(f"opening {1000 * gripper.opening:.1f} mm")
@@ -16,7 +17,15 @@ with tool0.bringup(realtime=False) as robot:
             f"finger_joint {robot.joint_state.position['finger_joint']:.3f} rad"
         )
 
-    # With a bound on the torque of the driven joint, the fingers squeeze no harder.
-    gripper.move(opening=0.0, effort=5.0).wait(timeout=10.0)
-    lever = gripper.geometry.lever(robot.joint_state.position["finger_joint"])
-    print(f"closed; 5 N·m would grip with {5.0 / lever:.0f} N at each pad")
+    # Speed and force are settings of the drive, as on the real gripper.
+    shape = Box(size=(0.045, 0.045, 0.045))
+    robot.scene.add("cube", shape, xyz=(0.5487, 0.1091, 0.003))  # stands still
+    gripper.move(opening=0.0, speed=0.05, force=60.0)
+    state = gripper.wait(timeout=10.0)
+    print(
+        f"{state.motion}: {1000 * (state.width or 0.0):.1f} mm wide, gOBJ {state.gobj}"
+    )
+    robot.scene.remove("cube")
+    robot.run(0.1)  # until the fingers move on
+    state = gripper.wait(timeout=10.0)
+    print(f"{state.motion}: open {1000 * state.opening:.1f} mm, gOBJ {state.gobj}")
