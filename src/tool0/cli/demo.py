@@ -128,7 +128,7 @@ def _bring_up(arguments: PickArguments) -> Robot:
         gripper_model=arguments.gripper_model,
         grasp_assist=arguments.grasp_assist,
         scene=_scene(arguments),
-        initial_pose="ready",
+        initial_pose="home",
         realtime=not arguments.headless if realtime is None else realtime,
     )
 

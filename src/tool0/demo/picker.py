@@ -73,8 +73,12 @@ class Picker:
         thing, pose = robot.scene[item], witness.pose()
         self._ways = grips(thing, pose, geometry.max_opening)
         self._floor = pose.position[2] - half_height(thing, pose)
-        tips = self._floor + reach_below(robot.description.model, geometry) + CLEARANCE
-        self._height = max(pose.position[2], tips)
+        reach = reach_below(robot.description.model, geometry)
+        top = 2.0 * pose.position[2] - self._floor
+        # Farther down the fingers would meet the table, or what is high their knuckles.
+        self._height = max(
+            pose.position[2], top - reach, self._floor + reach + CLEARANCE
+        )
         """Of the middle of the pads, when they take it [m]."""
         self._tool = Transform()
         self.width: float | None = None

@@ -109,5 +109,5 @@ def run_trials(
 def _go_back(robot: Robot) -> None:
     """Bring the arm where picks begin; after one that failed it may be anywhere."""
     robot.gripper.move(opening=robot.gripper.geometry.max_opening).wait(PATIENCE)
-    for goal in robot.go_to_pose("ready"):
+    for goal in robot.go_to_pose("home"):
         goal.wait(PATIENCE)

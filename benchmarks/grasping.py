@@ -1,0 +1,192 @@
+"""How firmly things are held: lifted, held still, shaken; and how many picks succeed."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+import tool0
+from tool0.demo.bin import find_bin
+from tool0.demo.picker import Picker, PickFailure, PickOptions
+from tool0.demo.report import DemoReport
+from tool0.demo.trials import TABLE, random_poses, run_trials
+from tool0.demo.witness import Witness
+from tool0.description.kinematics import transforms
+from tool0.runtime.pads import pad_links
+from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
+
+Shape = Box | Cylinder
+
+SHAPES: dict[str, Shape] = {
+    **{f"{mm} mm cube": Box(size=(mm / 1e3,) * 3) for mm in (20, 45, 60, 80)},
+    "43 mm cylinder": Cylinder(radius=0.0215, length=0.08),
+}
+MASSES = (0.05, 0.5)  # [kg]
+FORCE = 60.0
+"""At each pad [N]: a quarter of what a 2F-85 can."""
+LIFT = 0.2
+HOLD, SHAKE = 5.0, 3.0  # [s]
+SHAKEN = 2.0 * 9.81  # [m/s²]
+FREQUENCY = 5.0  # [Hz]
+AMPLITUDE = 0.072
+"""Of wrist_1 [rad]; with it the pads reach 2 g."""
+TOP = -0.02
+"""Of the table [m]."""
+PLACE = (0.45, -0.12)
+ITEM = "thing"
+
+
+@dataclass(frozen=True)
+class Held:
+    """What became of something that was gripped."""
+
+    failure: str | None
+    """Why it is not held any more; None if it is."""
+    slip: float = math.nan
+    """Between the pads, while it was held still [m]."""
+    shaken: float = math.nan
+    """The same while it was shaken [m]."""
+    acceleration: float = math.nan
+    """Of the pads then, at its peaks [m/s²]."""
+
+
+def hold_and_shake(
+    engine: str,
+    shape: Shape,
+    mass: float,
+    *,
+    force: float = FORCE,
+    shake: float = SHAKE,
+    **options: object,
+) -> Held:
+    """Lift something from the table, hold it still, and shake it.
+
+    Args:
+        engine: The physics.
+        shape: What it is.
+        mass: [kg]
+        force: At each pad [N].
+        shake: How long it is shaken [s]; 0 for not at all.
+        options: Of ``bringup``.
+    """
+    scene = _table_with(shape, mass)
+    with tool0.bringup(
+        engine=engine, scene=scene, initial_pose="home", realtime=False, **options
+    ) as robot:
+        witness = Witness(robot, robot.gripper, ITEM)
+        picker = Picker(robot, ITEM, PickOptions(force=force), witness)
+        try:
+            picker.take(LIFT)
+            slip = _slip(witness, picker, HOLD)
+            if not shake:
+                return Held(None, slip)
+            accelerations: list[float] = []
+            shaken = _shake(robot, witness, picker, shake, accelerations)
+        except PickFailure as failure:
+            return Held(f"{witness.phase}: {failure}")
+        return Held(None, slip, shaken, float(np.quantile(accelerations, 0.9)))
+
+
+def picks(engine: str, n_picks: int, seed: int, **options: object) -> DemoReport:
+    """Pick a cube from random poses on the table and place it in the bin."""
+    with tool0.bringup(
+        engine=engine,
+        scene="table_and_bin",
+        initial_pose="home",
+        realtime=False,
+        **options,
+    ) as robot:
+        height = robot.scene["cube"].geometry.size[2]
+        return run_trials(
+            robot,
+            "cube",
+            find_bin(robot.scene.objects, "bin"),
+            random_poses(TABLE, height, seed),
+            n_picks,
+        )
+
+
+def trials() -> Iterator[tuple[str, Shape, float]]:
+    """Yield a name, shape and mass [kg] for each trial."""
+    for (name, shape), mass in itertools.product(SHAPES.items(), MASSES):
+        yield f"{name}, {mass:g} kg", shape, mass
+
+
+def _table_with(shape: Shape, mass: float) -> Scene:
+    height = shape.size[2] if isinstance(shape, Box) else shape.length
+    return Scene(
+        (
+            SceneObject(
+                name="table",
+                geometry=Box(size=(0.5, 0.8, 0.08)),
+                pose=Pose(xyz=(0.6, 0.0, TOP - 0.04)),
+            ),
+            SceneObject(
+                name=ITEM,
+                geometry=shape,
+                mass=mass,
+                pose=Pose(xyz=(*PLACE, TOP + height / 2.0)),
+            ),
+        )
+    )
+
+
+def _slip(witness: Witness, picker: Picker, duration: float) -> float:
+    """Hold for some simulated seconds, and return how far it moved meanwhile [m]."""
+    witness.begin("holding")
+    witness.wait(0.5)  # the arm comes to rest
+    witness.hold()
+    witness.wait(duration)
+    picker.check_hold()
+    assert witness.slip is not None
+    return witness.slip
+
+
+def _shake(
+    robot: tool0.Robot,
+    witness: Witness,
+    picker: Picker,
+    duration: float,
+    accelerations: list[float],
+) -> float:
+    """Swing a wrist, and return how far the thing moved between the pads [m].
+
+    ``accelerations`` gets what the pads underwent, each millisecond [m/s²].
+    """
+    witness.begin("shaking")
+    witness.hold()
+    arm = robot.controller("eff_joint_traj_controller")
+    names = robot.arm.joint_names
+    start = dict(robot.arm.joints)
+    wrist = names[3]
+    times = np.arange(1, round(250 * duration) + 1) / 250.0
+    swing = np.minimum(1.0, np.minimum(times, duration - times) * FREQUENCY / 2.0)
+    angles = start[wrist] + AMPLITUDE * swing * np.sin(2 * np.pi * FREQUENCY * times)
+    goal = arm.follow(
+        [
+            tool0.TrajectoryPoint(
+                [angle if name == wrist else start[name] for name in names],
+                time_from_start=time,
+            )
+            for time, angle in zip(times.tolist(), angles.tolist(), strict=True)
+        ],
+        joint_names=names,
+    )
+    model, engine = robot.description.model, robot.engine
+    pad, _ = pad_links(model, robot.gripper.geometry)
+    places = []
+    while not goal.status.is_terminal:
+        robot.run(robot.control_period)
+        position = dict(zip(engine.joint_names, engine.read().position, strict=True))
+        places.append(transforms(model, position)[pad].position)
+    velocity = np.diff(places, axis=0) / robot.control_period
+    steps = np.diff(velocity, axis=0) / robot.control_period
+    accelerations.extend(np.linalg.norm(steps, axis=1).tolist())
+    witness.wait(0.5)
+    picker.check_hold()
+    assert witness.slip is not None
+    return witness.slip
