@@ -13,7 +13,7 @@ PROBES: Final = {
     "panel": "tool0.doctor.screen",
     "browser": "tool0.doctor.screen",
     "gpu": "tool0.doctor.screen",
-    "off_screen": "tool0.doctor.screen",
+    "cameras": "tool0.doctor.screen",
     "gazebo": "tool0.doctor.simulators",
     "ros1": "tool0.doctor.ros",
     "ros2": "tool0.doctor.ros",

@@ -1,8 +1,7 @@
-"""What draws and what shows: the panel, a browser, a desktop, a GPU, off-screen GL."""
+"""What draws and what shows: the panel, a browser, a desktop, a GPU, the cameras."""
 
 from __future__ import annotations
 
-import ctypes
 import os
 import re
 import subprocess
@@ -18,8 +17,6 @@ _BROWSERS: Final = (
     *("brave-browser", "vivaldi", "opera", "epiphany", "falkon"),
 )
 _OWN_BROWSER: Final = {"darwin": "Safari", "win32": "Microsoft Edge"}
-OFF_SCREEN: Final = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
-"""What MUJOCO_GL may be → the library that then draws."""
 _FIREFOX: Final = {
     "dnf": "firefox",
     "zypper": "MozillaFirefox",
@@ -88,23 +85,18 @@ def gpu(here: Machine) -> list[Line]:
     return [Line(what="gpu", state="missing", found=found)]
 
 
-def off_screen(here: Machine) -> list[Line]:
-    """Tell whether MuJoCo could draw without a window, as ``mujoco.Renderer`` does."""
-    if here.system != "linux":
-        return [Line(what="off-screen", state="ready", found="the system's own OpenGL")]
-    found = [name for name, file in OFF_SCREEN.items() if _loads(file)]
-    if found:
-        text = "or ".join(f"MUJOCO_GL={name} " for name in found)
-        text += "lets mujoco.Renderer draw without a window"
-        return [Line(what="off-screen", state="ready", found=text)]
-    return [
-        Line(
-            what="off-screen",
-            state="missing",
-            found="neither EGL nor OSMesa; for mujoco.Renderer without a window",
-            remedy=here.install("libegl1 libgl1-mesa-dri", **_MESA),
-        )
-    ]
+def cameras(here: Machine) -> list[Line]:
+    """Tell whether the robot's cameras can draw, by trying it."""
+    from tool0.engines.mujoco.gl import PACKAGES, kind_of_context, make_context
+    from tool0.errors import RenderError
+
+    try:
+        make_context(8, 8).free()
+    except RenderError as error:
+        remedy = here.install(PACKAGES, **_MESA)
+        return [Line(what="cameras", state="missing", found=str(error), remedy=remedy)]
+    found = f"draw without a window, by {kind_of_context()}"
+    return [Line(what="cameras", state="ready", found=found)]
 
 
 def _nvidia(here: Machine) -> list[str]:
@@ -140,11 +132,3 @@ def _rendering(here: Machine) -> list[str]:
     )
     names = (_VENDORS.get(vendor, "a GPU") for vendor in vendors)
     return [f"{name} ({node})" for name, node in zip(names, _nodes(here), strict=True)]
-
-
-def _loads(library: str) -> bool:
-    try:
-        ctypes.CDLL(library)
-    except OSError:
-        return False
-    return True

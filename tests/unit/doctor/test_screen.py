@@ -2,6 +2,7 @@ import os
 from pathlib import Path
 
 import pytest
+from promised import require_gl
 
 from tool0.doctor import screen
 from tool0.doctor.line import Line
@@ -124,15 +125,17 @@ def test_nodes_to_draw_by_are_told_with_whose_they_are(
     assert "may not use it" in line.found
 
 
-def test_what_draws_off_screen_is_tried(
+def test_whether_cameras_draw_is_tried(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(screen, "OFF_SCREEN", {"none": "libNoSuchThing.so.1"})
     program(tmp_path, "apt-get")
-    (line,) = screen.off_screen(here(tmp_path))
+    monkeypatch.setenv("MUJOCO_GL", "disable")
+    (line,) = screen.cameras(here(tmp_path))
     assert line.state == "missing"
-    assert line.remedy == "sudo apt install libegl1 libgl1-mesa-dri"
-    monkeypatch.setattr(screen, "OFF_SCREEN", {"c": "libc.so.6"})
-    (line,) = screen.off_screen(here(tmp_path))
+    assert "MUJOCO_GL is 'disable'" in line.found
+    assert line.remedy == "sudo apt install libegl1 libopengl0 libgl1-mesa-dri"
+    monkeypatch.delenv("MUJOCO_GL")
+    require_gl()
+    (line,) = screen.cameras(here(tmp_path))
     assert line.state == "ready"
-    assert line.found.startswith("MUJOCO_GL=c lets")
+    assert line.found.startswith("draw without a window, by ")

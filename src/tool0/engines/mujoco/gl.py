@@ -39,7 +39,7 @@ def make_context(width: int, height: int) -> Any:  # none of MuJoCo's is typed
     Raises:
         RenderError: If there is none here; it says what to install.
     """
-    kind = _kind()
+    kind = kind_of_context()
     try:
         return importlib.import_module(_MODULES[kind]).GLContext(width, height)
     except Exception as error:  # each library fails in its own ways
@@ -50,7 +50,8 @@ def make_context(width: int, height: int) -> Any:  # none of MuJoCo's is typed
         ) from error
 
 
-def _kind() -> str:
+def kind_of_context() -> str:
+    """Return what MUJOCO_GL would have to be, or is, or raise RenderError."""
     wanted = os.environ.get("MUJOCO_GL", "").lower().strip()
     if wanted in _MODULES:
         return wanted
