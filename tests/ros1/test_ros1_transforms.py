@@ -44,6 +44,16 @@ def test_transforms_go_on_where_robot_state_publisher_ends(
     bringup.wait_for("/tf is published by tool0")
     until(lambda: ros.publishers().get("/tf") == ["/gazebo"], "our own transforms")
     assert worst_transform(ELSEWHERE, PREFIX) < 1e-6
+    assert latched_frames(PREFIX) > {"wrist_camera_color_optical_frame", "tool0"}
+
+
+def latched_frames(prefix: str) -> set[str]:
+    """Return the frames that our own /tf_static tells, to who comes late too."""
+    from tf2_msgs.msg import TFMessage
+
+    with listening("/tf_static", TFMessage) as static:
+        ours = static.wait_for(lambda m: m._connection_header["callerid"] == "/gazebo")
+    return {one.child_frame_id.removeprefix(prefix) for one in ours.transforms}
 
 
 def worst_transform(target: tuple[float, ...], prefix: str = "") -> float:
