@@ -1,6 +1,7 @@
 import { act, fireEvent, render, screen } from "@testing-library/preact";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { fromQuaternion, toRpy } from "../src/kinematics";
+import { moving } from "../src/moving";
 import { describeObject, grouped, ObjectsPanel } from "../src/panels/objects";
 import { TopBar } from "../src/panels/top-bar";
 import type { ObjectInfo } from "../src/protocol";
@@ -96,6 +97,29 @@ describe("the objects", () => {
   it("are removed", () => {
     press("object-remove-cube");
     expect(server().sentOf("remove_object")).toMatchObject([{ name: "cube" }]);
+  });
+
+  it("are removed with all parts of what they are parts of", async () => {
+    await act(() => {
+      const parts = ["bin.floor", "bin.left"].map((name) => ({ ...TABLE, name }));
+      server().say({ type: "scene", number: 4, objects: [...parts, CUBE] });
+    });
+    press("object-remove-bin");
+    expect(server().sentOf("remove_object")).toMatchObject([
+      { name: "bin.floor" },
+      { name: "bin.left" },
+    ]);
+  });
+
+  it("are moved one at a time, and no more once they are gone", async () => {
+    press("object-move-cube");
+    press("object-move-table");
+    await settle();
+    expect(moving.value?.name).toBe("table");
+    await act(() => {
+      server().say({ type: "scene", number: 4, objects: [CUBE] });
+    });
+    expect(moving.value).toBeNull();
   });
 
   it("are added as the fields say, under a free name", async () => {

@@ -5,6 +5,7 @@ import { connection } from "../src/connection";
 import { disable, chosenController, endReason, speedScale } from "../src/driving";
 import { frames } from "../src/frames";
 import { language } from "../src/i18n";
+import { moving } from "../src/moving";
 import { dismiss, toasts } from "../src/notices";
 import * as store from "../src/store";
 import { FakeSocket } from "./fixtures";
@@ -20,6 +21,8 @@ export function useFakeServer(): void {
     store.hello.value = null;
     store.status.value = null;
     store.notices.value = [];
+    store.scene.value = null;
+    moving.value = null;
     frames.clear();
     disable();
     chosenController.value = null;

@@ -117,6 +117,7 @@ export const en = {
   "objects.moveLong": "Move {name}",
   "objects.remove": "Remove {name}",
   "objects.put": "Put there",
+  "objects.moveHint": "Drag the arrows in the 3D view, or write numbers.",
   "objects.position": "Position",
   "objects.rotation": "Roll, pitch, yaw",
   "objects.add": "Add an object",

@@ -114,6 +114,7 @@ export const zh: Texts = {
   "objects.moveLong": "移动 {name}",
   "objects.remove": "移除 {name}",
   "objects.put": "放到此处",
+  "objects.moveHint": "拖动三维视图中的箭头，或直接输入数值。",
   "objects.position": "位置",
   "objects.rotation": "横滚、俯仰、偏航",
   "objects.add": "添加物体",

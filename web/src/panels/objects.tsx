@@ -1,11 +1,13 @@
 /** What is around the robot: where it is, and what puts it elsewhere or takes it away. */
-import { useRef, useState } from "preact/hooks";
-import { ask, connection } from "../connection";
+import { useEffect, useRef } from "preact/hooks";
+import { ask } from "../connection";
 import { frames } from "../frames";
 import { t } from "../i18n";
 import { fromQuaternion, toRpy } from "../kinematics";
 import { useLive } from "../live";
-import type { Frame, ObjectInfo, Problem } from "../protocol";
+import { aimAt, begin, moving, putThere } from "../moving";
+import type { Target } from "../moving";
+import type { Frame, ObjectInfo } from "../protocol";
 import { scene } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { TrashIcon } from "../ui/icons";
@@ -13,7 +15,6 @@ import { fixed } from "../ui/number-field";
 import { angleUnit, unitOf } from "../units";
 import { AddObject } from "./add-object";
 import { PoseFields } from "./pose-fields";
-import type { Target } from "./pose-fields";
 import { UnitSwitch } from "./unit-switch";
 
 export function ObjectsPanel() {
@@ -69,6 +70,15 @@ function Parts({ whole, parts }: { whole: string; parts: readonly ObjectInfo[] }
           <code>{whole}</code>{" "}
           <span class="muted">{t("objects.parts", { count: parts.length })}</span>
         </summary>
+        <Button
+          data-testid={`object-remove-${whole}`}
+          onClick={() => {
+            for (const { name } of parts) void ask({ type: "remove_object", name });
+          }}
+        >
+          <TrashIcon />
+          {t("objects.remove", { name: whole })}
+        </Button>
         <ul class="objects">
           {parts.map((object) => (
             <ObjectRow key={object.name} object={object} />
@@ -105,18 +115,14 @@ function targetIn(frame: Frame | undefined, name: string): Target | undefined {
 
 function ObjectRow({ object }: { object: ObjectInfo }) {
   const { name, rgba } = object;
-  const [target, setTarget] = useState<Target | null>(null);
-  const [problem, setProblem] = useState<Problem | null>(null);
+  const move = moving.value?.name === name ? moving.value : null;
   const [red, green, blue] = rgba.map((part) => String(Math.round(255 * part)));
-  const put = async ({ position, rpy }: Target) => {
-    const refusal = await connection.request({
-      type: "place_object",
-      name,
-      position: [...position],
-      rpy: [...rpy],
-    });
-    setProblem(refusal);
-  };
+  useEffect(
+    () => () => {
+      if (moving.peek()?.name === name) begin(name, null);
+    },
+    [name],
+  );
   return (
     <li data-testid={`object-row-${name}`}>
       <div class="object-head">
@@ -127,11 +133,10 @@ function ObjectRow({ object }: { object: ObjectInfo }) {
         <code class="grow ellipsis">{name}</code>
         <Button
           aria-label={t("objects.moveLong", { name })}
-          aria-expanded={target !== null}
+          aria-expanded={move !== null}
           data-testid={`object-move-${name}`}
           onClick={() => {
-            setProblem(null);
-            setTarget(target === null ? (targetIn(frames.latest, name) ?? null) : null);
+            begin(name, (move === null && targetIn(frames.latest, name)) || null);
           }}
         >
           {t("objects.move")}
@@ -146,22 +151,23 @@ function ObjectRow({ object }: { object: ObjectInfo }) {
       </div>
       <p class="muted">{describeObject(object)}</p>
       <LivePose name={name} />
-      {target && (
+      {move && (
         <div class="object-target">
-          <PoseFields value={target} testId="object-target" onChange={setTarget} />
+          <p class="hint">{t("objects.moveHint")}</p>
+          <PoseFields value={move.target} testId="object-target" onChange={aimAt} />
           <Button
             kind="primary"
             data-testid={`object-put-${name}`}
-            onClick={() => void put(target)}
+            onClick={() => void putThere()}
           >
             {t("objects.put")}
           </Button>
+          {move.problem && (
+            <p class="refusal" role="alert" data-testid={`object-refusal-${name}`}>
+              {move.problem.message}
+            </p>
+          )}
         </div>
-      )}
-      {problem && (
-        <p class="refusal" role="alert" data-testid={`object-refusal-${name}`}>
-          {problem.message}
-        </p>
       )}
     </li>
   );

@@ -1,14 +1,8 @@
 /** Where an object is to be and how it is to be turned, as numbers. */
 import { t } from "../i18n";
+import type { Target } from "../moving";
 import { VectorField } from "../ui/vector-field";
 import { angleUnit, MILLIMETRES, unitOf } from "../units";
-import type { Vector } from "../urdf";
-
-/** A pose as requests have it: [m], and [rad] about fixed axes. */
-export interface Target {
-  readonly position: Vector;
-  readonly rpy: Vector;
-}
 
 /** As far as the server takes it [m]. */
 const FARTHEST = 1000;

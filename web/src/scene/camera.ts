@@ -39,6 +39,11 @@ export class CameraRig {
     });
   }
 
+  /** Let the pointer turn the view, or leave it to something else. */
+  set isEnabled(value: boolean) {
+    this.controls.enabled = value;
+  }
+
   get isDragging(): boolean {
     return this.dragging;
   }

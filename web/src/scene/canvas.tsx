@@ -3,6 +3,7 @@ import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { frames } from "../frames";
 import { t } from "../i18n";
+import { moving } from "../moving";
 import type { Hello } from "../protocol";
 import {
   hoveredLink,
@@ -74,6 +75,9 @@ function follow(
     }),
     effect(() => {
       viewer.aim(showGhost.value ? (status.value?.targets ?? {}) : undefined);
+    }),
+    effect(() => {
+      viewer.offerMove(moving.value?.target ?? null);
     }),
     effect(() => {
       viewer.showCollision(showCollision.value);

@@ -1,5 +1,7 @@
 /** The scene on its canvas: what the page calls. */
 import { type Box3, type Mesh, type Object3D, Vector3 } from "three";
+import { aimAt, moving, putThere } from "../moving";
+import type { Target } from "../moving";
 import type { Frame, Hello, Scene } from "../protocol";
 import { CollisionLook } from "./collision";
 import { directionOf, toolDirection, type View } from "./framing";
@@ -9,6 +11,7 @@ import { Interpolator, type Pose } from "./interpolation";
 import { Loop } from "./loop";
 import { Materials } from "./materials";
 import { Meshes } from "./meshes";
+import { Mover } from "./mover";
 import { Objects } from "./objects";
 import { type Hit, Picker } from "./picker";
 import type { Quality } from "./quality";
@@ -29,6 +32,7 @@ interface Loaded {
 export class Viewer {
   private readonly stage: Stage;
   private readonly picker: Picker;
+  private readonly mover: Mover;
   private readonly materials: Materials;
   private readonly collision = new CollisionLook();
   private readonly loop: Loop;
@@ -56,6 +60,20 @@ export class Viewer {
     this.materials = new Materials(quality);
     this.meshes = new Meshes(this.materials);
     this.picker = new Picker(canvas, this.stage.rig.camera);
+    this.mover = new Mover(this.stage.rig.camera, canvas, {
+      changed: () => {
+        this.loop.invalidate();
+      },
+      dragged: (is) => {
+        this.stage.rig.isEnabled = !is;
+        if (!is) void putThere();
+      },
+      moved: (position) => {
+        const now = moving.peek();
+        if (now) aimAt({ ...now.target, position });
+      },
+    });
+    this.stage.scene.add(this.mover.root);
   }
 
   /** What is written over the picture. */
@@ -144,6 +162,12 @@ export class Viewer {
     void this.loaded?.robot.showCollision(visible, look).then(() => {
       this.loop.invalidate();
     });
+  }
+
+  /** Offer arrows that move what is to be there, or none. */
+  offerMove(target: Target | null): void {
+    this.mover.offer(target);
+    this.loop.invalidate();
   }
 
   /** Light up a link. */
@@ -273,6 +297,7 @@ export class Viewer {
 
   dispose(): void {
     this.loop.stop();
+    this.mover.dispose();
     this.stage.dispose();
     this.loaded?.ghost.dispose();
     this.collision.dispose();

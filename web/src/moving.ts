@@ -1,0 +1,47 @@
+/** The object that a person is about to move, and where to: one at a time. */
+import { signal } from "@preact/signals";
+import { connection } from "./connection";
+import type { Problem } from "./protocol";
+import type { Vector } from "./urdf";
+
+/** A pose as requests have it: [m], and [rad] about fixed axes. */
+export interface Target {
+  readonly position: Vector;
+  readonly rpy: Vector;
+}
+
+export interface Move {
+  readonly name: string;
+  readonly target: Target;
+  /** Why it could not be put there. */
+  readonly problem: Problem | null;
+}
+
+/** By numbers in its row, or by the arrows in the scene; null while nothing is moved. */
+export const moving = signal<Move | null>(null);
+
+/** Begin to move an object from where it is, or end that with null. */
+export function begin(name: string, target: Target | null): void {
+  moving.value = target && { name, target, problem: null };
+}
+
+/** Want it somewhere else; nothing is asked of the server yet. */
+export function aimAt(target: Target): void {
+  const now = moving.peek();
+  if (now) moving.value = { ...now, target };
+}
+
+/** Have it put where it is wanted. */
+export async function putThere(): Promise<void> {
+  const asked = moving.peek();
+  if (!asked) return;
+  const { name, target } = asked;
+  const problem = await connection.request({
+    type: "place_object",
+    name,
+    position: [...target.position],
+    rpy: [...target.rpy],
+  });
+  const now = moving.peek();
+  if (now?.name === name) moving.value = { ...now, problem };
+}
