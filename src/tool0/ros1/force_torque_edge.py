@@ -39,11 +39,8 @@ class ForceTorqueEdge:
         if not self._publisher.get_num_connections():
             self._seen = None
             return
-        newest = self._sensor.read()
         if self._seen is None:
-            self._seen = newest.number - 1
-        elif newest.number < self._seen:  # somebody has started it anew
-            self._seen = -1
+            self._seen = self._sensor.read().number - 1
         for reading in self._sensor.samples(self._seen):
             self._seen = reading.number
             self._publisher.publish(self._stamped(reading))

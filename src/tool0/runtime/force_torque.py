@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import threading
+import time
 from collections.abc import Sequence
 from typing import final
 
@@ -23,6 +24,7 @@ DEFAULT_RATE = 125.0
 """Of sampling [Hz], where the control rate is a multiple of it: the UR's own."""
 DEFAULT_CUTOFF = 15.0
 """Of the filter [Hz]: a guess between the weight of a thing and the arm's trembling."""
+_PATIENCE = 0.05  # [wall s] between looks at whether the loop still lives
 
 
 @final
@@ -108,10 +110,23 @@ class ForceTorque:
         """Return all samples after ``since``, oldest first; the last 4096 are kept.
 
         Args:
-            since: The ``number`` of the last one that is known already.
+            since: The ``number`` of the last one that is known already; one from before
+                the sensor was started anew counts as none.
             timeout: How long to wait for the first [wall s]; None for ever.
+
+        Raises:
+            ControlError: If the simulation is closed meanwhile.
+            EngineError: If the physics failed: none would ever come.
         """
-        return self._started().samples(since, timeout)
+        end = time.monotonic() + (math.inf if timeout is None else timeout)
+        while True:
+            left = max(0.0, end - time.monotonic())
+            found = self._started().samples(since, min(left, _PATIENCE))
+            if found or left == 0.0:
+                return found
+            self._loop.check()
+            if self._loop.is_closed:
+                raise ControlError("the simulation was closed")
 
     def _started(self) -> ForceTorqueSensor:
         with self._lock:

@@ -87,6 +87,8 @@ class ForceTorqueSensor:
     def samples(self, since: int, timeout: float | None) -> tuple[WrenchReading, ...]:
         """Return what came after number ``since``; wait for the first, [wall s]."""
         with self._changed:
+            if since > self._number:  # of a sensor before this one
+                since = -1
             self._changed.wait_for(lambda: self._number > since, timeout)
             count = min(self._number - since, len(self._readings))
             return tuple(self._readings[i] for i in range(-count, 0))

@@ -71,7 +71,20 @@ def test_whoever_waits_for_a_sample_is_woken(robot: tool0.Robot) -> None:
     robot.run(0.02)
     waiting.join(10.0)
     assert found
-    assert sensor.samples(99, timeout=0.01) == ()
+    assert sensor.samples(sensor.read().number, timeout=0.01) == ()
+
+
+def test_whoever_waits_hears_that_it_is_over_and_of_a_new_start() -> None:
+    robot = tool0.bringup(realtime=False)
+    sensor = robot.force_torque
+    sensor.start()
+    robot.run(0.1)
+    old = sensor.read().number
+    sensor.start()
+    assert [reading.number for reading in sensor.samples(old)] == [0]
+    robot.close()
+    with pytest.raises(ControlError, match="closed"):
+        sensor.samples(0, timeout=None)
 
 
 def test_a_prefix_is_part_of_the_name() -> None:
