@@ -31,3 +31,11 @@ def test_every_export_is_there_and_shown() -> None:
 
 def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
     assert not hasattr(tool0, "no_such_name")
+
+
+def test_shapes_and_scenes_have_a_module_of_their_own() -> None:
+    from tool0 import scene
+
+    assert scene.__all__ == sorted(scene.__all__)
+    for name in scene.__all__:
+        assert getattr(scene, name) is not None

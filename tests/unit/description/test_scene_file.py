@@ -76,7 +76,11 @@ def test_an_empty_file_is_an_empty_scene(text: str, tmp_path: Path) -> None:
 
 HEAD = "objects:\n- {name: first, sphere: {radius: 1}}\n"
 BAD = {
-    "no file of objects": ("thing: 1", 1, "unknown key 'thing'; valid: cameras, objects"),
+    "no file of objects": (
+        "thing: 1",
+        1,
+        "unknown key 'thing'; valid: cameras, objects",
+    ),
     "near miss": ("object: []", 1, "did you mean 'objects'"),
     "no list": ("objects: 3", 1, "'objects' must be a list, got 3"),
     "no mapping": (HEAD + "- 3", 3, r"'objects\[1\]' must be a mapping, got 3"),
