@@ -9,7 +9,7 @@ The keys are those of ``SceneObject``, but that the geometry goes by its kind::
       - {name: tray, bin: {size: [0.3, 0.2, 0.1], wall: 0.004}}
 
 A bin is an open box that stands still; it becomes the objects ``tray.floor``,
-``tray.front``, ….
+``tray.front``, ….  ``cameras:`` is in ``camera_file``.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tool0.description.bins import DEFAULT_WALL, bin_walls
+from tool0.description.camera_file import read_cameras
 from tool0.description.mesh_files import find_mesh
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
 from tool0.description.scene import (
@@ -52,7 +53,7 @@ def load_scene(path: Path | str) -> Scene:
             f"'{finding.key}' stands twice; {finding.remedy}", finding.location
         )
     root = Namespace(tree.root)
-    root.only("objects")
+    root.only("objects", "cameras")
     colors = itertools.cycle(PALETTE)
     objects: dict[str, SceneObject] = {}
     locations: dict[str, SourceLocation] = {}
@@ -65,7 +66,9 @@ def load_scene(path: Path | str) -> Scene:
                     entry.location,
                 )
             objects[item.name], locations[item.name] = item, entry.location
-    return Scene(tuple(objects.values()), locations)
+    return Scene(
+        tuple(objects.values()), locations, read_cameras(root.items("cameras"))
+    )
 
 
 def _objects(entry: Entry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
