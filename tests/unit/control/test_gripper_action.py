@@ -4,8 +4,9 @@ import pytest
 from toy_robot import DT, ToyRobot
 
 from tool0.control.goal import GoalStatus
-from tool0.description.model import Interface
+from tool0.description.model import Interface, ParallelGripper
 from tool0.errors import GoalRejectedError
+from tool0.hardware.drive_bounds import DriveBounds
 
 GRIPPER = """
 hand:
@@ -167,3 +168,51 @@ def test_bad_goals_are_rejected_and_the_old_one_goes_on(position, effort, text) 
         controller.command(position, effort, robot.time)
     assert goal.status is GoalStatus.ACTIVE
     assert controller.target == 0.5
+
+
+JAWS = ParallelGripper(
+    name="jaws",
+    joint="hip",
+    pad_offset=0.0,
+    pad_cos=0.0,
+    pad_sin=-0.5,
+    max_opening=1.0,
+    speed=(0.1, 1.0),
+    force=(1.0, 100.0),
+)
+"""Its lever is cos q [m/rad]."""
+
+
+def test_at_a_bounded_speed_an_integral_does_not_wind_up() -> None:
+    gains = "{p: 400, d: 40, i: 100, i_clamp: 100}"
+    robot, controller = hand(GRIPPER.replace("{p: 400, d: 40}", gains))
+    slow = DriveBounds(gripper=JAWS, speed=0.2)
+    goal = controller.command(0.5, None, robot.time, slow)
+    start = robot.time
+    while goal.result is None:
+        robot.tick()
+        assert robot.position[1] <= 0.2 / math.cos(0.5) * (robot.time - start) + 1e-3
+    assert goal.status is GoalStatus.SUCCEEDED
+    overshoot = 0.0
+    for _ in range(1000):
+        robot.tick()
+        overshoot = max(overshoot, robot.position[1] - 0.5)
+    assert overshoot < 0.03
+
+
+def test_a_firmer_squeeze_does_not_let_go_and_opening_does() -> None:
+    robot, controller = hand()
+    robot.blocked = {"hip"}
+    slow = DriveBounds(gripper=JAWS, speed=0.1)
+    controller.command(0.5, None, robot.time)
+    robot.tick()
+    assert robot.hardware.command[1] == 8.0
+    controller.command(0.5, None, robot.time, slow)
+    robot.tick()
+    assert robot.hardware.command[1] == 8.0
+    controller.command(0.01, None, robot.time, slow)
+    robot.tick()
+    assert robot.hardware.command[1] == pytest.approx(400 * 0.01)
+    controller.command(-0.5, None, robot.time, slow)
+    robot.tick()
+    assert -0.1 < robot.hardware.command[1] < 0.0
