@@ -91,6 +91,44 @@ def hold_and_shake(
         return Held(None, slip, shaken, float(np.quantile(accelerations, 0.9)))
 
 
+@dataclass(frozen=True)
+class Trials:
+    """All trials of one engine; the slips are the worst."""
+
+    dropped: int
+    slip: float
+    """[m]"""
+    shaken: float
+    """[m]"""
+
+
+def all_trials(engine: str) -> Trials:
+    """Lift, hold and shake each thing of ``trials``.
+
+    Raises:
+        RuntimeError: If one was shaken less than it should be.
+    """
+    held = [hold_and_shake(engine, shape, mass) for _, shape, mass in trials()]
+    kept = [item for item in held if item.failure is None]
+    weakest = min(item.acceleration for item in kept)
+    if weakest < SHAKEN:
+        raise RuntimeError(f"shaken at {weakest:.1f} m/s², not at {SHAKEN:.1f}")
+    return Trials(
+        dropped=len(held) - len(kept),
+        slip=max(item.slip for item in kept),
+        shaken=max(item.shaken for item in kept),
+    )
+
+
+def two_kilograms() -> float:
+    """Return the slip of 2 kg that a linkage holds with all its force [mm]."""
+    block = Box(size=(0.045, 0.045, 0.06))
+    held = hold_and_shake(
+        "mujoco", block, 2.0, force=235.0, shake=0.0, gripper_model="linkage"
+    )
+    return 1e3 * held.slip if held.failure is None else math.inf
+
+
 def picks(engine: str, n_picks: int, seed: int, **options: object) -> DemoReport:
     """Pick a cube from random poses on the table and place it in the bin."""
     with tool0.bringup(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from benchmarks import gazebo, golden, panel, process, rest, ros1, tick
+from benchmarks import gazebo, golden, grasping, panel, process, rest, ros1, tick
 from tool0.engines.gazebo.readiness import readiness
 from tool0.ros1.setup.readiness import readiness as ros1_readiness
 
@@ -54,6 +55,9 @@ def figures() -> Iterator[Figure]:
     for name, opening in rest.OPENINGS.items():
         velocity = rest.rms_velocity(opening, "mujoco")
         yield Figure(f"gripper at rest, {name}: rms [rad/s]", velocity, 1e-4, 1e-6)
+    yield from _grasp_figures("mujoco", n_picks=100)
+    held = grasping.two_kilograms()
+    yield Figure("mujoco: slip of 2 kg held at 235 N, linkage [mm]", held, 0.1, 0.05)
     yield from _panel_figures()
     if (why := ros1_readiness().why_not(["rospy", "roscore"])) is None:
         yield from _ros1_figures()
@@ -66,6 +70,18 @@ def figures() -> Iterator[Figure]:
         print(
             f"no Gazebo can run here, so none is measured: {'; '.join(found.missing)}"
         )
+
+
+def _grasp_figures(engine: str, n_picks: int) -> Iterator[Figure]:
+    trials = grasping.all_trials(engine)
+    yield Figure(f"{engine}: of 10 things shaken at 2 g, dropped", trials.dropped, 0, 0)
+    yield Figure(f"{engine}: worst slip in 5 s [mm]", 1e3 * trials.slip, 0.1, 0.05)
+    shaken = 1e3 * trials.shaken
+    yield Figure(f"{engine}: worst slip, shaken for 3 s [mm]", shaken, 5.0, 1.0)
+    report = grasping.picks(engine, n_picks, seed=1)
+    bound = math.floor(0.98 * n_picks) if n_picks >= 100 else 0.9 * n_picks
+    name = f"{engine}: picks of {n_picks} from random poses that succeed"
+    yield Figure(name, report.n_succeeded, bound, n_picks)
 
 
 def _gazebo_figures() -> Iterator[Figure]:
@@ -89,6 +105,7 @@ def _gazebo_figures() -> Iterator[Figure]:
         yield Figure(
             f"Gazebo: gripper at rest, {name}: rms [rad/s]", velocity, 1e-3, 1e-4
         )
+    yield from _grasp_figures("gazebo", n_picks=20)
     mimic = rest.mimic_error("gazebo")
     yield Figure("Gazebo: mimic error at 0.8 rad/s [rad]", mimic.moving, 3e-4, 1e-4)
     yield Figure("Gazebo: mimic error at rest [rad]", mimic.at_rest, 1e-5, 1e-6)

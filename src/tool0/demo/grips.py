@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
-from tool0.description.kinematics import Transform
+from tool0.description.kinematics import Rotation, Transform
 from tool0.description.model import (
     Box,
     Cylinder,
@@ -128,6 +128,6 @@ def _from_above(frame: Transform, turn: float) -> Transform:
     return Transform(position=frame.position, rotation=rotation)
 
 
-def _about_z(yaw: float) -> tuple[tuple[float, float, float], ...]:
+def _about_z(yaw: float) -> Rotation:
     c, s = math.cos(yaw), math.sin(yaw)
     return ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))

@@ -99,7 +99,7 @@ def run_trials(
     return DemoReport(
         engine=robot.engine.name,
         gripper_model="linkage" if robot.description.model.loops else "mimic",
-        grasp_assist=getattr(robot, "grasp_assist", False),
+        grasp_assist=robot.grasp_assist,
         picks=tuple(reports),
         sim_time=robot.time - sim_start,
         wall_time=time.perf_counter() - wall_start,

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from tool0.description.kinematics import Transform, transforms
-from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.model import ParallelGripper, RobotModel, Vector3
 from tool0.errors import ControlError
 from tool0.runtime.initial_pose import joint_positions
 
@@ -63,11 +63,14 @@ def grasp_frame(
     away = middle - p_base
     z = away - (away @ y) * y
     z /= np.linalg.norm(z)
-    rows = np.column_stack([np.cross(y, z), y, z]).tolist()
-    return Transform(
-        position=tuple(middle.tolist()),  # type: ignore[arg-type]  # of three
-        rotation=tuple(map(tuple, rows)),  # type: ignore[arg-type]
-    )
+    rows = np.column_stack([np.cross(y, z), y, z])
+    first, second, third = map(_three, rows)
+    return Transform(position=_three(middle), rotation=(first, second, third))
+
+
+def _three(values: np.ndarray) -> Vector3:
+    x, y, z = values.tolist()
+    return x, y, z
 
 
 def _below(model: RobotModel, link: str) -> Iterator[str]:
