@@ -43,7 +43,6 @@
 #include <gazebo/common/Plugin.hh>
 #include <gazebo/gazebo_config.h>
 #include <gazebo/msgs/msgs.hh>
-#include <gazebo/physics/ode/ODEJoint.hh>
 #include <gazebo/physics/ode/ODELink.hh>
 #include <gazebo/physics/ode/ODEPhysics.hh>
 #include <gazebo/physics/ode/ODESurfaceParams.hh>
@@ -168,10 +167,10 @@ bool IsFinite(const gazebo::physics::LinkPtr& link) {
 /// A joint of the robot, at zero when it is made, with what Gazebo's own lacks: full turns
 /// and armature.
 ///
-/// An armature A resists by -A (v' - v) / dt, where v' is the velocity after the step.
-/// That is a motor of ODE's, beside the joint, that wants to keep the velocity v, of
-/// unbounded strength, but yielding by dt/A.  Gazebo's own damper of the joint could do the
-/// same, but not at a stop, where it ceases.
+/// An armature A resists by -A (v' - v) / dt, where v' is the velocity after the step, and a
+/// damping D by -D v'.  Both are a motor of ODE's, beside the joint, that wants the velocity
+/// v A / (A + D dt), is as strong as it takes, but yields by dt / (A + D dt).  Gazebo's own
+/// damper of the joint could do the same, but not at a stop, where it ceases.
 class Drive {
  public:
   explicit Drive(gazebo::physics::JointPtr its)
@@ -205,10 +204,13 @@ class Drive {
     if (!motor_) return;
     const Vector3d along = joint->GlobalAxis(0);
     const double speed = along.Dot(Moves(below)) - along.Dot(Moves(above));
-    SetMotor(dParamVel, speed);
+    SetMotor(dParamVel, kept_ * speed);
   }
-  /// Adds an armature [kg·m² | kg].
+  /// Adds an armature [kg·m² | kg], and takes over the joint's damping.
   void Load(double armature, double dt, dWorldID world) {
+    const double inert = armature / dt, all = inert + joint->GetDamping(0);
+    joint->SetDamping(0, 0.0);
+    kept_ = inert / all;
     motor_ = turns ? dJointCreateAMotor(world, 0) : dJointCreateLMotor(world, 0);
     dJointAttach(motor_, below, above);
     const Vector3d along = joint->GlobalAxis(0);
@@ -216,7 +218,7 @@ class Drive {
     (turns ? dJointSetAMotorAxis : dJointSetLMotorAxis)(
         motor_, 0, kOfFirstBody, along.X(), along.Y(), along.Z());
     SetMotor(dParamFMax, dInfinity);
-    SetMotor(dParamCFM, dt / armature);
+    SetMotor(dParamCFM, 1.0 / all);
   }
 
  private:
@@ -224,6 +226,7 @@ class Drive {
   Quaterniond back;      // from how the child is turned in its parent, at zero
   Vector3d axis;         // in the child
   dJointID motor_ = nullptr;
+  double kept_ = 1.0;  // of the velocity, in a step
   static constexpr int kOfFirstBody = 1;
 
   void SetMotor(int parameter, double value) const {
@@ -591,7 +594,8 @@ class Bridge : public gazebo::SystemPlugin {
       const double armature = packet_.Take<double>();
       drives.emplace_back(joint);
       if (armature > 0.0) {
-        Unbind(joint);
+        joint->SetEffortLimit(0, -1.0);  // both are left to tool0's drives
+        joint->SetVelocityLimit(0, -1.0);
         drives.back().Load(armature, dt_, Ode());
       }
     }
@@ -630,15 +634,6 @@ class Bridge : public gazebo::SystemPlugin {
         surface->slip1 = std::max(surface->slip1, kSlip);
         surface->slip2 = std::max(surface->slip2, kSlip);
       }
-  }
-
-  /// Leaves the limits of effort and velocity to tool0's drives.  The damping of what is
-  /// light must be implicit.
-  static void Unbind(const gazebo::physics::JointPtr& joint) {
-    boost::dynamic_pointer_cast<gazebo::physics::ODEJoint>(joint)
-        ->UseImplicitSpringDamper(true);
-    joint->SetEffortLimit(0, -1.0);
-    joint->SetVelocityLimit(0, -1.0);
   }
 
   /// Out: of each object, in the order of their coming, its pose in the world [m,
