@@ -107,12 +107,12 @@ def test_the_pads_close_and_open_at_the_speed(
         for start, end in ((0.085, 0.0), (0.0, 0.085)):
             robot.gripper.move(opening=start).wait(3.0)
             robot.gripper.move(opening=end, speed=speed)
-            robot.run(0.015 / speed)
+            robot.run(0.012 / speed)
             rates = []
             for _ in range(3):
                 before = robot.gripper.opening
-                robot.run(0.003 / speed)
-                rates.append(abs(robot.gripper.opening - before) * speed / 0.003)
+                robot.run(0.002 / speed)
+                rates.append(abs(robot.gripper.opening - before) * speed / 0.002)
             assert rates == pytest.approx([speed] * 3, rel=0.1), (speed, end)
 
 
@@ -137,22 +137,20 @@ def test_what_it_does_is_known_within_a_fifth_of_a_second(
     assert seen(robot, 0.2) == "holding_inside"
     assert gripper.state.gobj == 2
     assert gripper.state.width == pytest.approx(0.084, abs=1e-3)
-    assert {seen(robot, 0.003) for _ in range(150)} == {"holding_inside"}
+    assert {seen(robot, 0.003) for _ in range(60)} == {"holding_inside"}
     # pulled out
     robot.scene.place(item.name, AWAY)
     assert seen(robot, 0.05) == "moving"
     # on nothing
-    while gripper.opening > 1e-3:
-        assert seen(robot, 0.004) == "moving"
+    while gripper.opening > 5e-3:
+        assert seen(robot, 0.02) == "moving"
     assert seen(robot, 0.2) == "at_target"
     assert gripper.state.width is None
 
 
-def test_opening_against_something_is_told(
-    bring_up: BringUp, options: dict[str, object]
-) -> None:
+def test_opening_against_something_is_told(bring_up: BringUp) -> None:
     walls = [block(0.02, name, mass=None) for name in ("left", "right")]
-    robot = bring_up(initial_pose="ready", scene=Scene(tuple(walls)), **options)
+    robot = bring_up(initial_pose="ready", scene=Scene(tuple(walls)))
     gripper = robot.gripper
     gripper.move(opening=0.0).wait(3.0)
     frame = between_the_pads(robot, 0.06)
