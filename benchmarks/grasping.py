@@ -1,4 +1,4 @@
-"""How firmly things are held: lifted, held still, shaken; and how many picks succeed."""
+"""How firmly things are held: lifted, held still, shaken; how many picks succeed."""
 
 from __future__ import annotations
 

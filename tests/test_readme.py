@@ -51,6 +51,10 @@ def test_every_command_line_is_understood(
     if command == "ros1":  # understood, it says what it would do, or why it cannot
         assert main([*line, "--dry-run"]) in (OK, FAILED)
         return
+    if command == "demo":  # understood, it refuses to pick nothing
+        assert main([*line, "--n", "0"]) == FAILED
+        assert "--n must be 1 or more" in capsys.readouterr().err
+        return
     # Nobody serves this name, so a line that is understood ends right there.
     assert main([command, *arguments, "--name", "readme-test"]) == FAILED
     assert "no bringup named 'readme-test'" in capsys.readouterr().err

@@ -27,15 +27,16 @@ class Film:
         """Take ``rate`` frames a simulated second [Hz]."""
         self._rate = rate
         self._start: float | None = None
-        self._frames: list[Snapshot] = []
+        self.frames: list[Snapshot] = []
+        """What was kept, in order."""
 
     def take(self, snapshot: Snapshot) -> None:
         """Keep a snapshot if the next frame is due."""
         if self._start is None:
             self._start = snapshot.time
-        due = self._start + len(self._frames) / self._rate
+        due = self._start + len(self.frames) / self._rate
         if snapshot.time >= due - 1e-9:
-            self._frames.append(snapshot)
+            self.frames.append(snapshot)
 
     def write(
         self,
@@ -54,7 +55,7 @@ class Film:
 
         Raises:
             ConfigError: If the file cannot be written.
-            EngineUnavailableError: If nothing can draw or encode here.
+            RenderError: If nothing can draw or encode here.
         """
         from tool0.runtime.video import VideoWriter
 
@@ -62,7 +63,7 @@ class Film:
         size = view.camera
         activity = f"writing {path.name}"
         with VideoWriter(path, size.width, size.height, self._rate) as video:
-            for number, snapshot in enumerate(self._frames):
-                progress(activity, number / len(self._frames))
+            for number, snapshot in enumerate(self.frames):
+                progress(activity, number / len(self.frames))
                 video.write(view.image(snapshot).rgb)
         progress(activity, 1.0)

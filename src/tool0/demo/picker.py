@@ -12,6 +12,7 @@ from tool0.demo.grips import CLEARANCE, Grip, grips, half_height, reach_below
 from tool0.demo.witness import Witness
 from tool0.description.kinematics import Transform
 from tool0.errors import ModelError, Tool0Error
+from tool0.hardware.drive_bounds import DriveBounds
 from tool0.runtime.pads import grasp_frame
 
 if TYPE_CHECKING:
@@ -64,12 +65,14 @@ class Picker:
             witness: Lets time pass, and measures.
 
         Raises:
-            ControlError: If there is no such object, or it cannot be gripped at all.
+            ControlError: If there is no such object, it cannot be gripped at all, or
+                the gripper has no such force or speed.
         """
+        geometry = robot.gripper.geometry
+        DriveBounds(gripper=geometry, speed=options.pad_speed, force=options.force)
         self._robot = robot
         self._options = options
         self._witness = witness
-        geometry = robot.gripper.geometry
         thing, pose = robot.scene[item], witness.pose()
         self._ways = grips(thing, pose, geometry.max_opening)
         self._floor = pose.position[2] - half_height(thing, pose)
