@@ -53,7 +53,7 @@ def bring_up(options: BringupOptions) -> int:
     # One JSON object is all that may stand on standard output then.
     console = sys.stderr if simulation.summary == "json" else sys.stdout
     with contextlib.ExitStack() as exits:
-        exits.enter_context(_quiet_overruns())
+        exits.enter_context(quiet_overruns())
         # Names first: if one is wrong or taken, it should not take seconds to find out.
         as_node = _ros_options(options)
         claim = _claim(simulation)
@@ -85,7 +85,7 @@ def bring_up(options: BringupOptions) -> int:
 
 
 @contextlib.contextmanager
-def _quiet_overruns() -> Iterator[None]:
+def quiet_overruns() -> Iterator[None]:
     """Keep the loop from logging them: the status line and the summary tell them."""
     loop = logging.getLogger("tool0.runtime.loop")
     level = loop.level

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, final
 
 import tyro
 
+from tool0.cli.bringup import quiet_overruns
 from tool0.cli.bringup_text import finite, panel_line
 from tool0.cli.options import PanelOptions
 from tool0.cli.progress import Progress
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 OK, FAILED = 0, 1
 """All objects are in the bin; one is not."""
+_GLANCE = 10.0
+"""Longest time between looks at the signals [wall s]; a signal wakes at once."""
 ITEM, BIN = "cube", "bin"
 """What the scene ``table_and_bin`` calls them."""
 
@@ -48,8 +51,8 @@ def run(command: str, arguments: list[str]) -> int:
 class PickArguments:
     """Pick a cube from the table and place it in a bin; status 1 if one is not there.
 
-    The cube is held by friction alone.  The page shows it in real time; headless it
-    runs as fast as possible.
+    The cube is held by friction alone.  The panel shows it in real time, once a
+    browser has opened it, and stays; headless it runs as fast as possible and ends.
     """
 
     engine: Literal["mujoco", "gazebo"] = "mujoco"
@@ -73,9 +76,7 @@ class PickArguments:
     grasp_assist: bool = False
     """Cheat: fix the cube to the gripper when it is gripped."""
     headless: bool = False
-    """Serve no panel, and do not wait for the wall clock."""
-    realtime: bool | None = None
-    """Keep to the wall clock; as the panel is served, if left out."""
+    """Serve no panel, and run as fast as possible."""
     report: Path | None = None
     """Also write the report into this file, as JSON."""
     video: Path | None = None
@@ -98,38 +99,35 @@ def pick(
 ) -> int:
     """Pick a cube from the table and place it in a bin; status 1 if one is not there.
 
-    The cube is held by friction alone.  The page shows it in real time; headless it
-    runs as fast as possible.
+    The cube is held by friction alone.  The panel shows it in real time, once a
+    browser has opened it, and stays; headless it runs as fast as possible and ends.
     """
     if arguments.video is not None:
         from tool0.runtime.video import require_encoder
 
         require_encoder(arguments.video)  # before the work of minutes is in vain
     with contextlib.ExitStack() as exits:
+        exits.enter_context(quiet_overruns())
         robot = exits.enter_context(_bring_up(arguments))
         if not arguments.headless:
             _show(robot, panel, exits)
         report = _play(robot, arguments)
-    if arguments.format == "json":
-        print(json.dumps(finite(report.to_json()), allow_nan=False))
-    else:
-        print(report.to_text())
-    if arguments.report is not None:
-        _write(arguments.report, report)
+        _tell_all(report, arguments)
+        if not arguments.headless:
+            _linger()
     return OK if report.n_succeeded == len(report.picks) else FAILED
 
 
 def _bring_up(arguments: PickArguments) -> Robot:
     from tool0.runtime.bringup import bringup
 
-    realtime = arguments.realtime
     return bringup(
         engine=arguments.engine,
         gripper_model=arguments.gripper_model,
         grasp_assist=arguments.grasp_assist,
         scene=_scene(arguments),
         initial_pose="home",
-        realtime=not arguments.headless if realtime is None else realtime,
+        realtime=not arguments.headless,
     )
 
 
@@ -156,13 +154,26 @@ def _scene(arguments: PickArguments) -> Scene:
 
 
 def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
+    """Serve the panel, and wait until somebody looks: the demo is over in seconds."""
     from tool0.cli.panel import door_of, served, show
 
     door = door_of(options)
     exits.callback(door.listener.close)
-    exits.enter_context(served(robot, door))
-    print(panel_line(door.url), file=sys.stderr, flush=True)
-    show(door.url, options, sys.stderr)
+    panel = exits.enter_context(served(robot, door))
+    print(panel_line(door.url), file=sys.stderr)
+    if show(door.url, options, sys.stderr) is None:
+        print("It begins when a browser shows that page.", file=sys.stderr, flush=True)
+    panel.await_page()
+
+
+def _linger() -> None:
+    """Leave robot and panel to the person who looks, until Ctrl-C."""
+    from tool0.cli.stop_signal import StopSignal
+
+    print("The panel stays; Ctrl-C ends it.", file=sys.stderr, flush=True)
+    with StopSignal() as stop:
+        while not stop.wait(_GLANCE):
+            pass
 
 
 def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
@@ -198,6 +209,15 @@ def _poses(arguments: PickArguments) -> Iterator[Pose | None]:
 
 def _tell(pick: PickReport) -> None:
     print(pick.to_text(), flush=True)
+
+
+def _tell_all(report: DemoReport, arguments: PickArguments) -> None:
+    if arguments.format == "json":
+        print(json.dumps(finite(report.to_json()), allow_nan=False), flush=True)
+    else:
+        print(report.to_text(), flush=True)
+    if arguments.report is not None:
+        _write(arguments.report, report)
 
 
 def _write(path: Path, report: DemoReport) -> None:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from tool0.cli.options import PanelOptions
     from tool0.panel.address import Door
+    from tool0.panel.server import Panel
     from tool0.panel.source import PanelSource
     from tool0.runtime.robot import Robot
 
@@ -34,7 +35,7 @@ def door_of(options: PanelOptions) -> Door:
 
 
 @contextlib.contextmanager
-def served(source: Robot | PanelSource, door: Door) -> Iterator[None]:
+def served(source: Robot | PanelSource, door: Door) -> Iterator[Panel]:
     """Serve the panel at ``door``."""
     from tool0.panel.server import Panel, is_page_built
 
@@ -43,8 +44,8 @@ def served(source: Robot | PanelSource, door: Door) -> Iterator[None]:
             "tool0: warning: the panel's page is not built; `make run` builds it",
             file=sys.stderr,
         )
-    with Panel(source, door=door):
-        yield
+    with Panel(source, door=door) as panel:
+        yield panel
 
 
 def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:

@@ -51,13 +51,20 @@ _GOODBYE: Final = 0.5
 class Hub:
     """Shows ``source`` to every page.  It lives in the server's event loop."""
 
-    def __init__(self, source: PanelSource, cut: Callable[[WebSocket], None]) -> None:
+    def __init__(
+        self,
+        source: PanelSource,
+        cut: Callable[[WebSocket], None],
+        when_shown: Callable[[], None] = lambda: None,
+    ) -> None:
         """Start to look.
 
         Args:
             source: The robot.
             cut: Ends a connection that takes nothing any more.
+            when_shown: Called when a page has connected.
         """
+        self._when_shown = when_shown
         self._source = source
         self._cut = cut
         self._clients: dict[Client, WebSocket] = {}
@@ -89,6 +96,7 @@ class Hub:
         client.show(
             scene=self._scene_text, status=self._status_text, frame=self._frame_text
         )
+        self._when_shown()
         try:
             await client.serve(self._answer_urgently, self._answer)
         finally:

@@ -82,6 +82,7 @@ class Panel:
         self._door = door or open_door(host, port, token)
         self._loop = asyncio.new_event_loop()
         self._stop = asyncio.Event()
+        self._shown = threading.Event()
         self._thread = threading.Thread(
             target=self._run, name="tool0-panel", daemon=True
         )
@@ -91,6 +92,14 @@ class Panel:
     def url(self) -> str:
         """The page's address, with the token if it needs one."""
         return self._door.url
+
+    def await_page(self, timeout: float | None = None) -> bool:
+        """Wait until a page has connected, at any time; return whether one has.
+
+        Args:
+            timeout: Longest wait [wall s]; None waits for ever.
+        """
+        return self._shown.wait(timeout)
 
     def close(self) -> None:
         """Say goodbye to every page and end; closing twice is allowed."""
@@ -127,7 +136,7 @@ class Panel:
 
         source = _as_source(self._source)
         connections: list[uvicorn.Server] = []
-        hub = Hub(source, lambda socket: _cut(connections, socket))
+        hub = Hub(source, lambda socket: _cut(connections, socket), self._shown.set)
         server = uvicorn.Server(
             uvicorn.Config(
                 build_app(source, hub, self._door, STATIC),

@@ -159,3 +159,29 @@ def test_a_browser_opens_only_before_a_person_with_a_desktop(
     assert thread is not None
     thread.join(10.0)
     assert opened == ["http://here/"]
+
+
+def test_a_demo_waits_for_a_page_and_stays_for_it() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-W", "error", "-m", "tool0", "demo", "pick", "--no-open"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as program:
+        assert program.stdout is not None
+        assert program.stderr is not None
+        url = program.stderr.readline().removeprefix("Panel: ").strip()
+        assert program.stderr.readline() == (
+            "It begins when a browser shows that page.\n"
+        )
+        with page_at(url) as page:
+            names = {item["name"] for item in page.next("scene")["objects"]}
+            assert {"cube", "bin.floor"} <= names
+            assert "in the bin after" in program.stdout.readline()
+            assert program.stdout.readline().startswith("1 of 1 in the bin; ")
+            assert program.stderr.readline() == "The panel stays; Ctrl-C ends it.\n"
+            assert page.ask("pause") is None
+            program.send_signal(signal.SIGINT)
+            assert page.close_code() == 1001
+        assert program.wait(30.0) == OK
+        assert "Traceback" not in program.stderr.read()
