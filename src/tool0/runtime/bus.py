@@ -20,9 +20,11 @@ EVENTS_KEPT = 1000
 SNAPSHOTS_KEPT = 64
 """Snapshots that a subscriber to all of them may fall behind: half a second's."""
 
-HISTORY_PERIOD = 0.008
-"""Simulated time between those of the history, at least [s]: commands and short runs
-publish many at one instant, which must not push out what came before."""
+SNAPSHOT_PERIOD = 0.008
+"""Simulated time between snapshots [s]: 125 Hz, the rate of the UR's own reports.
+
+Commands and short runs publish many at one instant, which must not push out of the
+history what came before: there it is the shortest time between two of them."""
 _ROUNDING = 1e-6  # [s]
 
 
@@ -164,8 +166,8 @@ class Bus:
         with self._changed:
             self._latest = snapshot
             self._recent.append(snapshot)
-            before = self._history[-1].time if self._history else -HISTORY_PERIOD
-            if not 0.0 <= snapshot.time - before < HISTORY_PERIOD - _ROUNDING:
+            before = self._history[-1].time if self._history else -SNAPSHOT_PERIOD
+            if not 0.0 <= snapshot.time - before < SNAPSHOT_PERIOD - _ROUNDING:
                 self._history.append(snapshot)
             self._changed.notify_all()
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, final
 from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError, GoalTimeoutError
 from tool0.hardware.drive_bounds import DriveBounds
+from tool0.runtime.bus import SNAPSHOT_PERIOD
 from tool0.runtime.grasp import GraspState, judge, wanted_openings
 from tool0.runtime.gripper_motion import opening_motion
-from tool0.runtime.loop import SNAPSHOT_PERIOD
 
 if TYPE_CHECKING:
     from tool0.runtime.bus import Bus
@@ -74,7 +74,9 @@ class Gripper:
             if loop.is_realtime:
                 bus.newer_than(bus.latest, min(_PATIENCE, limit - waited))
             else:
-                loop.run(min(SNAPSHOT_PERIOD, limit - waited))
+                # Less than half a tick would be none, and the wait without end.
+                left = min(SNAPSHOT_PERIOD, limit - waited)
+                loop.run(max(loop.control_period, left))
         return state
 
     def move(

@@ -19,6 +19,7 @@ from tool0.control.goal import Goal
 from tool0.errors import ControlError, EngineError
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import (
+    SNAPSHOT_PERIOD,
     Bus,
     Faulted,
     GoalFinished,
@@ -33,8 +34,6 @@ from tool0.runtime.mailbox import Mailbox
 
 logger = logging.getLogger(__name__)
 
-SNAPSHOT_PERIOD = 0.008
-"""Simulated time between snapshots [s]: 125 Hz, the rate of the UR's own reports."""
 _PATIENCE = 0.05  # [wall s] between looks at whether the loop still lives
 
 
@@ -273,7 +272,14 @@ class Loop:
                 self._look_at_state()
                 self._restart_clock()
                 self._bus.announce(WasReset(self._core.time))
-            case ask.QueryState() | ask.ReadController() | ask.ReadSpec():
+            case (
+                ask.QueryState()
+                | ask.ReadController()
+                | ask.ReadSpec()
+                | ask.ReadContacts()
+                | ask.StartSensor()
+                | ask.StopSensor()
+            ):  # nothing to publish: who reads after each snapshot must not cause one
                 return self._core.apply(command)
             case _:
                 answer = self._core.apply(command)

@@ -88,6 +88,15 @@ def test_to_wait_has_an_end(robot: tool0.Robot) -> None:
     assert robot.time - before == pytest.approx(0.1, abs=0.01)
 
 
+@pytest.mark.parametrize("timeout", [0.0104, 0.05])
+def test_to_wait_ends_whatever_the_control_period(timeout: float) -> None:
+    with tool0.bringup(realtime=False, control_period=0.02) as robot:
+        robot.gripper.move(opening=0.0, speed=0.02)
+        with pytest.raises(GoalTimeoutError, match="still moves"):
+            robot.gripper.wait(timeout)
+        assert timeout <= robot.time < timeout + 0.02
+
+
 def test_a_gripper_that_nobody_commands_is_idle(robot: tool0.Robot) -> None:
     robot.switch(stop=[GRIPPER])
     state = robot.gripper.wait()

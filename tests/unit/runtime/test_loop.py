@@ -111,6 +111,16 @@ def test_a_command_is_answered_without_time_passing(start: Starter) -> None:
     assert states["arm"] == "stopped"  # not only after the next tick
 
 
+def test_reading_publishes_nothing_lest_a_reader_of_snapshots_wake_itself(
+    start: Starter,
+) -> None:
+    loop, bus, _ = start()
+    before = bus.latest
+    loop.call(ask.ReadContacts())
+    loop.call(ask.ReadSpec("arm"))
+    assert bus.latest is before
+
+
 def test_what_a_command_raises_its_sender_gets(start: Starter) -> None:
     loop, _, _ = start()
     with pytest.raises(ControlError, match="unknown controller 'nobody'"):
