@@ -110,10 +110,10 @@ def test_a_path_tolerance_below_zero_switches_the_check_off(bring_up: BringUp) -
 def test_a_goal_that_is_never_reached_is_aborted_after_its_grace(
     bring_up: BringUp,
 ) -> None:
-    robot = bring_up()
+    robot = bring_up(controllers_file=POST)
     goal = robot.controller(ARM).follow(
         [point(HOME, 1.0)],
-        goal_tolerance={"elbow_joint": 0.001},  # less than the droop of 9 mrad
+        goal_tolerance={"elbow_joint": 0.001},  # its gains droop by 9 mrad
         goal_time_tolerance=0.25,
     )
     result = goal.wait(5.0)
@@ -124,7 +124,7 @@ def test_a_goal_that_is_never_reached_is_aborted_after_its_grace(
 
 
 def test_an_endless_grace_waits_on(bring_up: BringUp) -> None:
-    robot = bring_up()
+    robot = bring_up(controllers_file=POST)
     goal = robot.controller(ARM).follow(
         [point(HOME, 0.5)],
         goal_tolerance={"elbow_joint": 0.001},
