@@ -10,8 +10,9 @@ from tool0.cli.parsing import parse
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
+    from tool0.description.model import Vector3
     from tool0.remote.remote_force_torque import RemoteForceTorque
-    from tool0.runtime.wrench import Vector3, WrenchReading
+    from tool0.runtime.wrench import WrenchReading
 
 _DEFAULT = Bringup()
 

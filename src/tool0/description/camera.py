@@ -147,12 +147,11 @@ def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
         field_of_view=SCENE_FIELD_OF_VIEW,
         far=20.0,
     )
-    flanges = [link.name for link in model.links if link.name.endswith("tool0")]
-    if len(flanges) != 1:
+    if len(model.flanges) != 1:
         return (scene,)
     wrist = Camera(
         name="wrist",
-        link=flanges[0],
+        link=model.flanges[0],
         pose=looking(WRIST_POSITION, WRIST_TARGET, up=WRIST_UP),
         field_of_view=WRIST_FIELD_OF_VIEW,
         far=5.0,

@@ -17,6 +17,9 @@ from tool0.errors import LimitsError, ModelError, SourceLocation, nearest_name
 
 Vector3 = tuple[float, float, float]
 
+FLANGE = "tool0"
+"""How the link at the end of an arm is called, after a prefix (REP-199)."""
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -350,6 +353,18 @@ class RobotModel:
     @cached_property
     def transmission_by_joint(self) -> dict[str, Transmission]:
         return {item.joint: item for item in self.transmissions}
+
+    @cached_property
+    def flanges(self) -> tuple[str, ...]:
+        """The ends of arms: links called ``tool0``, with or without a prefix."""
+        return tuple(link.name for link in self.links if link.name.endswith(FLANGE))
+
+    def links_from(self, name: str) -> tuple[str, ...]:
+        """Return the link ``name`` and all beyond it, or raise ModelError."""
+        found = [self.link(name).name]
+        for joint in self.child_joints[name]:
+            found += self.links_from(joint.child)
+        return tuple(found)
 
     def joint(self, name: str) -> Joint:
         """Return the joint called ``name``, or raise ModelError."""

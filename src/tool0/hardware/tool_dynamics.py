@@ -12,12 +12,12 @@ reduction N, that would be a momentum of A q̇ / N.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple, final
 
 import numpy as np
 
-from tool0.description.model import JointType, RobotModel
+from tool0.description.model import JointType, RobotModel, Vector3
 from tool0.hardware.bodies import (
     BodyInertia,
     Matrix,
@@ -32,7 +32,6 @@ from tool0.hardware.joint_dynamics import (
     turn_z_to,
 )
 
-Vector3 = tuple[float, float, float]
 Frame = tuple[float, ...]
 """Axes x, y, z and origin, 12 floats."""
 Wrench = tuple[float, float, float, float, float, float]
@@ -75,7 +74,7 @@ class ToolDynamics:
         Raises:
             ModelError: If there is no such link.
         """
-        self.links = frozenset(_from(model, model.link(link).name))
+        self.links = frozenset(model.links_from(link))
         """``link`` and all that hang on it."""
         bodies = moving_bodies(model)
         self._dynamics = JointDynamics(model)
@@ -243,12 +242,6 @@ def _compose(outer: Frame, inner: Frame) -> Frame:
         y + outer[10],
         z + outer[11],
     )
-
-
-def _from(model: RobotModel, link: str) -> Iterator[str]:
-    yield link
-    for joint in model.child_joints[link]:
-        yield from _from(model, joint.child)
 
 
 def _carrier(

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Protocol, final
 from tool0.description.kinematics import Transform
 from tool0.description.model import Pose
 from tool0.description.motion import from_quaternion
-from tool0.remote.remote_scene import Call
-from tool0.remote.wire import Json
+from tool0.remote.wire import Call, Json
 
 if TYPE_CHECKING:
     from tool0.remote.client import RemoteGoal

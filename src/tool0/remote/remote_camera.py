@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import base64
 import zlib
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, final
 
 from tool0.description.camera import Camera
 from tool0.description.kinematics import Transform
 from tool0.description.model import Pose
 from tool0.errors import Tool0Error, TransportError
-from tool0.remote.wire import Json
+from tool0.remote.wire import Call, Json
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 class RemoteCamera:
     """One camera of another process."""
 
-    def __init__(self, call: Callable[..., Json], name: str) -> None:
+    def __init__(self, call: Call, name: str) -> None:
         self._call = call
         self.name = name
 
@@ -42,7 +41,7 @@ class RemoteCamera:
             ) from None
 
 
-def list_cameras(call: Callable[..., Json]) -> dict[str, Camera]:
+def list_cameras(call: Call) -> dict[str, Camera]:
     """Return the cameras by name."""
     found = [_camera(row) for row in call("camera.list")["cameras"]]
     return {camera.name: camera for camera in found}

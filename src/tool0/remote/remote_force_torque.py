@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Final, final
 
-from tool0.remote.remote_scene import Call
-from tool0.runtime.wrench import Vector3, WrenchReading
+from tool0.description.model import Vector3
+from tool0.remote.wire import Call
+from tool0.runtime.wrench import WrenchReading
 
 _PATIENCE: Final = 0.5
 """Longest wait for a sample in one request [wall s]."""

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, final
+from typing import final
 
 from tool0.description.model import Geometry, Vector3
 from tool0.description.scene import DEFAULT_FRICTION, RGBA
 from tool0.hardware.engine import ObjectState
 from tool0.remote.params import Params
 from tool0.remote.shape_json import shape_from_params, shape_to_json
-from tool0.remote.wire import Json
-
-
-class Call(Protocol):
-    """Asks the other process for something, and returns its answer."""
-
-    def __call__(self, method: str, **params: object) -> Json: ...
+from tool0.remote.wire import Call, Json
 
 
 @final

@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import Joint, JointType, RobotModel
+from tool0.description.model import FLANGE, Joint, JointType, RobotModel
 from tool0.errors import ControlError
 
 Array = NDArray[np.float64]
 
-FLANGE = "tool0"
-"""How the link at the end of an arm is called, after a prefix (REP-199)."""
 N_JOINTS = 6
 
 
@@ -101,23 +99,20 @@ def find_chains(model: RobotModel) -> dict[str, ArmChain]:
     ends in ``tool0``; whatever is fixed may be between them.
     """
     chains: dict[str, ArmChain] = {}
-    for link in model.links:
-        if not link.name.endswith(FLANGE):
-            continue
-        joints = _joints_above(model, link.name)
+    for flange in model.flanges:
+        joints = _joints_above(model, flange)
         if joints is not None:
-            name = link.name.removesuffix(FLANGE).rstrip("_-/") or "arm"
-            key = link.name if name in chains else name
-            chains[key] = ArmChain(model, link.name, joints)
+            name = flange.removesuffix(FLANGE).rstrip("_-/") or "arm"
+            key = flange if name in chains else name
+            chains[key] = ArmChain(model, flange, joints)
     return chains
 
 
 def why_no_arm(model: RobotModel) -> str:
     """Return what a robot without an arm lacks."""
-    flanges = [link.name for link in model.links if link.name.endswith(FLANGE)]
-    if not flanges:
+    if not model.flanges:
         return f"no link is called {FLANGE}, with or without a prefix"
-    return f"above '{flanges[0]}' are not {N_JOINTS} turning joints in a row"
+    return f"above '{model.flanges[0]}' are not {N_JOINTS} turning joints in a row"
 
 
 def fixed_transform(model: RobotModel, first: str, second: str) -> Transform:

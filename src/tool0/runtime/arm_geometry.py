@@ -185,7 +185,7 @@ class ArmGeometry:
         known[:, 1:4] -= [self._upper_angle - np.pi / 2, 0.0, 0.0]
         with np.errstate(all="ignore"):
             found = self.solve(chain.forward(known).T_base_tip)
-            away = np.abs(_wrapped(found - known[:, None])).max(axis=2)
+            away = np.abs(wrapped(found - known[:, None])).max(axis=2)
         worst = np.nan_to_num(away, nan=np.inf).min(axis=1).max()
         if not worst < MAX_INEXACT:
             raise ControlError(
@@ -232,9 +232,10 @@ def _nearest(point: Array, along: Array, other: Array, other_along: Array) -> Ar
     return nearest
 
 
-def _wrapped(angle: Array) -> Array:
-    wrapped: Array = np.remainder(angle + np.pi, 2 * np.pi) - np.pi
-    return wrapped
+def wrapped(angle: Array) -> Array:
+    """Return angles between -π and π."""
+    between: Array = np.remainder(angle + np.pi, 2 * np.pi) - np.pi
+    return between
 
 
 def _in_plane(angle: float) -> Array:

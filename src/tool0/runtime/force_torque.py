@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import final
 
 from tool0.description.catalogue import RobotDescription
-from tool0.description.model import RobotModel
+from tool0.description.model import FLANGE, RobotModel
 from tool0.errors import ControlError
 from tool0.hardware.low_pass import LowPass
 from tool0.runtime import commands as ask
@@ -164,7 +164,7 @@ class ForceTorques:
     ) -> None:
         """Start none; see ``ForceTorque`` for the arguments."""
         self._model = description.model
-        self._tool0 = f"{description.prefix}tool0"
+        self._tool0 = description.prefix + FLANGE
         self._joint_names = joint_names
         self._dt = dt
         self._loop = loop
@@ -193,9 +193,9 @@ class ForceTorques:
         Raises:
             ControlError: If there is none, or more than one.
         """
-        names = [name for name in self._model.link_by_name if name.endswith("tool0")]
+        names = self._model.flanges
         if self._tool0 in names:
-            names = [self._tool0]
+            names = (self._tool0,)
         if len(names) != 1:
             raise ControlError(
                 "'force_torque' needs exactly one link 'tool0', this robot has: "

@@ -10,7 +10,7 @@ import numpy as np
 from tool0.description.model import JointType
 from tool0.errors import UnreachableError
 from tool0.runtime.arm_chain import ArmChain, Array
-from tool0.runtime.arm_geometry import SINGULAR, ArmGeometry
+from tool0.runtime.arm_geometry import SINGULAR, ArmGeometry, wrapped
 from tool0.runtime.branch import Branch, Solution
 from tool0.runtime.joint_motion import largest_velocity
 
@@ -83,7 +83,7 @@ class InverseKinematics:
         if self.geometry.inexact > EXACT:  # near a singularity it may be found so alone
             found = np.concatenate([near[None], found])
         found = self.refined(found[np.isfinite(found).all(axis=1)], T_base_tip)
-        apart = np.abs(_wrapped(found[:, None] - found)).max(axis=2, initial=0.0)
+        apart = np.abs(wrapped(found[:, None] - found)).max(axis=2, initial=0.0)
         repeats = np.tril(apart <= _SAME, -1).any(axis=1)
         different: Array = found[~repeats]
         return different
@@ -135,7 +135,7 @@ class InverseKinematics:
 
     def _turned(self, q: Array, near: Array) -> Array:
         """Return ``q`` with the whole turns nearest to ``near``; NaN beyond limits."""
-        nearest = near + _wrapped(q - near)
+        nearest = near + wrapped(q - near)
         turn = 2 * np.pi
         lower, upper = self._lower - _LIMIT_ROUNDING, self._upper + _LIMIT_ROUNDING
         with np.errstate(invalid="ignore"):
@@ -190,7 +190,7 @@ class InverseKinematics:
         outside = ~np.isfinite(self._turned(q, allowed))
         for k in np.flatnonzero(outside.any(axis=0)):
             joint = self.chain.joints[k]
-            where = ", ".join(f"{value:.3f}" for value in _wrapped(q[outside[:, k], k]))
+            where = ", ".join(f"{value:.3f}" for value in wrapped(q[outside[:, k], k]))
             bad.append(
                 f"'{joint.name}' would be at {where} rad, outside "
                 f"[{joint.limits.lower:.3f}, {joint.limits.upper:.3f}]"
@@ -210,9 +210,3 @@ def _twist(T: Array, T_wanted: Array) -> Array:
     turn[far] = np.where(turn[far] >= 0.0, 2.0, -2.0)
     way = T_wanted[..., :3, 3] - T[:, :3, 3]
     return np.concatenate([way, turn / 2], axis=1)
-
-
-def _wrapped(angle: Array) -> Array:
-    """Return angles between -π and π."""
-    wrapped: Array = np.remainder(angle + np.pi, 2 * np.pi) - np.pi
-    return wrapped

@@ -12,6 +12,7 @@ import numpy as np
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.errors import ControlError, UnreachableError
 from tool0.runtime.arm_chain import Array
+from tool0.runtime.arm_geometry import wrapped
 from tool0.runtime.inverse_kinematics import InverseKinematics
 from tool0.runtime.joint_motion import (
     TIME_TO_FULL_ACCELERATION,
@@ -121,8 +122,7 @@ class LinearMotion:
         found = np.empty((len(poses), 6))
         found[0] = q = start
         for k in range(1, len(poses)):
-            turns = every[k] - q
-            turns = np.remainder(turns + np.pi, 2 * np.pi) - np.pi
+            turns = wrapped(every[k] - q)
             sizes = np.abs(turns).max(axis=1)
             if np.isnan(sizes).all():
                 raise self._lost(k, poses[k], q)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from tool0.description.kinematics import Transform, transforms
-from tool0.description.model import ParallelGripper, RobotModel, Vector3
+from tool0.description.model import ParallelGripper, RobotModel
 from tool0.errors import ControlError
 from tool0.runtime.initial_pose import joint_positions
+from tool0.runtime.pose_matrix import as_transform
 
 
 def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
@@ -19,7 +18,7 @@ def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
         ControlError: If there are not two of them.
     """
     base = model.joint(gripper.joint).parent
-    pads = [name for name in _below(model, base) if model.link(name).surface]
+    pads = [name for name in model.links_from(base) if model.link(name).surface]
     if len(pads) != 2:
         raise ControlError(
             f"gripper '{gripper.name}' needs two links with a <gazebo> surface, its "
@@ -63,17 +62,6 @@ def grasp_frame(
     away = middle - p_base
     z = away - (away @ y) * y
     z /= np.linalg.norm(z)
-    rows = np.column_stack([np.cross(y, z), y, z])
-    first, second, third = map(_three, rows)
-    return Transform(position=_three(middle), rotation=(first, second, third))
-
-
-def _three(values: np.ndarray) -> Vector3:
-    x, y, z = values.tolist()
-    return x, y, z
-
-
-def _below(model: RobotModel, link: str) -> Iterator[str]:
-    yield link
-    for joint in model.child_joints[link]:
-        yield from _below(model, joint.child)
+    frame = np.eye(4)
+    frame[:3] = np.column_stack([np.cross(y, z), y, z, middle])
+    return as_transform(frame)

@@ -61,11 +61,7 @@ class SceneHandle:
 
     def pose(self, name: str) -> Transform:
         """Return the frame of an object in the robot's root, or raise ControlError."""
-        states = self.states
-        if name not in states:
-            raise _unknown(name, list(states))
-        state = states[name]
-        return from_quaternion(state.position, state.quat_wxyz)
+        return object_pose(self._snapshot(), name)
 
     @overload
     def add(self, item: SceneObject, /) -> SceneObject: ...
@@ -171,6 +167,14 @@ class SceneHandle:
             return STILL_RGBA
         movable = sum(item.mass is not None for item in self.objects)
         return PALETTE[movable % len(PALETTE)]
+
+
+def object_pose(snapshot: Snapshot, name: str) -> Transform:
+    """Return where an object was then, in the robot's root, or raise ControlError."""
+    for state in snapshot.objects:
+        if state.name == name:
+            return from_quaternion(state.position, state.quat_wxyz)
+    raise _unknown(name, [state.name for state in snapshot.objects])
 
 
 def _unknown(name: str, names: list[str]) -> ControlError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-Vector3 = tuple[float, float, float]
+from tool0.description.model import Vector3
 
 
 @final

@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from tool0.description.model import Vector3
 from tool0.hardware.engine import Contact
 
 
@@ -16,7 +17,6 @@ def names_of_geoms(model: Any) -> tuple[str, ...]:
     return tuple(model.geom(i).name.partition("/")[0] for i in range(model.ngeom))
 
 
-Vector3 = tuple[float, float, float]
 Touch = tuple[Vector3, float, Vector3, Vector3]
 """A point, how much it counts, and the force and the torque that act there."""
 
