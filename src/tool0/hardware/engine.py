@@ -117,7 +117,8 @@ class Engine(Protocol):
         """Return the forces of the last step's contacts, one item for each pair.
 
         What is attached counts as touched by what it is attached to.  None before the
-        first step after a reset.
+        first step after a reset.  An engine may begin to look with the first call,
+        which then returns none.
         """
 
     def attach(self, name: str, link: str) -> None:

@@ -158,8 +158,10 @@ class RobotHardware:
         i = self.index[joint]
         self._limiter.bind(i, bounds)
         servo = self._servos.get(i)
-        if bounds is None and isinstance(servo, PositionServo):
-            servo.speed = math.inf
+        if bounds is None and servo is not None:
+            self._load[i] = 0.0
+            if isinstance(servo, PositionServo):
+                servo.speed = math.inf
 
     def efforts(self, state: JointState) -> list[float]:
         """Return what the drives apply during the next step [N·m | N]."""
@@ -177,6 +179,7 @@ class RobotHardware:
         i, interface = self.index[name], self.interfaces[name]
         self._servos.pop(i, None)
         self._masses, self._weights = [], []
+        self._load[i] = 0.0
         if name not in self._claimed or self._is_stopped:
             self._servos[i] = Brake()
         elif interface is Interface.POSITION:

@@ -51,9 +51,9 @@ class GraspAssist:
             self._look(hand, snapshot)
 
     def forget(self) -> None:
-        """Know that a reset has detached everything."""
+        """Know that a reset has detached everything and moved the pads."""
         for hand in self._hands:
-            hand.held = None
+            hand.forget()
 
     def _look(self, hand: _Hand, snapshot: Snapshot) -> None:
         state = hand.detector.observe(snapshot)
@@ -78,8 +78,14 @@ class GraspAssist:
             }
             for pad in pads
         ]
-        movable = (item.name for item in snapshot.scene if item.mass is not None)
-        return next((name for name in movable if all(name in p for p in pressed)), None)
+        # What another gripper hands over is attached once that has let go.
+        taken = {hand.held.name for hand in self._hands if hand.held is not None}
+        for item in snapshot.scene:
+            if item.mass is None or item.name in taken:
+                continue
+            if all(item.name in names for names in pressed):
+                return item.name
+        return None
 
 
 class _Held(NamedTuple):
@@ -96,7 +102,11 @@ class _Hand:
         self.gripper = gripper
         self.base = model.joint(gripper.joint).parent
         self.pads = pad_links(model, gripper)
-        self.detector = GraspDetector(gripper)
+        self.forget()
+
+    def forget(self) -> None:
+        """Hold nothing, and know nothing of what was before."""
+        self.detector = GraspDetector(self.gripper)
         self.held: _Held | None = None
 
     def lets_go(self, snapshot: Snapshot, opening: float) -> bool:

@@ -138,7 +138,8 @@ class Robot:
         """Return what presses on what, and how hard, in the last step of the physics.
 
         One item for each pair of links or objects that touch.  Asking costs some
-        microseconds of the tick; the engine works nothing out while nobody asks.
+        microseconds of the tick; the engine works nothing out while nobody asks, and
+        Gazebo tells none the first time that somebody does.
         """
         contacts: tuple[Contact, ...] = self._loop.call(ask.ReadContacts())
         return contacts
