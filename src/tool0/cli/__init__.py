@@ -13,10 +13,10 @@ from typing import Final
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "bringup": ("bringup", "bring a robot up in simulation, its controllers running"),
     "view": ("view", "show a robot in a web page and pose it, without physics"),
+    "demo": ("demo", "watch a whole task: pick a cube and place it in a bin"),
     "describe": ("describe", "write the robot as a tree, a table, URDF or MJCF"),
     "controllers": ("controllers", "list, load, unload, start, stop or switch them"),
     "move": ("move", "move joints, or the tool to a pose"),
-    "demo": ("demo", "watch a whole task: pick a cube and place it in a bin"),
     "grip": ("grip", "open or close the gripper"),
     "scene": ("scene", "list, add, remove or place objects around the robot"),
     "state": ("state", "print time and joints"),

@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Annotated, Literal, final
 
 import tyro
 
+from tool0.cli import GOAL_FAILED, OK
 from tool0.cli.bringup import quiet_overruns
 from tool0.cli.bringup_text import finite, panel_line
 from tool0.cli.options import PanelOptions
 from tool0.cli.progress import Progress
 from tool0.errors import ConfigError
+from tool0.runtime.writable import require_writable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,8 +28,6 @@ if TYPE_CHECKING:
     from tool0.description.scene import Scene
     from tool0.runtime.robot import Robot
 
-OK, FAILED = 0, 1
-"""All objects are in the bin; one is not."""
 _GLANCE = 10.0
 """Longest time between looks at the signals [wall s]; a signal wakes at once."""
 ITEM, BIN = "cube", "bin"
@@ -102,20 +102,25 @@ def pick(
     The cube is held by friction alone.  The panel shows it in real time, once a
     browser has opened it, and stays; headless it runs as fast as possible and ends.
     """
+    # What cannot be is told before the work of minutes is in vain.
+    if arguments.report is not None:
+        require_writable(arguments.report)
     if arguments.video is not None:
         from tool0.runtime.video import require_encoder
 
-        require_encoder(arguments.video)  # before the work of minutes is in vain
+        require_encoder(arguments.video)
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
         robot = exits.enter_context(_bring_up(arguments))
+        if arguments.video is not None:
+            robot.camera(arguments.camera).image()
         if not arguments.headless:
             _show(robot, panel, exits)
         report = _play(robot, arguments)
         _tell_all(report, arguments)
         if not arguments.headless:
             _linger()
-    return OK if report.n_succeeded == len(report.picks) else FAILED
+    return OK if report.n_succeeded == len(report.picks) else GOAL_FAILED
 
 
 def _bring_up(arguments: PickArguments) -> Robot:
@@ -134,7 +139,6 @@ def _bring_up(arguments: PickArguments) -> Robot:
 def _scene(arguments: PickArguments) -> Scene:
     """Return the scene with the cube that was asked for."""
     from tool0.description.model import Box
-    from tool0.description.scene import Scene
     from tool0.description.scene_file import load_scene
 
     shipped = load_scene("table_and_bin")
@@ -150,7 +154,7 @@ def _scene(arguments: PickArguments) -> Scene:
         friction=arguments.friction,
     )
     others = tuple(item for item in shipped.objects if item.name != ITEM)
-    return Scene((*others, changed))
+    return replace(shipped, objects=(*others, changed))
 
 
 def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
@@ -225,4 +229,4 @@ def _write(path: Path, report: DemoReport) -> None:
     try:
         path.write_text(text + "\n")
     except OSError as error:
-        raise ConfigError(f"cannot write the report to '{path}': {error}") from None
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None

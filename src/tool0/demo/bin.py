@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import final
 
 from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import Box
+from tool0.description.model import Box, Vector3
 from tool0.description.scene import SceneObject
 from tool0.errors import ControlError
 
@@ -16,12 +16,12 @@ from tool0.errors import ControlError
 class Bin:
     """A box that is open above, its sides along the root's axes."""
 
-    lower: tuple[float, float, float]
+    lower: Vector3
     """Its corner, outside, in the root [m]."""
-    upper: tuple[float, float, float]
+    upper: Vector3
 
     @property
-    def center(self) -> tuple[float, float, float]:
+    def center(self) -> Vector3:
         """The middle of its floor [m]."""
         return (
             (self.lower[0] + self.upper[0]) / 2.0,
@@ -46,18 +46,23 @@ def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
         ControlError: If there is none.
     """
     parts = [item for item in objects if item.name.startswith(f"{name}.")]
-    corners = [corner for part in parts for corner in _corners(part)]
+    corners = [
+        corner
+        for part in parts
+        if isinstance(part.geometry, Box)
+        for corner in box_corners(part.geometry, to_transform(part.pose))
+    ]
     if not corners:
-        raise ControlError(f"the scene has no bin '{name}'")
+        raise ControlError(
+            f"the scene has no bin '{name}': no box is called '{name}.floor' or alike"
+        )
     xs, ys, zs = zip(*corners, strict=True)
     return Bin((min(xs), min(ys), min(zs)), (max(xs), max(ys), max(zs)))
 
 
-def _corners(part: SceneObject) -> list[tuple[float, float, float]]:
-    if not isinstance(part.geometry, Box):
-        return []
-    x, y, z = (edge / 2.0 for edge in part.geometry.size)
-    pose = to_transform(part.pose)
+def box_corners(box: Box, pose: Transform) -> list[Vector3]:
+    """Return the corners of a box, whose middle is at ``pose``, in the frame around."""
+    x, y, z = (edge / 2.0 for edge in box.size)
     return [
         pose.apply((i * x, j * y, k * z))
         for i in (-1, 1)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 RATE = 30
 """Frames per simulated second [Hz]."""
+_ROUNDING = 1e-9  # [s]
 
 
 @final
@@ -26,17 +27,20 @@ class Film:
     def __init__(self, rate: int = RATE) -> None:
         """Take ``rate`` frames a simulated second [Hz]."""
         self._rate = rate
-        self._start: float | None = None
+        self._due: float | None = None  # simulated time of the next frame [s]
         self.frames: list[Snapshot] = []
         """What was kept, in order."""
 
     def take(self, snapshot: Snapshot) -> None:
         """Keep a snapshot if the next frame is due."""
-        if self._start is None:
-            self._start = snapshot.time
-        due = self._start + len(self.frames) / self._rate
-        if snapshot.time >= due - 1e-9:
+        period = 1.0 / self._rate
+        due = snapshot.time if self._due is None else self._due
+        if abs(snapshot.time - due) > period + _ROUNDING:
+            due = snapshot.time  # after a reset, or a time that nobody watched: a cut
+        if snapshot.time >= due - _ROUNDING:
             self.frames.append(snapshot)
+            due += period
+        self._due = due
 
     def write(
         self,

@@ -7,17 +7,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
-from tool0.description.kinematics import Rotation, Transform
+from tool0.demo.bin import box_corners
+from tool0.description.kinematics import Transform, to_transform
 from tool0.description.model import (
     Box,
     Cylinder,
     ParallelGripper,
+    Pose,
     RobotModel,
     Sphere,
 )
 from tool0.description.scene import SceneObject
 from tool0.errors import ControlError
-from tool0.runtime.pads import pad_links
+from tool0.runtime.pads import grasp_frame, pad_links
 
 CLEARANCE = 0.003
 """Between finger tips and what the object stands on [m]."""
@@ -92,13 +94,27 @@ def half_height(item: SceneObject, pose: Transform) -> float:
 
 
 def reach_below(model: RobotModel, gripper: ParallelGripper) -> float:
-    """Return how far the fingers reach beyond the middle of the pads [m]."""
-    pad = model.link(pad_links(model, gripper)[0])
-    return max(
-        shape.geometry.size[2] / 2.0
-        for shape in pad.collisions
+    """Return how far the fingers reach beyond the middle of the pads [m].
+
+    Raises:
+        ControlError: If the gripper has no two pads, or their shape is no box.
+    """
+    pad, _ = pad_links(model, gripper)
+    T_grasp_pad = grasp_frame(model, gripper, gripper.max_opening, pad).inverse()
+    corners = [
+        corner
+        for shape in model.link(pad).collisions
         if isinstance(shape.geometry, Box)
-    )
+        for corner in box_corners(
+            shape.geometry, T_grasp_pad @ to_transform(shape.origin)
+        )
+    ]
+    if not corners:
+        raise ControlError(
+            f"how far the fingers of '{gripper.name}' reach is told by the collision "
+            f"box of '{pad}'; it has none"
+        )
+    return max(z for _, _, z in corners)
 
 
 def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, float]]:
@@ -108,7 +124,8 @@ def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, fl
     for k in range(3):
         if k != up:
             yaw = math.atan2(columns[k][1], columns[k][0]) - math.pi / 2.0
-            yield Transform(position=pose.position, rotation=_about_z(yaw)), box.size[k]
+            turned = to_transform(Pose(xyz=pose.position, rpy=(0.0, 0.0, yaw)))
+            yield turned, box.size[k]
 
 
 def _upright_axis(name: str, pose: Transform) -> int:
@@ -123,11 +140,4 @@ def _upright_axis(name: str, pose: Transform) -> int:
 def _from_above(frame: Transform, turn: float) -> Transform:
     """Return the frame of a gripper that looks down, its pads along y of ``frame``."""
     yaw = math.atan2(frame.rotation[1][0], frame.rotation[0][0]) + turn
-    c, s = math.cos(yaw), math.sin(yaw)
-    rotation = ((c, s, 0.0), (s, -c, 0.0), (0.0, 0.0, -1.0))
-    return Transform(position=frame.position, rotation=rotation)
-
-
-def _about_z(yaw: float) -> Rotation:
-    c, s = math.cos(yaw), math.sin(yaw)
-    return ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))
+    return to_transform(Pose(xyz=frame.position, rpy=(math.pi, 0.0, yaw)))

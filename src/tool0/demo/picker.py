@@ -11,6 +11,7 @@ from tool0.demo.bin import Bin
 from tool0.demo.grips import CLEARANCE, Grip, grips, half_height, reach_below
 from tool0.demo.witness import Witness
 from tool0.description.kinematics import Transform
+from tool0.description.model import Vector3
 from tool0.errors import ModelError, Tool0Error
 from tool0.hardware.drive_bounds import DriveBounds
 from tool0.runtime.pads import grasp_frame
@@ -148,9 +149,7 @@ class Picker:
                 f"open {1000 * state.opening:.1f} mm"
             )
 
-    def _nearest(
-        self, position: tuple[float, float, float], ways: Sequence[Grip]
-    ) -> Grip:
+    def _nearest(self, position: Vector3, ways: Sequence[Grip]) -> Grip:
         """Return the way, moved there, that turns the arm's joints least."""
         best: tuple[float, Grip] | None = None
         refused: Tool0Error | None = None

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import random
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
@@ -13,7 +14,8 @@ from tool0.demo.bin import Bin
 from tool0.demo.pick import pick_and_place
 from tool0.demo.picker import PickOptions
 from tool0.demo.report import DemoReport, PickReport
-from tool0.description.kinematics import Transform, to_transform
+from tool0.demo.witness import Witness
+from tool0.description.kinematics import to_transform
 from tool0.description.model import Pose
 from tool0.runtime.bus import Snapshot
 
@@ -71,7 +73,7 @@ def run_trials(
     on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
     on_pick: Callable[[PickReport], None] = lambda report: None,
 ) -> DemoReport:
-    """Pick an object from one pose after the other.
+    """Pick an object from one pose after the other, the arm beginning as it is now.
 
     Args:
         robot: As for ``pick_and_place``.
@@ -80,19 +82,28 @@ def run_trials(
         poses: Where it is taken from; None leaves it where it is.
         n_picks: How many.
         options: How.
-        on_snapshot: Called with each snapshot.
+        on_snapshot: Called with each snapshot, those between the picks too.
         on_pick: Called after each pick.
+
+    Raises:
+        ControlError: As ``pick_and_place``, or if the emergency stop is engaged
+            between two picks.
+        EngineError: If the physics fails.
     """
     wall_start, sim_start = time.perf_counter(), robot.time
+    home = robot.arm.joints
     reports = []
     for number in range(n_picks):
         pose = next(poses)
-        if number:
-            _go_back(robot)
-        if pose is not None:
-            T_root_item: Transform = to_transform(pose)
-            robot.scene.place(item, T_root_item.position, T_root_item.quat_wxyz)
-            robot.run(SETTLE)
+        with contextlib.closing(
+            Witness(robot, robot.gripper, item, on_snapshot)
+        ) as witness:
+            if number:
+                _go_back(robot, home, witness)
+            if pose is not None:
+                T_root_item = to_transform(pose)
+                robot.scene.place(item, T_root_item.position, T_root_item.quat_wxyz)
+                witness.wait(SETTLE)
         report = pick_and_place(robot, item, into, options, on_snapshot)
         on_pick(report)
         reports.append(report)
@@ -106,8 +117,12 @@ def run_trials(
     )
 
 
-def _go_back(robot: Robot) -> None:
-    """Bring the arm where picks begin; after one that failed it may be anywhere."""
-    robot.gripper.move(opening=robot.gripper.geometry.max_opening).wait(PATIENCE)
-    for goal in robot.go_to_pose("home"):
-        goal.wait(PATIENCE)
+def _go_back(robot: Robot, home: Mapping[str, float], witness: Witness) -> None:
+    """Let go, and bring the arm ``home``; after a failure it may be anywhere.
+
+    What it does not reach within ``PATIENCE`` the next pick has to do without.
+    """
+    opened = robot.gripper.move(opening=robot.gripper.geometry.max_opening)
+    witness.until(lambda: opened.result is not None, PATIENCE)
+    goals = robot.move_joints(home)
+    witness.until(lambda: all(goal.result is not None for goal in goals), PATIENCE)

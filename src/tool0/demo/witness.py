@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, final
 
 from tool0.description.kinematics import Transform, transforms
 from tool0.description.model import Vector3
-from tool0.description.motion import from_quaternion
 from tool0.errors import ControlError, EngineError
-from tool0.runtime.bus import Snapshot
+from tool0.runtime.bus import SNAPSHOT_PERIOD, Snapshot
 from tool0.runtime.pads import pad_links
+from tool0.runtime.scene import object_pose
 
 if TYPE_CHECKING:
     from tool0.runtime.gripper import Gripper
@@ -78,6 +78,8 @@ class Witness:
             timeout: Simulated [s].
 
         Raises:
+            ControlError: If the object is taken away meanwhile, or the robot is paused
+                and does not run in real time.
             EngineError: If the physics failed.
         """
         end = self._robot.time + timeout
@@ -102,7 +104,7 @@ class Witness:
 
     def pose(self) -> Transform:
         """Return where the object is, in the root."""
-        return _object_pose(self._robot.snapshot, self._item)
+        return self._robot.scene.pose(self._item)
 
     def pressing(self) -> float:
         """Return the largest force between a pad and the object [N]."""
@@ -124,7 +126,7 @@ class Witness:
     def _advance(self) -> None:
         robot = self._robot
         if not robot.is_realtime:
-            robot.run(robot.control_period * _ticks(robot))
+            robot.run(max(SNAPSHOT_PERIOD, robot.control_period))
         snapshot = self._subscription.following(_LOOK)
         while snapshot is not None:
             self._look_at(snapshot)
@@ -150,18 +152,4 @@ class Witness:
             position=((ax + bx) / 2.0, (ay + by) / 2.0, (az + bz) / 2.0),
             rotation=found[self._base].rotation,
         )
-        return middle.inverse().apply(_object_pose(snapshot, self._item).position)
-
-
-def _object_pose(snapshot: Snapshot, name: str) -> Transform:
-    for state in snapshot.objects:
-        if state.name == name:
-            return from_quaternion(state.position, state.quat_wxyz)
-    raise ControlError(f"there is no object '{name}'")
-
-
-def _ticks(robot: Robot) -> int:
-    """Return the ticks between snapshots."""
-    from tool0.runtime.loop import SNAPSHOT_PERIOD
-
-    return max(1, round(SNAPSHOT_PERIOD / robot.control_period))
+        return middle.inverse().apply(object_pose(snapshot, self._item).position)

@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, final
 
 from tool0.errors import ConfigError, RenderError
+from tool0.runtime.writable import require_writable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,7 +29,7 @@ def require_encoder(path: Path | str) -> None:
         ConfigError: If the file cannot be written.
     """
     _encoder()
-    _check_writable(Path(path))
+    require_writable(Path(path))
 
 
 @final
@@ -63,7 +64,7 @@ class VideoWriter:
         self._path = Path(path)
         self._shape = (height, width, 3)
         encoder = _encoder()
-        _check_writable(self._path)
+        require_writable(self._path)
         import av
 
         self._av: Any = av  # its parts are typed loosely
@@ -139,17 +140,3 @@ def _encoder() -> str:
         f"this PyAV has no encoder of H.264: {' or '.join(_ENCODERS)}; "
         "`pip install --force-reinstall av` brings one that has"
     )
-
-
-def _check_writable(path: Path) -> None:
-    """Raise ConfigError if there can be no such file; leave what is there."""
-    is_new = not path.exists()
-    try:
-        with path.open("ab"):
-            pass
-        if is_new:
-            path.unlink()
-    except OSError as error:
-        raise ConfigError(
-            f"the video {path} cannot be written: {error.strerror}"
-        ) from error

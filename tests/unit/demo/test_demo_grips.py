@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tool0.demo.grips import grips, half_height
+from tool0.demo.grips import grips, half_height, reach_below
+from tool0.description.catalogue import assemble
 from tool0.description.kinematics import Transform, to_transform
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
 from tool0.description.scene import SceneObject
@@ -82,3 +84,17 @@ def test_a_mesh_is_refused(tmp_path: object) -> None:
     item = thing(Mesh(uri="a.stl", path=tmp_path))  # type: ignore[arg-type]
     with pytest.raises(ControlError, match="a mesh"):
         ways(item)
+
+
+def test_the_fingers_reach_as_far_as_their_pads() -> None:
+    model = assemble(mount_rpy=(0.0, 0.0, 0.7)).model
+    assert reach_below(model, model.grippers[0]) == pytest.approx(0.0375 / 2.0)
+
+
+def test_pads_without_a_box_are_told() -> None:
+    model = assemble().model
+    bare = replace(
+        model, links=tuple(replace(link, collisions=()) for link in model.links)
+    )
+    with pytest.raises(ControlError, match="collision box of 'left_inner_finger_pad'"):
+        reach_below(bare, bare.grippers[0])
