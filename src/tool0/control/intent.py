@@ -30,6 +30,12 @@ class Intent(Protocol):
     def target(self) -> tuple[float, ...]:
         """Return where the joints are to end up [rad | m]."""
 
+    def wanted(self, joint: str) -> tuple[float, float] | None:
+        """Return where one joint is wanted then and in the end [rad | m].
+
+        None if it is none of these; much cheaper than ``state`` and ``target``.
+        """
+
 
 class TrajectoryIntent(NamedTuple):
     """To move along tracks.  Nothing in it changes: a new goal makes new tracks.
@@ -52,6 +58,15 @@ class TrajectoryIntent(NamedTuple):
         """Return the positions at the end of each track."""
         ends = [track[-1].segment for track in self.tracks]
         return tuple(segment.sample(segment.end).position for segment in ends)
+
+    def wanted(self, joint: str) -> tuple[float, float] | None:
+        """Return where one joint is wanted then, and at the end of its track."""
+        for model, track in zip(self.joint_models, self.tracks, strict=True):
+            if model.name == joint:
+                last = track[-1].segment
+                now = sample_track(track, self.measured.time)
+                return now.position, last.sample(last.end).position
+        return None
 
     def state(self) -> TrajectoryState:
         """Return desired, actual and error at the time of ``measured``."""
@@ -88,6 +103,13 @@ class PositionIntent(NamedTuple):
 
     def target(self) -> tuple[float, ...]:
         return self.positions
+
+    def wanted(self, joint: str) -> tuple[float, float] | None:
+        """Return where one joint is to go, twice."""
+        for model, position in zip(self.joint_models, self.positions, strict=True):
+            if model.name == joint:
+                return position, position
+        return None
 
     def state(self) -> TrajectoryState:
         """Return the positions, at rest, as what is desired."""

@@ -160,8 +160,8 @@ def wanted_openings(
 ) -> tuple[float, float] | None:
     """Return the openings wanted now and in the end [m]; None if none are."""
     for intent in snapshot.intents.values():
-        if gripper.joint in intent.joint_names:
-            k = intent.joint_names.index(gripper.joint)
-            desired = intent.state().desired.positions[k]
-            return gripper.opening(desired), gripper.opening(intent.target()[k])
+        wanted = intent.wanted(gripper.joint)
+        if wanted is not None:
+            desired, target = wanted
+            return gripper.opening(desired), gripper.opening(target)
     return None

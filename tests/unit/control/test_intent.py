@@ -62,6 +62,20 @@ def test_it_says_what_the_controller_says() -> None:
         assert controller.intent().state() == controller.state()
 
 
+def test_of_one_joint_it_says_the_same_as_of_all() -> None:
+    robot = ToyRobot(ARM)
+    robot.start("arm").follow(to(1.0, 0.5, -0.2), robot.time)
+    robot.run(0.4)
+    other = ToyRobot(OTHERS)
+    other.start("servo").command([3.0, 1.0])
+    for manager in (robot.manager, other.manager):
+        (intent,) = manager.intents().values()
+        now, end = intent.state().desired.positions, intent.target()
+        for k, name in enumerate(intent.joint_names):
+            assert intent.wanted(name) == (now[k], end[k])
+        assert intent.wanted("nobody") is None
+
+
 def test_what_it_says_stays_while_the_controller_goes_on() -> None:
     robot = ToyRobot(ARM)
     controller = robot.start("arm")
