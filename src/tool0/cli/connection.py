@@ -12,7 +12,8 @@ from tool0.remote.address import DEFAULT_NAME
 
 if TYPE_CHECKING:
     from tool0.control.goal import Result
-    from tool0.remote.client import RemoteGoal, RemoteRobot
+    from tool0.remote.client import RemoteRobot
+    from tool0.remote.requests import RemoteGoal
 
 _GLANCE: Final = 0.05
 """Longest time between looks at the signals [wall s]; an outcome wakes at once."""

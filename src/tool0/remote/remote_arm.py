@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, final
+from typing import final
 
 from tool0.description.kinematics import Transform
 from tool0.description.model import Pose
 from tool0.description.motion import from_quaternion
-from tool0.remote.wire import Call, Json
-
-if TYPE_CHECKING:
-    from tool0.remote.client import RemoteGoal
-
-
-class Start(Protocol):
-    """Starts a goal in the other process, and returns a handle on it."""
-
-    def __call__(self, method: str, **params: object) -> RemoteGoal: ...
+from tool0.remote.requests import Call, RemoteGoal, Start
+from tool0.remote.wire import Json
 
 
 @final

@@ -10,7 +10,8 @@ from tool0.description.camera import Camera
 from tool0.description.kinematics import Transform
 from tool0.description.model import Pose
 from tool0.errors import Tool0Error, TransportError
-from tool0.remote.wire import Call, Json
+from tool0.remote.requests import Call
+from tool0.remote.wire import Json
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Final, final
 
 from tool0.description.model import Vector3
-from tool0.remote.wire import Call
+from tool0.remote.requests import Call
 from tool0.runtime.wrench import WrenchReading
 
 _PATIENCE: Final = 0.5

@@ -10,8 +10,9 @@ from tool0.description.model import Geometry, Vector3
 from tool0.description.scene import DEFAULT_FRICTION, RGBA
 from tool0.hardware.engine import ObjectState
 from tool0.remote.params import Params
+from tool0.remote.requests import Call
 from tool0.remote.shape_json import shape_from_params, shape_to_json
-from tool0.remote.wire import Call, Json
+from tool0.remote.wire import Json
 
 
 @final

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import socket
 from collections.abc import Mapping
-from typing import Any, Final, Protocol, final
+from typing import Any, Final, final
 
 from tool0 import errors
 from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Result
@@ -25,12 +25,6 @@ MAX_ANSWER: Final = 1 << 28
 
 Json = dict[str, Any]
 """An object as json gives it: Any, because the peer decides what is in it."""
-
-
-class Call(Protocol):
-    """Asks the other process for something, and returns its answer."""
-
-    def __call__(self, method: str, **params: object) -> Json: ...
 
 
 @final
