@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -11,6 +12,25 @@ from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
 
 EDGE = 0.04  # [m]
+TWO_HANDS = """<robot name="hands" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:include filename="$(find tool0_description)/urdf/robotiq_2f_85_macro.xacro"/>
+<link name="wall"/>
+<xacro:robotiq_2f_85 prefix="lower_" parent="wall">
+  <origin xyz="0 0 0"/>
+</xacro:robotiq_2f_85>
+<xacro:robotiq_2f_85 prefix="upper_" parent="wall">
+  <origin xyz="0 0 0.36" rpy="3.1416 0 1.5708"/>
+</xacro:robotiq_2f_85>
+</robot>"""
+TWO_CONTROLLERS = "".join(
+    f"""
+{hand}:
+  type: effort_controllers/JointTrajectoryController
+  joints: [{hand}_finger_joint]
+  gains: {{{hand}_finger_joint: {{p: 600, d: 5.4}}}}
+"""
+    for hand in ("lower", "upper")
+)
 BETWEEN_PADS = (0.5487, 0.1091, 0.003)
 """Where an object lies between the pads in the pose ``ready``, in the root [m]."""
 
@@ -78,3 +98,42 @@ def test_what_stands_fast_is_attached_to_nothing() -> None:
         robot.run(1.0)
         assert robot.gripper.state.motion == "holding_inside"
         assert not is_attached(robot)
+
+
+def test_what_one_gripper_holds_another_takes_over_when_it_lets_go(
+    tmp_path: Path,
+) -> None:
+    robot_file, controllers = tmp_path / "hands.xacro", tmp_path / "hands.yaml"
+    robot_file.write_text(TWO_HANDS)
+    controllers.write_text(TWO_CONTROLLERS)
+    with tool0.bringup(
+        robot=robot_file,
+        controllers_file=controllers,
+        controllers=["lower", "upper"],
+        initial_pose={"lower_finger_joint": 0.4, "upper_finger_joint": 0.4},
+        spawn_z=1.0,
+        realtime=False,
+        grasp_assist=True,
+    ) as robot:
+        shape = Box(size=(EDGE, EDGE, 2 * EDGE))
+        robot.scene.add("rod", shape, xyz=(0.0, 0.0, 0.19), mass=0.1)
+        hands = dict(zip(("lower", "upper"), robot.grippers.values(), strict=True))
+        for hand in hands.values():
+            hand.move(opening=0.0, force=40.0)
+        robot.run(0.6)
+        assert {hand.state.motion for hand in hands.values()} == {"holding_inside"}
+        (first,) = holders(robot)
+        hands[first].move(opening=0.085)
+        robot.run(0.3)
+        assert holders(robot) == hands.keys() - {first}
+
+
+def holders(robot: tool0.Robot) -> set[str]:
+    """Return the hands whose base the rod is fixed to."""
+    robot.run(0.02)
+    return {
+        name.removesuffix("_robotiq_arg2f_base_link")
+        for contact in robot.contacts()
+        for name in (contact.first, contact.second)
+        if name.endswith("base_link")
+    }
