@@ -10,7 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from benchmarks import gazebo, golden, grasping, panel, process, rest, ros1, tick
+from benchmarks import gazebo, golden, grasping, grip, panel, process, rest, ros1, tick
 from tool0.engines.gazebo.readiness import readiness
 from tool0.ros1.setup.readiness import readiness as ros1_readiness
 
@@ -73,6 +73,11 @@ def figures() -> Iterator[Figure]:
 
 
 def _grasp_figures(engine: str, n_picks: int) -> Iterator[Figure]:
+    force, speed = grip.force_error(engine), grip.speed_error(engine)
+    yield Figure(f"{engine}: worst error of a grip's force [%]", 1e2 * force, 10.0, 2.0)
+    yield Figure(f"{engine}: worst error of its speed [%]", 1e2 * speed, 10.0, 2.0)
+    delay = grip.detection_delay(engine)
+    yield Figure(f"{engine}: from contact to knowing it [s]", delay, 0.2, 0.15)
     trials = grasping.all_trials(engine)
     yield Figure(f"{engine}: of 10 things shaken at 2 g, dropped", trials.dropped, 0, 0)
     yield Figure(f"{engine}: worst slip in 5 s [mm]", 1e3 * trials.slip, 0.1, 0.05)
