@@ -49,11 +49,7 @@ def run(command: str, arguments: list[str]) -> int:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickArguments:
-    """Pick a cube from the table and place it in a bin; status 1 if one is not there.
-
-    The cube is held by friction alone.  The panel shows it in real time, once a
-    browser has opened it, and stays; headless it runs as fast as possible and ends.
-    """
+    """How picks are done, and what comes of them."""
 
     engine: Literal["mujoco", "gazebo"] = "mujoco"
     """The physics."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, final
 
 from tool0.description.kinematics import Transform, to_transform
 from tool0.description.model import Pose, RobotModel, Vector3
-from tool0.description.motion import to_pose
+from tool0.description.motion import cross, to_pose
 from tool0.errors import ConfigError, ModelError, SourceLocation
 
 if TYPE_CHECKING:
@@ -126,21 +126,21 @@ def looking(
     Raises:
         ConfigError: If the points coincide, or ``up`` points at what is looked at.
     """
-    x, y, z = position
+    (x, y, z), (ux, uy, uz) = position, up
     forward = _unit(tuple(b - a for a, b in zip(position, at, strict=True)))
-    right = _unit(_cross(forward, tuple(up))) if forward else None
+    right = _unit(cross(forward, (ux, uy, uz))) if forward else None
     if forward is None or right is None:
         raise ConfigError(
             f"a camera at {tuple(position)} cannot look at {tuple(at)} with "
             f"{tuple(up)} up; move it, or choose another direction for up"
         )
-    down = _cross(forward, right)
+    down = cross(forward, right)
     a, b, c = zip(right, down, forward, strict=True)
     return to_pose(Transform(position=(x, y, z), rotation=(a, b, c)))
 
 
 def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
-    """Return ``scene``, and ``wrist`` if there is one gripper's mount to carry it."""
+    """Return ``scene``, and ``wrist`` if there is one link ``tool0`` to carry it."""
     scene = Camera(
         name="scene",
         pose=looking(SCENE_POSITION, SCENE_TARGET),
@@ -198,11 +198,3 @@ def _unit(vector: Sequence[float]) -> Vector3 | None:
         return None
     x, y, z = (part / length for part in vector)
     return x, y, z
-
-
-def _cross(a: Sequence[float], b: Sequence[float]) -> Vector3:
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )

@@ -30,7 +30,7 @@ class FrameMotion:
         arm = _difference(pose.position, self.pose.position)
         return FrameMotion(
             pose=pose,
-            linear=_sum(self.linear, _cross(self.angular, arm)),
+            linear=_sum(self.linear, cross(self.angular, arm)),
             angular=self.angular,
         )
 
@@ -75,7 +75,7 @@ def link_motions(
         parent = found[joint.parent]
         pose = poses[joint.child]
         arm = _difference(pose.position, parent.pose.position)
-        linear = _sum(parent.linear, _cross(parent.angular, arm))
+        linear = _sum(parent.linear, cross(parent.angular, arm))
         angular = parent.angular
         rate = _velocity(joint, velocity)
         if rate:  # the axis is the same before and after the joint's own turn
@@ -131,7 +131,8 @@ def _difference(a: Vector3, b: Vector3) -> Vector3:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-def _cross(a: Vector3, b: Vector3) -> Vector3:
+def cross(a: Vector3, b: Vector3) -> Vector3:
+    """Return the vector product of a and b."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
