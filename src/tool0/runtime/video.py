@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
@@ -95,14 +97,19 @@ class VideoWriter:
         self._encode(self._av.VideoFrame.from_ndarray(rgb, format="rgb24"))
 
     def close(self) -> None:
-        """Finish the file; closing twice is allowed."""
+        """Finish the file; closing twice is allowed.
+
+        Raises:
+            RenderError: If its end cannot be encoded, or the disk is full.
+        """
         if self._stream is None:
             return
         try:
             self._encode(None)
         finally:
             self._stream = None
-            self._container.close()
+            with self._telling():
+                self._container.close()
 
     def __enter__(self) -> VideoWriter:
         return self
@@ -119,8 +126,14 @@ class VideoWriter:
         """Encode a frame; None is what ends the stream."""
         if self._stream is None:
             raise RenderError(f"{self._path} is closed already")
-        try:
+        with self._telling():
             self._container.mux(self._stream.encode(frame))
+
+    @contextlib.contextmanager
+    def _telling(self) -> Iterator[None]:
+        """Tell in our words what FFmpeg cannot do."""
+        try:
+            yield
         except (self._av.error.FFmpegError, OSError) as error:
             raise RenderError(f"{self._path} cannot be written: {error}") from error
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import resource
+import signal
 import sys
 from pathlib import Path
 
@@ -125,3 +127,25 @@ def test_without_pyav_it_is_told_what_brings_it(
     with pytest.raises(RenderError, match=r"pip install 'tool0\[video\]'"):
         require_encoder(tmp_path / "a.mp4")
     assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("n_pictures", [2, 100])  # the end does not fit, or the middle
+def test_a_full_disk_is_told_whenever_it_is_full(
+    n_pictures: int, tmp_path: Path
+) -> None:
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limits[1]))
+    try:
+        with pytest.raises(RenderError, match=r"cannot be written: .*too large"):
+            write_noise(tmp_path / "a.mp4", n_pictures)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, before)
+
+
+def write_noise(path: Path, n_pictures: int) -> None:
+    noise = np.random.default_rng(0).integers(0, 255, (240, 320, 3), dtype=np.uint8)
+    with VideoWriter(path, 320, 240) as video:
+        for _ in range(n_pictures):
+            video.write(noise)
