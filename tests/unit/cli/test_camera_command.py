@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from fake_robot import FakeCamera, FakeRobot
-from served import serving, use_folder
 
 from tool0.cli import FAILED, OK, main
 from tool0.description.camera import Camera
@@ -19,11 +17,8 @@ from tool0.runtime.png import encode_depth, encode_png
 
 
 @pytest.fixture(autouse=True)
-def robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[FakeRobot]:
-    use_folder(monkeypatch, tmp_path)
-    robot = FakeRobot()
-    with serving(robot):
-        yield robot
+def robot(served_robot: FakeRobot) -> FakeRobot:
+    return served_robot
 
 
 def run(*words: str | Path) -> int:

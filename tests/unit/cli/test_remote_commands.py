@@ -4,12 +4,9 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from fake_robot import ABORTED, ARM, GRIPPED, FakeRobot
-from served import serving, use_folder
 
 from tool0.cli import FAILED, GOAL_FAILED, INTERRUPTED, OK, main
 from tool0.cli.grip import told
@@ -22,11 +19,8 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(autouse=True)
-def robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[FakeRobot]:
-    use_folder(monkeypatch, tmp_path)
-    robot = FakeRobot()
-    with serving(robot):
-        yield robot
+def robot(served_robot: FakeRobot) -> FakeRobot:
+    return served_robot
 
 
 def run(line: str) -> int:

@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from fake_robot import FakeRobot
-from served import serving, use_folder
 
 from tool0.cli import FAILED, OK, main
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
 
 
 @pytest.fixture(autouse=True)
-def robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[FakeRobot]:
-    use_folder(monkeypatch, tmp_path)
-    robot = FakeRobot()
-    with serving(robot):
-        yield robot
+def robot(served_robot: FakeRobot) -> FakeRobot:
+    return served_robot
 
 
 def run(line: str) -> int:

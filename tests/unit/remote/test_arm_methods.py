@@ -1,11 +1,9 @@
 """The arm of a running bringup, asked over a real socket."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from fake_robot import SUCCEEDED, FakeRobot
-from served import serving, use_folder
 
 from tool0.description.model import Pose
 from tool0.errors import ControlError
@@ -15,16 +13,13 @@ POSE = Pose(xyz=(0.4, -0.1, 0.3), rpy=(3.14, 0.0, 0.5))
 
 
 @pytest.fixture
-def robot() -> FakeRobot:
-    return FakeRobot()
+def robot(served_robot: FakeRobot) -> FakeRobot:
+    return served_robot
 
 
 @pytest.fixture
-def remote(
-    robot: FakeRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[RemoteRobot]:
-    use_folder(monkeypatch, tmp_path)
-    with serving(robot), RemoteRobot() as visitor:
+def remote(robot: FakeRobot) -> Iterator[RemoteRobot]:
+    with RemoteRobot() as visitor:
         yield visitor
 
 

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from fake_robot import CAN, TABLE, FakeRobot
-from served import serving, use_folder
 
 from tool0.description.model import Box
 from tool0.errors import DescriptionError, EngineError, TransportError
@@ -19,16 +17,13 @@ from tool0.remote.wire import Json
 
 
 @pytest.fixture
-def robot() -> FakeRobot:
-    return FakeRobot()
+def robot(served_robot: FakeRobot) -> FakeRobot:
+    return served_robot
 
 
 @pytest.fixture
-def scene(
-    robot: FakeRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[RemoteScene]:
-    use_folder(monkeypatch, tmp_path)
-    with serving(robot), RemoteRobot() as remote:
+def scene(robot: FakeRobot) -> Iterator[RemoteScene]:
+    with RemoteRobot() as remote:
         yield remote.scene
 
 
