@@ -69,7 +69,7 @@ def add(
     cylinder: tuple[float, float] | None = None,
     sphere: float | None = None,
     mesh: Path | None = None,
-    scale: float = 1.0,
+    scale: float | None = None,
     xyz: Three = _ZERO,
     rpy: Three = _ZERO,
     mass: float | None = None,
@@ -85,7 +85,7 @@ def add(
         cylinder: Its radius and its length along z [m].
         sphere: Its radius [m].
         mesh: Its STL or OBJ file.
-        scale: What the mesh's lengths are multiplied by to be metres.
+        scale: What the mesh's lengths are multiplied by to be metres; 1 if left out.
         xyz: Where its origin is to be, in the robot's root [m].
         rpy: How it is to be turned there, roll pitch yaw [rad].
         mass: Its mass [kg]; without one it stands still.
@@ -137,8 +137,10 @@ def _shape(
     cylinder: tuple[float, float] | None,
     sphere: float | None,
     mesh: Path | None,
-    scale: float,
+    scale: float | None,
 ) -> Geometry:
+    if scale is not None and mesh is None:
+        raise ConfigError("--scale goes with --mesh")
     shapes: list[Geometry] = []
     if box is not None:
         shapes.append(Box(size=box))
@@ -147,7 +149,7 @@ def _shape(
     if sphere is not None:
         shapes.append(Sphere(radius=sphere))
     if mesh is not None:
-        shapes.append(mesh_in(mesh, scale))
+        shapes.append(mesh_in(mesh, 1.0 if scale is None else scale))
     if len(shapes) != 1:
         raise ConfigError(
             f"give one shape, --box, --cylinder, --sphere or --mesh; got {len(shapes)}"

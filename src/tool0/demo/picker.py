@@ -14,6 +14,7 @@ from tool0.description.kinematics import Transform
 from tool0.description.model import Vector3
 from tool0.errors import ModelError, Tool0Error
 from tool0.hardware.drive_bounds import DriveBounds
+from tool0.runtime.joint_motion import require_speed
 from tool0.runtime.pads import grasp_frame
 
 if TYPE_CHECKING:
@@ -48,6 +49,9 @@ class PickOptions:
     """On the straight ways down and up [m/s]."""
     pad_speed: float = 0.15
     """Of the pads towards each other [m/s]."""
+
+    def __post_init__(self) -> None:
+        require_speed(self.speed)
 
 
 @final

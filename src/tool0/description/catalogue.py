@@ -211,8 +211,8 @@ def _models(mark: str) -> tuple[str, ...]:
 def _check(kind: str, name: str, valid: tuple[str, ...]) -> None:
     if name not in valid:
         hint = nearest_name(name, valid)
-        names = ", ".join(valid)
-        more = "" if hint.endswith(names) else f" (there are: {names})"
+        is_told = hint.startswith("; valid")
+        more = "" if is_told else f" (there are: {', '.join(valid)})"
         raise DescriptionError(f"unknown {kind} '{name}'{hint}{more}")
 
 

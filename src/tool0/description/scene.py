@@ -26,6 +26,9 @@ DEFAULT_FRICTION = 1.0
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
 """Orange: no part of the robots that tool0 brings has it."""
 
+GROUND = "ground"
+"""What contacts and warnings call what everything stands on."""
+
 STILL_RGBA: RGBA = (0.78, 0.74, 0.66, 1.0)
 """Of what stands still and names no colour: pale wood."""
 PALETTE: tuple[RGBA, ...] = (
@@ -113,8 +116,14 @@ class Scene:
             seen.add(item.name)
 
     def check_beside(self, model: RobotModel) -> None:
-        """Raise ConfigError if an object has the name of a link of the robot."""
+        """Raise ConfigError if an object has the name of a link, or of the ground."""
         for item in self.objects:
+            if item.name == GROUND:
+                raise ConfigError(
+                    f"no object can be called '{GROUND}': so contacts call what all "
+                    "stands on; rename it",
+                    self.locations.get(item.name),
+                )
             if item.name in model.link_by_name:
                 raise ConfigError(
                     f"object '{item.name}' has the name of a link of the robot; "

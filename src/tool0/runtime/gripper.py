@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from numbers import Real
 from typing import TYPE_CHECKING, final
 
 from tool0.description.model import ParallelGripper
@@ -44,7 +45,7 @@ class Gripper:
     def state(self) -> GraspState:
         """What it does now: it moves, has arrived, or holds something, how wide.
 
-        Told from the last half second; the simulation does not wait for it.
+        Told from the last tenth of a second; the simulation does not wait for it.
         """
         return judge(self.geometry, self._bus.history())
 
@@ -103,9 +104,10 @@ class Gripper:
 
         Raises:
             ModelError: If ``opening`` is out of reach.
-            ControlError: If speed, force or effort are, or no running controller takes
-                the command; nothing has changed then.
+            ControlError: If speed, force or effort are, or are no numbers, or no
+                running controller takes the command; nothing has changed then.
         """
+        _require_numbers(opening=opening, speed=speed, force=force, effort=effort)
         geometry, robot = self.geometry, self._robot
         target, joint = geometry.position(opening), geometry.joint
         speed = geometry.speed[1] if speed is None else speed
@@ -145,3 +147,11 @@ class Gripper:
         if ahead * (end - now) <= 0.0:
             return now
         return end if abs(ahead) > abs(end - now) else now + ahead
+
+
+def _require_numbers(*, opening: float, **settings: float | None) -> None:
+    """Refuse texts and arrays here: the loop could only fail of them."""
+    given = {what: value for what, value in settings.items() if value is not None}
+    for what, value in {"opening": opening, **given}.items():
+        if not isinstance(value, Real):
+            raise ControlError(f"{what} must be one number, got {value!r}")

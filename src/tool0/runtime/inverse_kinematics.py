@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from tool0.description.model import JointType
-from tool0.errors import UnreachableError
+from tool0.errors import ControlError, UnreachableError
 from tool0.runtime.arm_chain import ArmChain, Array
 from tool0.runtime.arm_geometry import SINGULAR, ArmGeometry, wrapped
 from tool0.runtime.branch import Branch, Solution
@@ -53,6 +53,10 @@ class InverseKinematics:
         Raises:
             UnreachableError: If there is none; it says why.
         """
+        if not isinstance(branch, Branch | None):
+            raise ControlError(
+                f'a branch must be as Branch(elbow="up"), got {branch!r}'
+            )
         every = self.postures(T_base_tip, near)
         if not len(every):
             raise UnreachableError(self._why_none(T_base_tip))

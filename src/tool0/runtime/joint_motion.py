@@ -57,8 +57,7 @@ def plan_motion(
     Raises:
         ControlError: If ``speed`` is out of range.
     """
-    if not SLOWEST <= speed <= 1.0:
-        raise ControlError(f"speed must be in [{SLOWEST}, 1], got {speed}")
+    require_speed(speed)
     ends = [
         q + shortest_turn(q, end) if joint.type is JointType.CONTINUOUS else end
         for joint, q, end in zip(joints, start.positions, targets, strict=True)
@@ -68,6 +67,15 @@ def plan_motion(
         _path(joint, k, motion, end)
         for k, (joint, end) in enumerate(zip(joints, ends, strict=True))
     ]
+
+
+def require_speed(speed: float) -> None:
+    """Raise ControlError if joints cannot be told to move at ``speed``."""
+    if not SLOWEST <= speed <= 1.0:
+        raise ControlError(
+            f"speed must be in [{SLOWEST}, 1], got {speed}: it is a part of the "
+            "joints' largest velocities"
+        )
 
 
 def import_planner() -> None:

@@ -85,6 +85,7 @@ def test_a_film_is_as_long_as_the_pick(
         (["--n", "0"], "--n must be 1 or more picks, got 0"),
         (["--size", "0.2"], "is 200.0 mm wide, and the gripper opens to 85.0 mm"),
         (["--force", "500"], "force 500.0 N is outside [20.0, 235.0] N"),
+        (["--speed", "2"], "speed must be in [0.01, 1], got 2.0"),
         (["--video", "/nowhere/pick.mp4"], "/nowhere"),
         (["--report", "/nowhere/pick.json"], "/nowhere"),
         (["--video", "pick.mp4", "--camera", "rist"], "did you mean 'wrist'?"),

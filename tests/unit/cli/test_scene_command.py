@@ -90,6 +90,7 @@ def test_remove_takes_several(robot: FakeRobot) -> None:
         ("scene add thing", "give one shape, --box, --cylinder, --sphere or --mesh"),
         ("scene add thing --sphere 1 --box 1 1 1", "or --mesh; got 2"),
         ("scene add thing --mesh none.stl", "there is no mesh"),
+        ("scene add thing --sphere 1 --scale 2", "--scale goes with --mesh"),
         ("scene remove", "name at least one object"),
         ("scene remove cup", "there is no object 'cup'"),
     ],

@@ -338,6 +338,7 @@ def test_another_arm_is_only_yaml() -> None:
         ({"gripper": "2f140x"}, "unknown gripper '2f140x'.*2f85"),
         ({"prefix": "left arm"}, "the prefix 'left arm' has characters"),
         ({"meshes": "fancy"}, "unknown meshes 'fancy'; valid: tool0, upstream"),
+        ({"gripper_model": "x"}, "unknown gripper model 'x'; valid: linkage, mimic$"),
         ({"saftey_limits": True}, "'saftey_limits'; did you mean 'safety_limits'"),
         ({"kinematics_params": "no.yaml"}, "cannot read the parameters '.*no.yaml'"),
         ({"transmission_hw_interface": "hardware/interface/EffortJointInterface"},

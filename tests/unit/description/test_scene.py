@@ -79,3 +79,8 @@ def test_no_object_is_called_like_a_link(skew_model: RobotModel) -> None:
     Scene((with_geometry(BOX),)).check_beside(skew_model)
     with pytest.raises(ConfigError, match=f"object '{link}' has the name of a link"):
         Scene((SceneObject(name=link, geometry=BOX),)).check_beside(skew_model)
+
+
+def test_no_object_is_called_like_the_ground(skew_model: RobotModel) -> None:
+    with pytest.raises(ConfigError, match="no object can be called 'ground'"):
+        Scene((SceneObject(name="ground", geometry=BOX),)).check_beside(skew_model)

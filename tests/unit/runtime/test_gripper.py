@@ -6,6 +6,7 @@ import math
 import threading
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 from ur5_rig import GRIPPER
 
@@ -37,6 +38,20 @@ def test_a_setting_out_of_range_is_refused_and_the_motion_goes_on(
         robot.gripper.move(opening=0.08, **{setting: value})
     assert goal.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
     assert robot.gripper.opening == pytest.approx(0.03, abs=1e-3)
+
+
+@pytest.mark.parametrize("what", ["opening", "speed", "force", "effort"])
+@pytest.mark.parametrize("value", ["0.04", np.array([0.04])])
+def test_what_is_no_number_never_reaches_the_loop(
+    robot: tool0.Robot, what: str, value: object
+) -> None:
+    with pytest.raises(ControlError, match=f"{what} must be one number, got "):
+        robot.gripper.move(**{"opening": 0.04, what: value})  # type: ignore[arg-type]
+
+
+def test_numbers_of_numpy_s_are_numbers(robot: tool0.Robot) -> None:
+    robot.gripper.move(opening=np.float32(0.04))  # type: ignore[arg-type]
+    assert robot.gripper.wait(5.0).opening == pytest.approx(0.04, abs=1e-3)
 
 
 def test_a_refused_goal_leaves_the_effort_as_it_was(robot: tool0.Robot) -> None:

@@ -219,6 +219,11 @@ def test_a_branch_has_no_other_names() -> None:
     assert str(USUAL) == "left, up, no_flip"
 
 
+def test_a_word_is_no_branch(arm: InverseKinematics) -> None:
+    with pytest.raises(ControlError, match=r"as Branch\(elbow=.*got 'up'"):
+        arm.solutions(np.eye(4), np.zeros(6), "up")  # type: ignore[arg-type]
+
+
 def test_many_poses_are_solved_as_one_is() -> None:
     chain = ur5()
     geometry = ArmGeometry(chain)

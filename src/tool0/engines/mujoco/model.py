@@ -30,6 +30,7 @@ from tool0.description.model import (
     Surface,
     Visual,
 )
+from tool0.description.scene import GROUND
 from tool0.errors import ModelError
 from tool0.hardware.bodies import (
     Matrix,
@@ -91,7 +92,7 @@ def build_spec(
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     if ground is not None:
         spec.worldbody.add_geom(
-            name="ground",
+            name=GROUND,
             pos=[0.0, 0.0, ground],
             type=mujoco.mjtGeom.mjGEOM_PLANE,
             size=[0.0, 0.0, 0.05],
