@@ -18,7 +18,10 @@ SERVICE = "ur_hardware_interface/zero_ftsensor"
 
 @final
 class ForceTorqueEdge:
-    """A topic that measures while somebody listens, and a service that zeroes."""
+    """A topic that publishes while somebody listens, and a service that zeroes.
+
+    The sensor starts with the first listener, and goes on: a stop would forget a zero.
+    """
 
     def __init__(self, node: RosNode, sensor: ForceTorque) -> None:
         from geometry_msgs.msg import WrenchStamped
