@@ -182,7 +182,7 @@ def test_an_action_that_meets_something_ends_as_in_ros(
     assert robot.gripper.wait(1.0).motion == "holding_inside"
 
 
-def test_a_firmer_squeeze_never_lets_go(
+def test_another_squeeze_never_lets_go(
     bring_up: BringUp, options: dict[str, object]
 ) -> None:
     item = block(0.045)
@@ -199,3 +199,7 @@ def test_a_firmer_squeeze_never_lets_go(
             pads = squeeze(robot, item.name, axis)
             assert min(pads, default=0.0) >= 0.9 * weaker
         weaker = force
+    robot.gripper.move(opening=0.0, force=20.0)
+    for _ in range(100):
+        robot.run(0.002)
+        assert min(squeeze(robot, item.name, axis), default=0.0) >= 0.6 * 20.0

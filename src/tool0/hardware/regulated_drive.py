@@ -8,6 +8,11 @@ from typing import final
 from tool0.description.model import JointLimits
 from tool0.hardware.drive_bounds import DriveBounds
 
+EASE = 0.05
+"""How long a drive takes at least to let go of all its effort when its settings get
+weaker [s]: several times the 13 ms at which rotor and pads swing on what they squeeze,
+so that a weaker grip stays a grip.  A guess: no datasheet tells a 2F-85's."""
+
 
 @final
 class RegulatedDrive:
@@ -36,6 +41,7 @@ class RegulatedDrive:
         self._effort = hard.effort
         self._speed = hard.velocity
         self._rotor = armature / dt if armature > 0.0 else math.inf
+        self._ease = hard.effort * dt / EASE
         self._velocity: float | None = None
         self.bounds: DriveBounds | None = None
         """What is allowed below the limits."""
@@ -67,7 +73,10 @@ class RegulatedDrive:
             return effort  # as nearly always: nothing binds
         if self.bounds is not None:
             grip, fastest = self.bounds.at(position)
-            effort = min(max(effort, load - grip), load + grip)
+            # What squeezes with more lets go step by step.
+            lowest = min(load - grip, applied + self._ease)
+            highest = max(load + grip, applied - self._ease)
+            effort = min(max(effort, lowest), highest)
             speed = min(speed, fastest)
         effort = min(max(effort, -most), most)
         before, self._velocity = self._velocity, velocity

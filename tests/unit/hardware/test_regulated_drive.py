@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 from tool0.description.catalogue import assemble
 from tool0.description.model import JointLimits
 from tool0.hardware.drive_bounds import DriveBounds
-from tool0.hardware.regulated_drive import RegulatedDrive
+from tool0.hardware.regulated_drive import EASE, RegulatedDrive
 
 (GRIPPER,) = assemble("ur5", "2f85").model.grippers
 HARD = JointLimits(lower=0.0, upper=0.8133, velocity=1.75, effort=26.8)
@@ -74,13 +75,41 @@ def test_what_stops_it_is_pressed_with_the_force_whatever_the_speed(
     assert applied == pytest.approx(force * LEVER)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_weaker_setting_is_reached_step_by_step(sign: float) -> None:
+    drive, applied, efforts = bounded(force=235.0), 0.0, []
+
+    def press(wanted: float) -> float:
+        return drive.bound(
+            wanted, applied=applied, load=0.0, position=POSITION, velocity=0.0
+        )
+
+    for k in range(60):
+        if k == 5:
+            drive.bounds = DriveBounds(gripper=GRIPPER, force=20.0)
+        applied = press(sign * 26.8)
+        efforts.append(sign * applied)
+    firm, *eased = efforts[4:]
+    assert firm == pytest.approx(235.0 * LEVER)
+    steps = -np.diff([firm, *eased])
+    assert max(steps) == pytest.approx(HARD.effort * DT / EASE)
+    assert min(steps) >= 0.0
+    assert eased[-1] == pytest.approx(20.0 * LEVER)
+    drive.bounds, applied = None, press(sign * 26.8)
+    drive.bounds = DriveBounds(gripper=GRIPPER, force=20.0)
+    assert press(-sign * 26.8) == pytest.approx(
+        -sign * 20.0 * LEVER
+    )  # to open: at once
+
+
 def test_the_weight_of_the_fingers_is_no_part_of_the_force() -> None:
     drive = bounded(force=20.0)
     for load in (0.07, -0.07):
         for wanted in (20.0, -20.0):
+            effort = 0.0
             for _ in range(20):
                 effort = drive.bound(
-                    wanted, applied=wanted, load=load, position=POSITION, velocity=0.0
+                    wanted, applied=effort, load=load, position=POSITION, velocity=0.0
                 )
             assert abs(effort - load) == pytest.approx(20.0 * LEVER)
 
