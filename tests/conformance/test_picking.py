@@ -10,6 +10,7 @@ from tool0.demo.bin import find_bin
 from tool0.demo.pick import pick_and_place
 from tool0.demo.picker import PickOptions
 from tool0.demo.trials import TABLE, random_poses, run_trials
+from tool0.runtime.bus import Snapshot
 
 N_PICKS = 3
 
@@ -28,6 +29,7 @@ def test_cubes_from_anywhere_end_in_the_bin(bring_up: BringUp) -> None:
     starts = {pick.start[:2] for pick in report.picks}
     assert len(starts) == N_PICKS
     for pick in report.picks:
+        assert pick.end is not None
         assert into.lower[1] < pick.end[1] < into.upper[1]
         assert pick.width == pytest.approx(0.045, abs=5e-4)
         assert pick.grip_force == pytest.approx(60.0, rel=0.1)
@@ -62,3 +64,18 @@ def test_what_is_out_of_reach_is_told_and_nothing_moves(bring_up: BringUp) -> No
     assert "cannot be reached from above" in str(report.failure)
     after = robot.joint_state.position
     assert all(abs(after[name] - before[name]) < 0.02 for name in before)
+
+
+def test_what_somebody_takes_away_is_a_failure(bring_up: BringUp) -> None:
+    robot = start(bring_up)
+    into = find_bin(robot.scene.objects, "bin")
+    begun = robot.time
+
+    def take_away(_: Snapshot) -> None:
+        if robot.time > begun + 1.0 and "cube" in robot.scene:
+            robot.scene.remove("cube")
+
+    report = pick_and_place(robot, "cube", into, on_snapshot=take_away)
+    assert not report.success
+    assert "the object 'cube' is gone" in str(report.failure)
+    assert report.end is None

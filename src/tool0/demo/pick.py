@@ -55,7 +55,7 @@ def pick_and_place(
             failure=failure,
             item=item,
             start=start,
-            end=witness.pose().position,
+            end=witness.pose().position if item in robot.scene else None,
             force=options.force,
             grip_force=picker.force,
             peak_force=witness.peak_force,

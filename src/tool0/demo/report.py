@@ -19,8 +19,8 @@ class PickReport:
     """The object."""
     start: tuple[float, float, float]
     """Where it was, in the root [m]."""
-    end: tuple[float, float, float]
-    """Where it is [m]."""
+    end: tuple[float, float, float] | None
+    """Where it is [m]; None if somebody took it away."""
     force: float
     """That each pad was to exert [N]."""
     grip_force: float | None = None
