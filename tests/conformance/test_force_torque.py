@@ -14,7 +14,7 @@ from tool0.description.kinematics import to_transform, transforms
 from tool0.description.model import Box, Pose, RobotModel
 from tool0.description.scene import Scene, SceneObject
 
-G = 9.81  # [m/s²]
+G = 9.81  # [m/s²], Gazebo's is 0.1 % less
 EDGE = 0.04  # [m]
 BETWEEN_PADS = (0.5487, 0.1091, 0.003)
 """Where an object lies between the pads in the pose ``ready``, in the root [m]."""

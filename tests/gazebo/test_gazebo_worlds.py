@@ -4,6 +4,7 @@ import logging
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from in_gazebo import BringUp, gz
 
@@ -63,6 +64,18 @@ def test_a_world_of_ones_own_is_used_at_the_robots_step(
     assert z == pytest.approx(3.0 - 5.0 * 0.5**2 / 2.0, abs=0.005)  # its own gravity
     position = robot.joint_state.position
     assert position["elbow_joint"] == pytest.approx(math.pi / 2, abs=0.02)
+
+
+def test_the_weight_of_things_is_that_of_the_world(
+    tmp_path: Path, bring_up: BringUp
+) -> None:
+    world = tmp_path / "slope.world"
+    world.write_text(WORLD.replace("0 0 -5", "-3 0 -4").replace("2 0 3", "2 5 3"))
+    robot, engine = bring_up(world=world)
+    assert engine.gravity == (-3.0, 0.0, -4.0)
+    robot.run(2.0)
+    pull = np.array(robot.pose("tool0").rotation) @ robot.force_torque.read().force
+    np.testing.assert_allclose(pull, 0.921 * np.array(engine.gravity), atol=0.01)
 
 
 def test_a_world_is_read_relative_to_where_the_person_is(
@@ -227,3 +240,26 @@ def test_who_resets_the_world_in_gazebo_gets_the_robot_back(
     robot.run(6.0)
     assert robot.time == pytest.approx(time + 6.0)
     assert robot.joint_state.position == pytest.approx(held, abs=0.01)
+
+
+def test_contacts_of_many_things_are_told_in_parts(
+    file: Path, bring_up: BringUp
+) -> None:
+    """A packet of the bridge's holds 400 pairs of shapes, or fewer of long names."""
+    n, side = 100, 0.02  # [m]
+    links = "".join(
+        f"""<link name="link_{i}"><pose>{i % 10 * 0.03} {i // 10 * 0.03} 0 0 0 0</pose>
+        <inertial><mass>0.1</mass><inertia><ixx>1e-5</ixx><iyy>1e-5</iyy>
+        <izz>1e-5</izz></inertia></inertial>
+        <collision name="{"x" * 700}{i}"><geometry><box>
+        <size>{side} {side} {side}</size></box></geometry></collision></link>"""
+        for i in range(n)
+    )
+    file.write_text(f'<sdf version="1.6"><model name="m">{links}</model></sdf>')
+    robot, engine = bring_up(gripper=None)
+    engine.spawn_file("crowd", file, Pose(xyz=(2.0, 0.0, side / 2.0 - 0.1)))
+    robot.contacts()
+    robot.run(0.3)
+    (contact,) = robot.contacts()
+    assert {contact.first, contact.second} == {"ground", "crowd"}
+    assert abs(contact.force[2]) == pytest.approx(n * 0.1 * 9.8, rel=0.01)

@@ -284,7 +284,8 @@ def test_time_stands_still_and_goes_on(gazebo: Gazebo) -> None:
     gazebo.tell("pause_physics")
     physics = gazebo.ask("get_physics_properties")
     assert physics.pause
-    assert (physics.time_step, physics.gravity.z) == (0.001, -9.81)
+    assert physics.time_step == 0.001
+    assert physics.gravity.z in (-9.81, -9.8)  # MuJoCo's, Gazebo's
     stopped = gazebo.time
     gazebo.place("robot", at(0.0, 0.0, 0.0))  # whatever is asked
     assert gazebo.time == stopped

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, final
 
+from tool0.description.model import Vector3
 from tool0.description.scene import SceneObject
 from tool0.hardware.joint_state import JointState
 
@@ -61,6 +62,10 @@ class Engine(Protocol):
     @property
     def dt(self) -> float:
         """Length of one step [s]."""
+
+    @property
+    def gravity(self) -> Vector3:
+        """Acceleration of free fall [m/s²], in the axes of the robot's root."""
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
         """Put joints at ``position`` [rad | m], at rest, and objects where they began.

@@ -14,11 +14,11 @@ from typing import final
 
 import numpy as np
 
-from tool0.description.model import Joint, JointType, RobotModel
+from tool0.description.model import Joint, JointType, RobotModel, Vector3
 from tool0.hardware.bodies import Matrix, moving_bodies
 
-STANDARD_GRAVITY = 9.81
-"""Gravity along -z [m/s²], the value that Gazebo and MuJoCo use by default."""
+STANDARD_GRAVITY: Vector3 = (0.0, 0.0, -9.81)
+"""Acceleration of free fall [m/s²], as MuJoCo has it by default; Gazebo has 9.8."""
 
 
 @final
@@ -28,10 +28,13 @@ class JointDynamics:
     Passive joints are, too: while nothing touches their linkage, they do mimic.
     """
 
-    def __init__(self, model: RobotModel, gravity: float = STANDARD_GRAVITY) -> None:
+    def __init__(self, model: RobotModel, gravity: Vector3 = STANDARD_GRAVITY) -> None:
+        """Take the robot's figures; ``gravity`` [m/s²] is in the axes of its root."""
         bodies = moving_bodies(model)
         self._n = len(bodies)
-        self._gravity = gravity
+        self._gravity = math.hypot(*gravity)
+        # Seen from a root that is turned so, things fall along -z.
+        upright = _upright(gravity)
         index = {body.joint.name: i for i, body in enumerate(bodies)}
         self._parent = [body.parent for body in bodies]
         self._prismatic = [b.joint.type is JointType.PRISMATIC for b in bodies]
@@ -53,7 +56,7 @@ class JointDynamics:
         self._center: list[tuple[float, float, float]] = []
         self._tensor: list[Matrix] = []
         for body, turn in zip(bodies, turns, strict=True):
-            before = turns[body.parent].T if body.parent >= 0 else np.eye(3)
+            before = turns[body.parent].T if body.parent >= 0 else upright
             rotation = before @ body.placement[:3, :3] @ turn
             offset = before @ body.placement[:3, 3]
             self._placement.append((*rotation.T.ravel().tolist(), *offset.tolist()))
@@ -129,7 +132,10 @@ class JointDynamics:
         return matrix
 
     def frames(self, position: Sequence[float]) -> list[tuple[float, ...]]:
-        """Return each body's axes x, y, z and origin in the world, 12 floats each."""
+        """Return each body's axes x, y, z and origin in the root, 12 floats each.
+
+        Where gravity is not along -z, in the root turned so that it is.
+        """
         frames: list[tuple[float, ...]] = []
         cos, sin = math.cos, math.sin
         for i, place in enumerate(self._placement):
@@ -183,6 +189,15 @@ def _master(
         multiplier *= joint.mimic.multiplier
         joint = model.joint_by_name[joint.mimic.joint]
     return index[joint.name], multiplier
+
+
+def _upright(gravity: Vector3) -> Matrix:
+    """Return the turn, shape (3, 3), after which ``gravity`` points along -z."""
+    x, y, z = gravity
+    if x == y == 0.0 and z <= 0.0:
+        return np.eye(3)
+    g = math.hypot(x, y, z)
+    return turn_z_to((-x / g, -y / g, -z / g)).T
 
 
 def turn_z_to(axis: Sequence[float]) -> Matrix:

@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 from operator import mul, truediv
 from typing import final
 
-from tool0.description.model import Interface, JointLimits, RobotModel
+from tool0.description.model import Interface, JointLimits, RobotModel, Vector3
 from tool0.errors import ModelError, nearest_name
 from tool0.hardware.drive_bounds import DriveBounds
-from tool0.hardware.joint_dynamics import JointDynamics
+from tool0.hardware.joint_dynamics import STANDARD_GRAVITY, JointDynamics
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.limits import DriveLimits, EffortLimiter
 from tool0.hardware.servo import Brake, PositionServo, Servo, VelocityServo
@@ -37,6 +37,7 @@ class RobotHardware:
         joint_names: Sequence[str],
         dt: float,
         limits: Mapping[str, JointLimits] | None = None,
+        gravity: Vector3 = STANDARD_GRAVITY,
     ) -> None:
         """Build the drives.
 
@@ -45,6 +46,7 @@ class RobotHardware:
             joint_names: The engine's joints, in its order.
             dt: The engine's step [s].
             limits: Limits that replace those of the URDF, by joint.
+            gravity: In the axes of the robot's root [m/s²].
         """
         overrides = dict(limits or {})
         for name in overrides:
@@ -65,7 +67,7 @@ class RobotHardware:
         self.command = [0.0] * len(self.joint_names)
         """What the claiming controllers want, in the unit of their interface."""
         self._dt = dt
-        self._dynamics = JointDynamics(model)
+        self._dynamics = JointDynamics(model, gravity)
         movable = [self.index[joint.name] for joint in model.movable_joints]
         self._to_model = movable
         """Engine index of each of the model's movable joints."""

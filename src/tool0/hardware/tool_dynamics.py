@@ -67,9 +67,9 @@ class ToolDynamics:
     """The wrench that a link, and all beyond it, exerts on what carries it."""
 
     def __init__(
-        self, model: RobotModel, link: str, gravity: float = STANDARD_GRAVITY
+        self, model: RobotModel, link: str, gravity: Vector3 = STANDARD_GRAVITY
     ) -> None:
-        """Cut the robot before ``link``.
+        """Cut the robot before ``link``; ``gravity`` [m/s²] is in the root's axes.
 
         Raises:
             ModelError: If there is no such link.
@@ -78,7 +78,8 @@ class ToolDynamics:
         """``link`` and all that hang on it."""
         bodies = moving_bodies(model)
         self._dynamics = JointDynamics(model)
-        self._gravity = gravity
+        gx, gy, gz = gravity
+        self._still = _Motion(_ZERO, _ZERO, (-gx, -gy, -gz))
         self._parent = [body.parent for body in bodies]
         self._prismatic = [b.joint.type is JointType.PRISMATIC for b in bodies]
         # The frames are turned so that each joint acts along its own z.
@@ -154,7 +155,7 @@ class ToolDynamics:
     ) -> list[_Motion]:
         """Return each body's motion, and last the world's."""
         motions: list[_Motion] = []
-        still = _Motion(_ZERO, _ZERO, (0.0, 0.0, self._gravity))
+        still = self._still
         for i, parent in enumerate(self._parent):
             w, dw, a = motions[parent] if parent >= 0 else still
             frame, before = frames[i], frames[parent]

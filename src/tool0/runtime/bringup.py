@@ -349,7 +349,9 @@ def _core(
         name: limits.over(model.joint(name).limits)
         for name, limits in config.joint_limits().items()
     }
-    hardware = RobotHardware(model, engine.joint_names, engine.dt, overrides)
+    hardware = RobotHardware(
+        model, engine.joint_names, engine.dt, overrides, engine.gravity
+    )
     joints = {
         name: replace(joint, limits=hardware.limits.get(name, joint.limits))
         for name, joint in model.joint_by_name.items()

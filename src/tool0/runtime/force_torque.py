@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import final
 
 from tool0.description.catalogue import RobotDescription
-from tool0.description.model import FLANGE, RobotModel
+from tool0.description.model import FLANGE, RobotModel, Vector3
 from tool0.errors import ControlError
 from tool0.hardware.low_pass import LowPass
 from tool0.runtime import commands as ask
@@ -44,6 +44,7 @@ class ForceTorque:
         *,
         joint_names: Sequence[str],
         dt: float,
+        gravity: Vector3,
         loop: Loop,
     ) -> None:
         """Look at ``link`` of ``model``.
@@ -53,6 +54,7 @@ class ForceTorque:
             link: What carries the tool; itself and all beyond it is the tool.
             joint_names: The engine's joints, in its order.
             dt: The engine's step [s].
+            gravity: In the axes of the robot's root [m/s²].
             loop: Whose ticks sample.
 
         Raises:
@@ -62,6 +64,7 @@ class ForceTorque:
         self._model = model
         self._joint_names = tuple(joint_names)
         self._dt = dt
+        self._gravity = gravity
         self._loop = loop
         self._lock = threading.Lock()
         self._sensor: ForceTorqueSensor | None = None
@@ -140,6 +143,7 @@ class ForceTorque:
             self.link,
             self._joint_names,
             dt=self._dt,
+            gravity=self._gravity,
             ticks=ticks,
             low_pass=functools.partial(LowPass, cutoff, exact),
         )
@@ -160,6 +164,7 @@ class ForceTorques:
         *,
         joint_names: Sequence[str],
         dt: float,
+        gravity: Vector3,
         loop: Loop,
     ) -> None:
         """Start none; see ``ForceTorque`` for the arguments."""
@@ -167,6 +172,7 @@ class ForceTorques:
         self._tool0 = description.prefix + FLANGE
         self._joint_names = joint_names
         self._dt = dt
+        self._gravity = gravity
         self._loop = loop
         self._lock = threading.Lock()
         self._known: dict[str, ForceTorque] = {}
@@ -180,6 +186,7 @@ class ForceTorques:
                     link,
                     joint_names=self._joint_names,
                     dt=self._dt,
+                    gravity=self._gravity,
                     loop=self._loop,
                 )
             return self._known[link]

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import final
 
-from tool0.description.model import RobotModel
+from tool0.description.model import RobotModel, Vector3
 from tool0.hardware.engine import Contact
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.low_pass import LowPass
@@ -31,6 +31,7 @@ class ForceTorqueSensor:
         joint_names: Sequence[str],
         *,
         dt: float,
+        gravity: Vector3,
         ticks: int,
         low_pass: Callable[[], LowPass],
     ) -> None:
@@ -41,11 +42,12 @@ class ForceTorqueSensor:
             link: What beyond it pulls, and in whose frame that is told.
             joint_names: The engine's joints, in its order.
             dt: The engine's step [s].
+            gravity: In the axes of the robot's root [m/s²].
             ticks: From one sample to the next.
             low_pass: Makes the filter, at the start and after a reset.
         """
         self.link = link
-        self._dynamics = ToolDynamics(model, link)
+        self._dynamics = ToolDynamics(model, link, gravity)
         self._to_model = [joint_names.index(j.name) for j in model.movable_joints]
         self._dt = dt
         self._ticks = ticks

@@ -99,7 +99,11 @@ class Robot:
         self.scene = SceneHandle(loop, lambda: self.snapshot)
         """What is around it: objects that come, go and are put somewhere."""
         self._force_torques = ForceTorques(
-            description, joint_names=engine.joint_names, dt=engine.dt, loop=loop
+            description,
+            joint_names=engine.joint_names,
+            dt=engine.dt,
+            gravity=engine.gravity,
+            loop=loop,
         )
         self._grippers = {
             gripper.name: Gripper(gripper, self, loop, bus)

@@ -38,6 +38,24 @@ def test_gravity_and_mass_matrix_are_those_of_mujoco(
     np.testing.assert_allclose(dynamics.mass_matrix(pose)[:3, :3], expected, atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "gravity", [(0.0, 0.0, 0.0), (0.0, 0.0, 3.0), (1.0, 0.0, -2.0), (0.3, -7.0, 0.0)]
+)
+def test_gravity_may_point_anywhere(
+    skew_model: RobotModel, gravity: tuple[float, float, float]
+) -> None:
+    engine = MujocoEngine(skew_model)
+    engine.model.opt.gravity[:] = gravity
+    pose = random_pose(np.random.default_rng(2))
+    engine.reset(pose)
+    assert engine.gravity == gravity
+    dynamics = JointDynamics(skew_model, engine.gravity)
+    expected = MASTERS.T @ engine.data.qfrc_bias
+    np.testing.assert_allclose(dynamics.static_effort(pose)[:3], expected, atol=1e-9)
+    matrix = JointDynamics(skew_model).mass_matrix(pose)
+    np.testing.assert_allclose(dynamics.mass_matrix(pose), matrix, atol=1e-9)
+
+
 def test_a_mimic_joint_bears_no_load_itself(skew_model: RobotModel) -> None:
     dynamics = JointDynamics(skew_model)
     pose = random_pose(np.random.default_rng(1))

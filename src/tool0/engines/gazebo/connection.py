@@ -17,7 +17,7 @@ import numpy as np
 from tool0.errors import EngineError, EngineUnavailableError
 from tool0.hardware.bodies import Matrix
 
-VERSION = 5
+VERSION = 6
 """Of the packets; as ``kVersion`` in bridge.cc."""
 _LARGEST = 1 << 16
 _HURRY = 1e-4  # [s] between an answer and the next request, at full speed

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import final
 
 from tool0.description.catalogue import RobotDescription
-from tool0.description.model import Pose
+from tool0.description.model import Pose, Vector3
 from tool0.description.scene import Scene, SceneObject
 from tool0.engines.gazebo.connection import (
     Connection,
@@ -108,7 +108,7 @@ class GazeboEngine:
             self._models = Models(
                 self._connection, self.server, world, self._root, names
             )
-            self._models.populate(model, urdf, gears, scene or Scene())
+            self._gravity = self._models.populate(model, urdf, gears, scene or Scene())
             self.reset([0.0] * n)
             if gui:
                 self.server.open_window()
@@ -121,6 +121,11 @@ class GazeboEngine:
     @property
     def dt(self) -> float:
         return self._dt
+
+    @property
+    def gravity(self) -> Vector3:
+        """As the world had it when the robot came [m/s²]."""
+        return self._gravity
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
         """Put joints at ``position`` [rad | m], at rest, and objects where they began.

@@ -8,7 +8,7 @@ import struct
 from pathlib import Path
 from typing import final
 
-from tool0.description.model import Pose, RobotModel, Transmission
+from tool0.description.model import Pose, RobotModel, Transmission, Vector3
 from tool0.description.scene import Scene, SceneObject
 from tool0.engines.gazebo.connection import (
     Connection,
@@ -75,8 +75,11 @@ class Models:
         urdf: str,
         gears: tuple[Coupling, ...],
         scene: Scene,
-    ) -> None:
+    ) -> Vector3:
         """Spawn the robot and the scene, and bind the bridge to the robot.
+
+        Returns:
+            The gravity of the world [m/s²].
 
         Args:
             model: The robot.
@@ -93,7 +96,7 @@ class Models:
         self._robot = model.name
         for item in scene.objects:
             self.spawn(item)
-        self._bind(model, gears)
+        return self._bind(model, gears)
 
     def start_poses(self) -> bytes:
         """Return where a reset puts the objects, as the bridge reads it."""
@@ -180,8 +183,13 @@ class Models:
 
     def contacts(self) -> tuple[Contact, ...]:
         """Return what touched in the last step; nothing when asked first."""
-        answer = self._connection.ask(Kind.CONTACTS)
-        return contacts_from(answer, self._names, self._root)
+        told, n, left = b"", 0, 1
+        while left:  # as many as go into an answer
+            answer = self._connection.ask(Kind.CONTACTS, struct.pack("=I", n))
+            some, left = struct.unpack_from("=2I", answer)
+            told += answer[8:]
+            n += some
+        return contacts_from(told, self._names, self._root)
 
     def attach(self, name: str, link: str) -> None:
         """Fix an object to a link as it is now.
@@ -229,10 +237,10 @@ class Models:
         if complaints:
             logger.warning("Gazebo complains:%s", complaints)
 
-    def _bind(self, model: RobotModel, gears: tuple[Coupling, ...]) -> None:
+    def _bind(self, model: RobotModel, gears: tuple[Coupling, ...]) -> Vector3:
         transmissions = model.transmission_by_joint
         names = [joint.name for joint in model.movable_joints]
-        self._connection.ask(
+        answer = self._connection.ask(
             Kind.BIND,
             text(model.name),
             struct.pack("=I", len(names)),
@@ -246,6 +254,8 @@ class Models:
                 for gear in gears
             ),
         )
+        x, y, z = struct.unpack("=3d", answer)
+        return x, y, z
 
     def _seen_from_root(self, name: str, row: tuple[float, ...]) -> ObjectState:
         x, y, z, qw, qx, qy, qz, vx, vy, vz, wx, wy, wz = row

@@ -51,18 +51,16 @@ class Names:
         return self._ground.get(model, model)
 
 
-def contacts_from(
-    answer: memoryview, names: Names, root: Matrix
-) -> tuple[Contact, ...]:
+def contacts_from(told: bytes, names: Names, root: Matrix) -> tuple[Contact, ...]:
     """Return what the bridge tells, in the axes of the robot's root.
 
     Args:
-        answer: To a request for contacts.
+        told: All touches, as the bridge tells them.
         names: Of links.
         root: The robot's root in the world, shape (4, 4): moved, not turned.
     """
     sums: dict[tuple[str, str], Matrix] = {}
-    for (first, second), figures in _read(answer.tobytes(), names):
+    for (first, second), figures in _read(told, names):
         if (second, first) in sums:
             sums[second, first] += figures * _SEEN_FROM_SECOND
         elif (first, second) in sums:

@@ -12,7 +12,7 @@ from typing import Any, final
 import mujoco
 import numpy as np
 
-from tool0.description.model import RobotModel
+from tool0.description.model import RobotModel, Vector3
 from tool0.description.scene import Scene, SceneObject
 from tool0.engines.mujoco.attachments import (
     Attachment,
@@ -96,6 +96,11 @@ class MujocoEngine:
     def dt(self) -> float:
         return self._dt
 
+    @property
+    def gravity(self) -> Vector3:
+        x, y, z = map(float, self.model.opt.gravity)
+        return x, y, z
+
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
         """Put joints at ``position`` [rad | m] and objects where they began."""
         if self._attached:
@@ -147,7 +152,7 @@ class MujocoEngine:
         if item.name in self._objects.names:
             raise EngineError(
                 f"there is an object '{item.name}' already; "
-                "delete it first, or take another name"
+                "remove it first, or take another name"
             )
         scene = Scene((*self._scene.objects, item), self._scene.locations)
         self._succeed(scene, self._attached)

@@ -7,7 +7,6 @@ from typing import Any, final
 from tool0.description.model import JointType
 from tool0.description.motion import FrameMotion
 from tool0.errors import ControlError
-from tool0.hardware.joint_dynamics import STANDARD_GRAVITY
 from tool0.ros1.conversions import Message
 from tool0.ros1.gazebo.messages import GazeboMessages
 from tool0.ros1.gazebo.world import GROUND, GazeboWorld, WorldView
@@ -48,7 +47,7 @@ class GazeboQueries:
         answer.time_step = dt
         answer.pause = snapshot.is_paused
         answer.max_update_rate = 0.0 if snapshot.speed is None else snapshot.speed / dt
-        answer.gravity = self._vector(0.0, 0.0, -STANDARD_GRAVITY)
+        answer.gravity = self._vector(*self._robot.engine.gravity)
         return _DONE
 
     def model_properties(self, request: Message, answer: Message) -> str:

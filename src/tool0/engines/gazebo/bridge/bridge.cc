@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -57,7 +58,7 @@ using ignition::math::Quaterniond;
 using ignition::math::Vector3d;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
 constexpr std::size_t kLargest = 1 << 16;             // [bytes] of a packet
 constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or go
 constexpr auto kLooked = std::chrono::milliseconds(1500);  // twice, at 5 Hz, for sure
@@ -89,6 +90,7 @@ class Packet {
   void Fill(std::size_t size) { size_ = size, at_ = 0; }
   const char* Bytes() const { return bytes_; }
   std::size_t Size() const { return size_; }
+  std::size_t Left() const { return kLargest - size_; }
 
   template <typename T>
   void Put(const T& value) {
@@ -100,6 +102,10 @@ class Packet {
     const std::size_t n = std::min(text.size(), kLargest - size_);
     std::memcpy(bytes_ + size_, text.data(), n);
     size_ += n;
+  }
+  /// Puts a number where another one is.
+  void Amend(std::size_t at, std::uint32_t value) {
+    std::memcpy(bytes_ + at, &value, sizeof value);
   }
   void PutText(const std::string& text) {
     Put(text);
@@ -582,7 +588,7 @@ class Bridge : public gazebo::SystemPlugin {
 
   /// In: name of the robot, with all joints at zero; n; of each joint its name and
   /// armature [kg·m²]; g; of each gear the numbers of its second and first joint, and
-  /// its multiplier.
+  /// its multiplier.  Out: the world's gravity [m/s²].
   void Bind() {
     const auto robot = Model(packet_.TakeText());
     std::vector<Drive> drives;
@@ -621,6 +627,7 @@ class Bridge : public gazebo::SystemPlugin {
     gears_.swap(gears);
     robot_ = robot;
     Begin();
+    packet_.Put(world_->Gravity());
   }
 
   /// Lets friction yield a little.  Two flat faces touch in more points than it takes to
@@ -667,40 +674,49 @@ class Bridge : public gazebo::SystemPlugin {
     Begin();
   }
 
-  /// Out: of each pair of shapes that touched in the last step, the names of the first
+  /// In: how many touches have been told already.  Out: how many are told here, how many
+  /// are left; of each pair of shapes that touched in the last step, the names of the first
   /// one's model and of itself, the same of the second, and the figures of a Touch.  None at
   /// the first time, which makes it look from then on.  So of each object that is attached:
   /// the robot and the link that holds it, the object, and nothing.
   void Contacts() {
+    const auto known = packet_.Take<std::uint32_t>();
     if (!touches_.IsOn()) {
       touches_.SwitchOn();
       world_->EnableAllModels();  // who sleeps touches nobody
     }
     Begin();
+    const std::size_t at = packet_.Size();
+    std::uint32_t all = 0, told = 0, left = 0;
+    packet_.Put(told), packet_.Put(left);
+    const auto tell = [&](const std::array<std::string, 4>& words, double weight,
+                          const std::array<Vector3d, 3>& vectors) {
+      if (all++ < known) return;
+      std::size_t size = 10 * sizeof(double);
+      for (const auto& word : words) size += word.size() + 1;
+      if (left > 0 || size > packet_.Left()) return void(++left);
+      for (const auto& word : words) packet_.PutText(word);
+      packet_.Put(weight);
+      for (const auto& vector : vectors) packet_.Put(vector);
+      ++told;
+    };
     for (const Touch& touch : touches_.Sums()) {
       const auto [first, second] = touch.Shapes();
       if (!first) continue;
-      for (const auto& shape : {first, second}) {
-        packet_.PutText(shape->GetModel()->GetName());
-        packet_.PutText(shape->GetName());
-      }
-      packet_.Put(touch.weight);
-      for (const auto& vector : {touch.moment, touch.force, touch.torque})
-        packet_.Put(vector);
+      tell({first->GetModel()->GetName(), first->GetName(), second->GetModel()->GetName(),
+            second->GetName()},
+           touch.weight, {touch.moment, touch.force, touch.torque});
     }
     for (const auto& [name, attached] : attached_) {
       const dBodyID body = dJointGetBody(attached.joint, 0);
       const Vector3d force = From(attached.feedback.f1);
       const double weight = force.Length();
       if (!body || !(weight > 0.0)) continue;
-      for (const auto& word : {robot_->GetName(), attached.link, name, std::string()})
-        packet_.PutText(word);
-      const Vector3d at = From(dBodyGetPosition(body));  // its centre of mass
-      packet_.Put(weight);
-      for (const auto& vector :
-           {at * weight, force, From(attached.feedback.t1) + at.Cross(force)})
-        packet_.Put(vector);
+      const Vector3d center = From(dBodyGetPosition(body));
+      tell({robot_->GetName(), attached.link, name, ""}, weight,
+           {center * weight, force, From(attached.feedback.t1) + center.Cross(force)});
     }
+    packet_.Amend(at, told), packet_.Amend(at + sizeof told, left);
   }
 
   /// In: name of an object that moves, name of the robot's link that it is fixed to as it
