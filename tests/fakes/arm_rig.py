@@ -8,7 +8,7 @@ import numpy as np
 
 from tool0.description.catalogue import assemble, load_robot
 from tool0.description.model import RobotModel
-from tool0.runtime.arm_chain import ArmChain, find_chains
+from tool0.kinematics.chain import ArmChain, find_chains
 
 JOINTS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
 QUARTER = np.pi / 2

@@ -11,12 +11,12 @@ import numpy as np
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.kinematics import Transform, transforms
 from tool0.errors import ControlError
-from tool0.runtime.arm_chain import ArmChain, Array, fixed_transform
-from tool0.runtime.branch import Branch, Solution
-from tool0.runtime.inverse_kinematics import InverseKinematics
-from tool0.runtime.line import Line
+from tool0.kinematics.branch import Branch, Solution
+from tool0.kinematics.chain import ArmChain, Array, fixed_transform
+from tool0.kinematics.inverse import InverseKinematics
+from tool0.kinematics.line import Line
+from tool0.kinematics.pose_matrix import AnyPose, as_matrix, as_transform
 from tool0.runtime.linear_motion import LinearLimits, LinearMotion
-from tool0.runtime.pose_matrix import AnyPose, as_matrix, as_transform
 
 if TYPE_CHECKING:
     from tool0.runtime.handles import ControllerHandle, GoalHandle

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from tool0.errors import ControlError
+from tool0.kinematics.chain import find_chains, why_no_arm
 from tool0.runtime.arm import Arm
-from tool0.runtime.arm_chain import find_chains, why_no_arm
 
 if TYPE_CHECKING:
     from tool0.runtime.robot import Robot

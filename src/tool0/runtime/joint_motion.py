@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from itertools import accumulate
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ from tool0.control.segment import Motion, MotionPlan
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
 from tool0.errors import ControlError
+from tool0.kinematics.speeds import largest_velocity
 
 if TYPE_CHECKING:
     import ruckig
@@ -24,10 +24,6 @@ TIME_TO_FULL_SPEED = 0.4
 shoulder of a UR5 gets 7.9 rad/s², which its drive can give to the outstretched arm."""
 TIME_TO_FULL_ACCELERATION = 0.1
 """[s], at the largest jerk; a guess: shorter makes the arm ring, longer feels slow."""
-UNLIMITED = {JointType.PRISMATIC: 0.25}
-"""Velocity of joints whose model gives none [m/s]."""
-UNLIMITED_TURN = 1.0
-"""The same of joints that turn [rad/s]."""
 SPACING = 1e-4
 """Changes nearer to each other than this are one [s]: too short for jerk to show."""
 _DOUBLINGS = 10
@@ -81,13 +77,6 @@ def require_speed(speed: float) -> None:
 def import_planner() -> None:
     """Import what plans, which takes some milliseconds, before a tick needs it."""
     import ruckig  # noqa: F401
-
-
-def largest_velocity(joint: Joint) -> float:
-    """Return how fast a joint may move [rad/s | m/s], by its model or by a guess."""
-    if math.isfinite(joint.limits.velocity):
-        return joint.limits.velocity
-    return UNLIMITED.get(joint.type, UNLIMITED_TURN)
 
 
 def _within_limits(

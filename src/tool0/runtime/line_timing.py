@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, final
 import numpy as np
 
 from tool0.errors import ControlError
-from tool0.runtime.arm_chain import Array
+from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
     import ruckig

@@ -11,15 +11,15 @@ import numpy as np
 
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.errors import ControlError, UnreachableError
-from tool0.runtime.arm_chain import Array
-from tool0.runtime.arm_geometry import wrapped
-from tool0.runtime.inverse_kinematics import InverseKinematics
+from tool0.kinematics.chain import Array
+from tool0.kinematics.geometry import wrapped
+from tool0.kinematics.inverse import InverseKinematics
+from tool0.kinematics.line import Line
+from tool0.kinematics.speeds import largest_velocity
 from tool0.runtime.joint_motion import (
     TIME_TO_FULL_ACCELERATION,
     TIME_TO_FULL_SPEED,
-    largest_velocity,
 )
-from tool0.runtime.line import Line
 from tool0.runtime.line_timing import SLOWEST, Stretch, Timing
 
 STEP = 0.002

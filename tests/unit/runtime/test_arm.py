@@ -14,8 +14,8 @@ import tool0
 from tool0.description.kinematics import Transform, to_transform
 from tool0.description.model import Pose
 from tool0.errors import ControlError, ModelError, UnreachableError
+from tool0.kinematics.branch import Branch
 from tool0.runtime import arm as module
-from tool0.runtime.branch import Branch
 from tool0.runtime.linear_motion import LinearMotion
 
 AT_HOME = dict(zip(ARM_JOINTS, HOME, strict=True))

@@ -13,11 +13,10 @@ from tool0.control.tolerances import NO_TOLERANCES
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointLimits, JointType
 from tool0.errors import ControlError
+from tool0.kinematics.speeds import UNLIMITED, UNLIMITED_TURN
 from tool0.runtime.joint_motion import (
     SPACING,
     TIME_TO_FULL_SPEED,
-    UNLIMITED,
-    UNLIMITED_TURN,
     plan_motion,
 )
 

@@ -13,12 +13,12 @@ from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.kinematics import to_transform
 from tool0.description.model import Pose
 from tool0.errors import ControlError, UnreachableError
-from tool0.runtime.arm_chain import Array
-from tool0.runtime.inverse_kinematics import InverseKinematics
+from tool0.kinematics.chain import Array
+from tool0.kinematics.inverse import InverseKinematics
+from tool0.kinematics.line import Line
+from tool0.kinematics.pose_matrix import as_matrix
 from tool0.runtime.joint_motion import TIME_TO_FULL_SPEED
-from tool0.runtime.line import Line
 from tool0.runtime.linear_motion import PERIOD, LinearLimits, LinearMotion
-from tool0.runtime.pose_matrix import as_matrix
 
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])
 PAD = as_matrix(Pose(xyz=(0.01, 0.0, 0.15), rpy=(0.2, 0.0, 0.3)))

@@ -9,10 +9,10 @@ import numpy as np
 
 from tool0.description.model import JointType
 from tool0.errors import ControlError, UnreachableError
-from tool0.runtime.arm_chain import ArmChain, Array
-from tool0.runtime.arm_geometry import SINGULAR, ArmGeometry, wrapped
-from tool0.runtime.branch import Branch, Solution
-from tool0.runtime.joint_motion import largest_velocity
+from tool0.kinematics.branch import Branch, Solution
+from tool0.kinematics.chain import ArmChain, Array
+from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
+from tool0.kinematics.speeds import largest_velocity
 
 PRECISION = 1e-9
 """How exactly a solution reaches its pose [m, rad]."""

@@ -18,7 +18,7 @@ from typing import NamedTuple, final
 import numpy as np
 
 from tool0.errors import ControlError
-from tool0.runtime.arm_chain import ArmChain, Array
+from tool0.kinematics.chain import ArmChain, Array
 
 N_BRANCHES = 8
 ROUNDING = 1e-6

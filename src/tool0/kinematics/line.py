@@ -7,8 +7,8 @@ from typing import final
 
 import numpy as np
 
-from tool0.runtime.arm_chain import Array
-from tool0.runtime.pose_matrix import as_transform
+from tool0.kinematics.chain import Array
+from tool0.kinematics.pose_matrix import as_transform
 
 
 @final
