@@ -95,11 +95,6 @@ def test_a_weaker_setting_is_reached_step_by_step(sign: float) -> None:
     assert max(steps) == pytest.approx(HARD.effort * DT / EASE)
     assert min(steps) >= 0.0
     assert eased[-1] == pytest.approx(20.0 * LEVER)
-    drive.bounds, applied = None, press(sign * 26.8)
-    drive.bounds = DriveBounds(gripper=GRIPPER, force=20.0)
-    assert press(-sign * 26.8) == pytest.approx(
-        -sign * 20.0 * LEVER
-    )  # to open: at once
 
 
 def test_the_weight_of_the_fingers_is_no_part_of_the_force() -> None:
