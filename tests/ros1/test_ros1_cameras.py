@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from types import ModuleType
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from promised import require_gl
 from ros import Bringup, Ros, until
-from ros_client import listening
+from ros_client import Message, listening
 
 from tool0.description.camera import default_cameras
 from tool0.description.catalogue import assemble
@@ -111,3 +112,24 @@ def test_what_formed_the_picture_comes_without_a_picture(
         (info,) = infos.next()
     assert info.header.frame_id == "scene_camera_color_optical_frame"
     assert list(info.K) == pytest.approx(SCENE.intrinsics.ravel().tolist())
+
+
+def test_cameras_of_a_robot_with_a_prefix_have_frames_of_their_own(
+    ros: Ros, rospy: ModuleType, bringup: Bringup
+) -> None:
+    from sensor_msgs.msg import CameraInfo
+    from tf2_msgs.msg import TFMessage
+
+    with (
+        contextlib.closing(ros.bring_up("--ns", "left", "--prefix", "left_")),
+        listening("/left/wrist_camera/color/camera_info", CameraInfo) as infos,
+        listening("/tf_static", TFMessage) as static,
+    ):
+        frame = infos.wait_for(lambda m: True).header.frame_id
+        assert frame == f"left_{FRAME}"
+        told = static.wait_for(lambda m: frame in parents(m))
+    assert parents(told)[frame] == "left_tool0"
+
+
+def parents(message: Message) -> dict[str, str]:
+    return {one.child_frame_id: one.header.frame_id for one in message.transforms}

@@ -18,9 +18,10 @@ from tool0.runtime.cameras import CameraHandle, CameraImage
 from tool0.runtime.robot import Robot
 
 
-def frame_of(camera: Camera, node: RosNode) -> str:
-    """Return the name of the optical frame."""
-    return _prefixed(f"{camera.name}_camera_color_optical_frame", node)
+def frame_of(camera: Camera, node: RosNode, robot: Robot) -> str:
+    """Return the name of the optical frame, which begins as those of the links."""
+    name = f"{robot.description.prefix}{camera.name}_camera_color_optical_frame"
+    return _prefixed(name, node)
 
 
 def camera_transforms(node: RosNode, robot: Robot) -> list[Message]:
@@ -33,7 +34,7 @@ def camera_transforms(node: RosNode, robot: Robot) -> list[Message]:
         message: Any = TransformStamped(header=node.header(robot.time))
         link = camera.link or robot.description.model.root
         message.header.frame_id = _prefixed(link, node)
-        message.child_frame_id = frame_of(camera, node)
+        message.child_frame_id = frame_of(camera, node, robot)
         place, turn = message.transform.translation, message.transform.rotation
         place.x, place.y, place.z = camera.T_link_camera.position
         turn.w, turn.x, turn.y, turn.z = camera.T_link_camera.quat_wxyz
@@ -48,7 +49,8 @@ class CameraEdges:
     def __init__(self, node: RosNode, robot: Robot) -> None:
         self._worker = Worker("tool0 ros1 cameras")
         self._edges = [
-            CameraEdge(node, view, self._worker) for view in robot.cameras.values()
+            CameraEdge(node, view, frame_of(view.camera, node, robot), self._worker)
+            for view in robot.cameras.values()
         ]
 
     def publish(self, snapshot: Snapshot) -> None:
@@ -70,10 +72,13 @@ class CameraEdges:
 class CameraEdge:
     """``image_raw`` and ``camera_info`` of colours and depth, of one camera."""
 
-    def __init__(self, node: RosNode, view: CameraHandle, worker: Worker) -> None:
+    def __init__(
+        self, node: RosNode, view: CameraHandle, frame: str, worker: Worker
+    ) -> None:
         from sensor_msgs.msg import CameraInfo, Image
 
         self._node, self._view, self._worker = node, view, worker
+        self._frame = frame
         self._image, self._info = Image, CameraInfo
         self._rate = PublishRate(node.options.camera_rate)
         self._is_free = threading.Event()  # no picture is being drawn
@@ -157,7 +162,7 @@ class CameraEdge:
 
     def _header(self, time: float) -> Message:
         header = self._node.header(time)
-        header.frame_id = frame_of(self._view.camera, self._node)
+        header.frame_id = self._frame
         return header
 
 
