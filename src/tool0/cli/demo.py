@@ -99,6 +99,8 @@ def pick(
     browser has opened it, and stays; headless it runs as fast as possible and ends.
     """
     # What cannot be is told before the work of minutes is in vain.
+    if arguments.report is not None and arguments.report == arguments.video:
+        raise ConfigError(f"--report and --video are one file, {arguments.report}")
     if arguments.report is not None:
         require_writable(arguments.report)
     if arguments.video is not None:

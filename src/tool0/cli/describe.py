@@ -68,6 +68,9 @@ def _render(description: RobotDescription, form: Form) -> str:
         case "urdf":
             return description.urdf
         case "mjcf":
+            from tool0.engines.mujoco.gl import import_mujoco
+
+            import_mujoco()
             from tool0.engines.mujoco.model import to_mjcf
 
             return to_mjcf(description.model)

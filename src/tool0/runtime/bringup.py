@@ -330,6 +330,9 @@ def _engine(
         raise ConfigError(
             f"a world file and Gazebo's window need engine 'gazebo', not '{name}'"
         )
+    from tool0.engines.mujoco.gl import import_mujoco
+
+    import_mujoco()
     from tool0.engines.mujoco.engine import MujocoEngine
 
     return MujocoEngine(description.model, dt, ground=-spawn_z, scene=scene)

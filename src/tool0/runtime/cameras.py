@@ -132,6 +132,9 @@ class Cameras(Mapping[str, "CameraHandle"]):
 
     def _fitting(self, camera: Camera) -> Renderer:
         """Return the renderer, made or made anew if the picture is too large for it."""
+        from tool0.engines.mujoco.gl import import_mujoco
+
+        import_mujoco()
         from tool0.engines.mujoco.rendering import Renderer
 
         old = self._renderer

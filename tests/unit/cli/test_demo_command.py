@@ -88,6 +88,7 @@ def test_a_film_is_as_long_as_the_pick(
         (["--speed", "2"], "speed must be in [0.01, 1], got 2.0"),
         (["--video", "/nowhere/pick.mp4"], "/nowhere"),
         (["--report", "/nowhere/pick.json"], "/nowhere"),
+        (["--report", "pick", "--video", "pick"], "are one file, pick"),
         (["--video", "pick.mp4", "--camera", "rist"], "did you mean 'wrist'?"),
     ],
 )

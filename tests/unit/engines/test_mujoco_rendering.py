@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -224,3 +227,20 @@ def test_a_mujoco_gl_that_draws_nothing_is_named(
     monkeypatch.setenv("MUJOCO_GL", word)
     with pytest.raises(RenderError, match=f"MUJOCO_GL is '{word}'"):
         Renderer(skew_model, None, 8, 8)
+
+
+@pytest.mark.parametrize("command", ["bringup --headless", "describe mjcf"])
+def test_a_wrong_mujoco_gl_is_no_traceback(command: str) -> None:
+    # In a process of its own: MuJoCo looks at it when it is imported.
+    ended = subprocess.run(
+        [sys.executable, "-m", "tool0", *command.split()],
+        env={**os.environ, "MUJOCO_GL": "nonsense"},
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=False,
+    )
+    assert ended.returncode == 2
+    (line,) = ended.stderr.splitlines()
+    assert line.startswith("tool0: error: MuJoCo cannot be imported: ")
+    assert line.endswith("unset MUJOCO_GL, which is 'nonsense'")

@@ -13,7 +13,7 @@ import os
 import sys
 from typing import Any, Final
 
-from tool0.errors import RenderError
+from tool0.errors import EngineUnavailableError, RenderError
 
 PACKAGES: Final = "libegl1 libopengl0 libgl1-mesa-dri"
 """What Debian and Ubuntu have for it; or libosmesa6, which needs no EGL."""
@@ -27,6 +27,22 @@ _MODULES: Final = {
     "cgl": "mujoco.cgl",
 }
 """What MUJOCO_GL may say → who makes the context."""
+
+
+def import_mujoco() -> None:
+    """Import ``mujoco``, which looks for the OpenGL that MUJOCO_GL names even then.
+
+    Raises:
+        EngineUnavailableError: If it fails; it says why, and what of that is MUJOCO_GL.
+    """
+    try:
+        importlib.import_module("mujoco")
+    except Exception as error:  # each OpenGL fails in its own ways
+        wanted = os.environ.get("MUJOCO_GL")
+        remedy = f"; unset MUJOCO_GL, which is '{wanted}'" if wanted else ""
+        raise EngineUnavailableError(
+            f"MuJoCo cannot be imported: {error or type(error).__name__}{remedy}"
+        ) from error
 
 
 def make_context(width: int, height: int) -> Any:  # none of MuJoCo's is typed
