@@ -69,12 +69,18 @@ class LineReader:
 
 
 def encode(message: Mapping[str, object], longest: int = MAX_LINE) -> bytes:
-    """Return ``message`` as one line, or raise LineTooLongError.
+    """Return ``message`` as one line.
 
     Infinity and NaN travel as Python's json writes them, so that a value is refused
-    by the same check, with the same words, near and far.
+    by the same check, with the same words, near and far.  numpy's numbers are numbers.
+
+    Raises:
+        LineTooLongError: If the line is longer than ``longest`` [bytes].
+        TransportError: If something in the message is nothing that JSON has.
     """
-    text = json.dumps(message, separators=(",", ":"), ensure_ascii=False)
+    text = json.dumps(
+        message, separators=(",", ":"), ensure_ascii=False, default=_as_json
+    )
     line = text.encode() + b"\n"
     if len(line) > longest:
         raise LineTooLongError(
@@ -82,6 +88,16 @@ def encode(message: Mapping[str, object], longest: int = MAX_LINE) -> bytes:
             "send fewer waypoints"
         )
     return line
+
+
+def _as_json(value: object) -> float | int:
+    match value:
+        case Integral():
+            return int(value)
+        case Real():
+            return float(value)
+        case _:
+            raise TransportError(f"need a number, a text or a list, got {value!r}")
 
 
 def decode(line: bytes) -> Json:
