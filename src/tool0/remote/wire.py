@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import socket
 from collections.abc import Mapping
+from numbers import Integral, Real
 from typing import Any, Final, final
 
 from tool0 import errors

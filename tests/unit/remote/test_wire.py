@@ -1,5 +1,6 @@
 import socket
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -134,3 +135,10 @@ def test_the_longest_line_passes_and_one_byte_more_does_not() -> None:
     assert len(encode({"x": "a" * (MAX_LINE - frame)})) == MAX_LINE
     with pytest.raises(LineTooLongError):
         encode({"x": "a" * (MAX_LINE - frame + 1)})
+
+
+def test_numbers_of_numpy_s_travel_and_arrays_do_not() -> None:
+    message = {"speed": np.float32(0.5), "n": np.int64(3)}
+    assert decode(encode(message)) == {"speed": 0.5, "n": 3}
+    with pytest.raises(TransportError, match=r"a list, got array\(\[0.5\]\)"):
+        encode({"speed": np.array([0.5])})
