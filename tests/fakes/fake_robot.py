@@ -248,6 +248,7 @@ class FakeRobot:
     """Goals end at once with ``outcome``; with None they stay active."""
 
     outcome: Result | None = SUCCEEDED
+    is_paused: bool = False
     time: float = 1.5
     calls: list[tuple[str, Any]] = field(default_factory=list)
     goals: list[FakeGoal] = field(default_factory=list)
@@ -289,7 +290,7 @@ class FakeRobot:
     @property
     def snapshot(self) -> Any:
         return SimpleNamespace(
-            is_paused=False,
+            is_paused=self.is_paused,
             is_stopped=False,
             real_time_factor=1.0,
             overruns=0,

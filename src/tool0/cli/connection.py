@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -36,7 +37,9 @@ class Bringup:
         return RemoteRobot(self.name)
 
 
-def see_through(start: Callable[[], RemoteGoal], timeout: float | None) -> int:
+def see_through(
+    robot: RemoteRobot, start: Callable[[], RemoteGoal], timeout: float | None
+) -> int:
     """Start a goal, wait for it, tell how it ended, and return the exit status.
 
     Ctrl-C and SIGTERM cancel the goal: the robot stops as it does for a ROS client.
@@ -50,6 +53,9 @@ def see_through(start: Callable[[], RemoteGoal], timeout: float | None) -> int:
     end = math.inf if timeout is None else time.monotonic() + timeout
     with StopSignal() as stop:
         goal = start()
+        if robot.joint_state.is_paused:
+            hint = "the simulation is paused: `tool0 resume` or `tool0 step` goes on"
+            print(hint, file=sys.stderr, flush=True)
         while True:
             try:
                 result = goal.wait(_GLANCE)

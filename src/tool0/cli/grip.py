@@ -69,7 +69,7 @@ def grip(
             force=force,
             effort=effort,
         )
-        status = see_through(move, timeout)
+        status = see_through(robot, move, timeout)
         if status != INTERRUPTED:
             print(told(robot.gripper.wait(_SETTLE)))
     return status

@@ -77,7 +77,7 @@ def move(
     target = Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw))
     with bringup.connect() as robot:
         way = robot.arm.move_linear if linear else robot.arm.move_to
-        return see_through(partial(way, target, **given), timeout)
+        return see_through(robot, partial(way, target, **given), timeout)
 
 
 def _refuse(other: str, options: Mapping[str, object]) -> None:
@@ -106,7 +106,8 @@ def _move_joints(
         # Velocities given make the motion a cubic: it starts and ends softly.
         point = TrajectoryPoint(positions, zeros, time_from_start=duration)
         handle = robot.controller(chosen.name)
-        return see_through(lambda: handle.follow([point], joint_names=names), timeout)
+        follow = partial(handle.follow, [point], joint_names=names)
+        return see_through(robot, follow, timeout)
 
 
 def find_controller(

@@ -52,6 +52,8 @@ class Gripper:
     def wait(self, timeout: float | None = None) -> GraspState:
         """Wait until it no longer moves, and return what it does then.
 
+        What is held with another force does not move: that takes no time here.
+
         Args:
             timeout: Longest wait [s]: of wall time if the simulation runs in real
                 time, else of simulated time, which passes meanwhile.

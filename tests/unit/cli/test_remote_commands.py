@@ -194,6 +194,17 @@ def test_a_timeout_stops_the_robot(
     assert robot.goals[0].status is GoalStatus.PREEMPTED
 
 
+@pytest.mark.parametrize("line", ["grip --opening 0", "move --joints elbow_joint=1"])
+def test_a_goal_while_paused_says_what_it_waits_for(
+    line: str, robot: FakeRobot, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(line) == OK
+    assert not capsys.readouterr().err
+    robot.is_paused = True
+    assert run(line) == OK
+    assert "the simulation is paused: `tool0 resume`" in capsys.readouterr().err
+
+
 def test_ctrl_c_stops_the_robot(robot: FakeRobot) -> None:
     robot.outcome = None
     move = [sys.executable, "-m", "tool0", "move", "--joints", "elbow_joint=1"]
