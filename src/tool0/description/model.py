@@ -279,6 +279,9 @@ class ParallelGripper:
     """Slowest and fastest closing speed, between the pads [m/s]."""
     force: tuple[float, float]
     """Weakest and strongest grip, at each pad [N]."""
+    passive: tuple[tuple[str, Mimic], ...] = ()
+    """Joints of its linkage, and how they follow its joint while the pads are parallel:
+    fingers that wrap around something leave that."""
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [rad]."""

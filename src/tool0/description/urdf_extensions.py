@@ -8,7 +8,7 @@ elements they do not know.
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from xml.dom.minidom import Element
 
@@ -24,6 +24,7 @@ from tool0.description.attributes import (
 )
 from tool0.description.model import (
     Interface,
+    Joint,
     Link,
     ParallelGripper,
     Surface,
@@ -178,7 +179,7 @@ def _with_contact(link: Link, element: Element) -> Link:
 
 
 def read_grippers(
-    robot: Element, joints: Collection[str]
+    robot: Element, joints: Mapping[str, Joint]
 ) -> tuple[ParallelGripper, ...]:
     """Return the grippers of ``robot``; each is driven by one of ``joints``."""
     grippers = []
@@ -191,7 +192,14 @@ def read_grippers(
                 f"'{gripper.joint}'{hint}",
                 locate(element),
             )
-        grippers.append(gripper)
+        passive = tuple(
+            (name, joint.mimic)
+            for name, joint in joints.items()
+            if joint.passive
+            and joint.mimic is not None
+            and joint.mimic.joint == gripper.joint
+        )
+        grippers.append(replace(gripper, passive=passive))
     return tuple(grippers)
 
 

@@ -25,6 +25,9 @@ CREEP = 0.0005
 """The same for pads that push firmly: what they squeeze gives way."""
 MOVED = 2.0 * CREEP
 """Way within the window from which pads that were still move again [m]."""
+PARALLEL = math.radians(3.0)
+"""How far a linkage may be from where it rests while it pinches: what presses on the
+pads bends it by up to 1°, fingers that wrap leave it by 5° and more."""
 _ROUNDING = 1e-6  # [s]
 TOLERANCE = 0.001
 """How far from where they are wanted pads count as there [m]: what a PID leaves, so
@@ -45,7 +48,7 @@ class GraspState:
     opening: float
     """Distance between the pads [m]."""
     width: float | None = None
-    """Of what is held between the pads [m]."""
+    """Of what is held between the pads [m]; None where fingers wrap around it."""
 
     @property
     def gobj(self) -> int:
@@ -105,10 +108,11 @@ class GraspDetector:
             _Sample(snapshot.time, position, opening, snapshot.effort[index])
         )
         motion: GripperMotion = "idle" if wanted is None else self._judge(*wanted)
+        pinches = motion == "holding_inside" and _is_parallel(geometry, snapshot)
         return GraspState(
             motion=motion,
             opening=opening,
-            width=opening if motion == "holding_inside" else None,
+            width=opening if pinches else None,
         )
 
     def _remember(self, sample: _Sample) -> None:
@@ -143,6 +147,16 @@ class GraspDetector:
         lever = self._geometry.lever(samples[-1].position)
         # A positive effort closes the gripper: the opening shrinks.
         return -sum(sample.effort for sample in samples) / len(samples) / lever
+
+
+def _is_parallel(gripper: ParallelGripper, snapshot: Snapshot) -> bool:
+    """Return whether the pads are parallel, as they are unless fingers wrap."""
+    position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
+    drive = position[gripper.joint]
+    return all(
+        abs(position[name] - way.multiplier * drive - way.offset) <= PARALLEL
+        for name, way in gripper.passive
+    )
 
 
 def judge(geometry: ParallelGripper, snapshots: Sequence[Snapshot]) -> GraspState:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator
 
 import pytest
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, POST, POST_GRIPPER
 
 import tool0
-from tool0.description.model import Box, Pose
+from tool0.description.model import Box, Cylinder, Pose
 from tool0.description.scene import Scene, SceneObject
 from tool0.runtime.grasp import WINDOW, GraspDetector, GraspState
 
@@ -180,3 +181,27 @@ def test_an_observer_who_looks_seldom_sees_the_same(watching) -> None:
     assert watch.run(3.0, period=2.0 * WINDOW) == ["moving", "holding_inside"]
     for _ in range(3):  # paused, say
         assert watch.detector.observe(watch.robot.snapshot) == watch.state
+
+
+@pytest.mark.parametrize(("depth", "wraps"), [(0.0, False), (0.022, True)])
+def test_what_fingers_wrap_around_has_no_width(depth: float, wraps: bool) -> None:
+    rod = SceneObject(
+        name="rod",
+        geometry=Cylinder(radius=0.022, length=0.12),
+        pose=Pose(
+            xyz=(MIDDLE[0], MIDDLE[1], MIDDLE[2] + depth), rpy=(math.pi / 2.0, 0.0, 0.0)
+        ),
+    )
+    with tool0.bringup(
+        gripper_model="linkage",
+        initial_pose="ready",
+        scene=Scene((rod,)),
+        realtime=False,
+    ) as robot:
+        robot.gripper.move(opening=0.0, force=100.0)
+        state = robot.gripper.wait(2.0)
+    assert state.motion == "holding_inside"
+    if wraps:
+        assert state.width is None
+    else:
+        assert state.width == pytest.approx(0.044, abs=0.001)
