@@ -145,7 +145,7 @@ def test_what_is_refused_leaves_everything_as_it_was(
     broken = tmp_path / "broken.stl"
     broken.write_bytes(b"no mesh")
     part = SceneObject(name="part", geometry=Mesh(uri="broken.stl", path=broken))
-    with pytest.raises(EngineError, match="an object 'cube' already; delete it"):
+    with pytest.raises(EngineError, match="an object 'cube' already; remove it"):
         engine.spawn(cube("cube"))
     with pytest.raises(ModelError, match="object 'part'"):
         engine.spawn(part)

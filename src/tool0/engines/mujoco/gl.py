@@ -33,15 +33,18 @@ def import_mujoco() -> None:
     """Import ``mujoco``, which looks for the OpenGL that MUJOCO_GL names even then.
 
     Raises:
-        EngineUnavailableError: If it fails; it says why, and what of that is MUJOCO_GL.
+        EngineUnavailableError: If it fails for what MUJOCO_GL names; it says so.
+        ImportError: If it fails without.
     """
     try:
         importlib.import_module("mujoco")
     except Exception as error:  # each OpenGL fails in its own ways
         wanted = os.environ.get("MUJOCO_GL")
-        remedy = f"; unset MUJOCO_GL, which is '{wanted}'" if wanted else ""
+        if not wanted:
+            raise
         raise EngineUnavailableError(
-            f"MuJoCo cannot be imported: {error or type(error).__name__}{remedy}"
+            f"MuJoCo cannot be imported: {error or type(error).__name__}; unset "
+            f"MUJOCO_GL, which is '{wanted}'"
         ) from error
 
 
