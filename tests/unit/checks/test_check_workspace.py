@@ -7,6 +7,8 @@ from check_files import rules, write
 
 from tool0.checks.check import check
 
+pytestmark = pytest.mark.slow
+
 PACKAGE = """
 <package format="3">
   <name>{name}</name><version>1.0.0</version><description>d</description>

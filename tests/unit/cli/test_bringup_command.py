@@ -15,6 +15,8 @@ from tool0.cli.bringup_text import finite, greeting
 from tool0.cli.options import SimulationOptions
 from tool0.remote.address import Claim
 
+pytestmark = pytest.mark.slow
+
 FAST = "--headless --no-realtime --duration 0.1"
 
 

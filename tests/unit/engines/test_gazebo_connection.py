@@ -147,6 +147,7 @@ def test_a_loss_is_told_once_and_remembered(
     assert losses == ["gzserver is gone"]
 
 
+@pytest.mark.slow
 def test_a_bridge_that_is_silent_is_lost(
     ends: tuple[socket.socket, Connection, list[str]],
 ) -> None:

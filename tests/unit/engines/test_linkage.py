@@ -12,6 +12,8 @@ from hand_rig import DOWN, LEVEL, ON_ITS_SIDE, SIDES, UP, Hand, hand_model
 from tool0.description.model import Box, Cylinder, Pose
 from tool0.description.scene import SceneObject
 
+pytestmark = pytest.mark.slow
+
 CLOSED = 0.8133  # [rad]
 FAST = 0.15  # [m/s], between the pads
 PIN = "{}_outer_finger_joint"

@@ -36,6 +36,8 @@ from tool0.engines.mujoco.rendering import Renderer
 from tool0.errors import RenderError
 from tool0.hardware.engine import ObjectState
 
+pytestmark = pytest.mark.slow
+
 EYE = (5.0, 5.0, 5.0)  # far from the robot
 CAMERA = Camera(name="c", pose=looking(EYE, (6.0, 5.0, 5.0)), width=160, height=120)
 RED, GREEN = (1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0)

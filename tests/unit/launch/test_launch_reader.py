@@ -323,6 +323,7 @@ HUGE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", HUGE)
 def test_nothing_takes_long(read: Reader, case: str) -> None:
     start = time.perf_counter()

@@ -9,6 +9,8 @@ from tool0.description.catalogue import assemble
 from tool0.panel.server import Panel
 from tool0.panel.view import ViewSource
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def view() -> Iterator[Panel]:

@@ -39,6 +39,7 @@ JSON = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.dictionaries(st.text(), JSON))
 def test_decoding_undoes_encoding(message: dict[str, object]) -> None:
     line = encode(message)

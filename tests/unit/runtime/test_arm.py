@@ -18,6 +18,8 @@ from tool0.kinematics.branch import Branch
 from tool0.runtime import arm as module
 from tool0.runtime.linear_motion import LinearMotion
 
+pytestmark = pytest.mark.slow
+
 AT_HOME = dict(zip(ARM_JOINTS, HOME, strict=True))
 AHEAD = Pose(xyz=(0.45, 0.2, 0.35), rpy=(np.pi, 0.0, 0.3))
 BASE = "robotiq_arg2f_base_link"

@@ -15,6 +15,8 @@ from tool0.description.model import Box
 from tool0.description.scene import Scene, SceneObject
 from tool0.errors import ConfigError, RenderError
 
+pytestmark = pytest.mark.slow
+
 THREAD = "tool0 cameras"
 
 

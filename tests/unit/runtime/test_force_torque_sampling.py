@@ -12,6 +12,8 @@ from ur5_rig import ARM, TWO_ROBOTS
 import tool0
 from tool0.errors import ControlError, ModelError
 
+pytestmark = pytest.mark.slow
+
 WEIGHT = 0.921 * 9.81  # [N] of the gripper
 
 

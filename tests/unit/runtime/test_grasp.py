@@ -14,6 +14,8 @@ from tool0.description.model import Box, Cylinder, Pose
 from tool0.description.scene import Scene, SceneObject
 from tool0.runtime.grasp import WINDOW, GraspDetector, GraspState
 
+pytestmark = pytest.mark.slow
+
 FILES = {
     "ours": None,
     "post, trajectory": [POST],

@@ -13,6 +13,8 @@ from tool0.description.catalogue import assemble
 from tool0.errors import ConfigError
 from tool0.scene import Box
 
+pytestmark = pytest.mark.slow
+
 LINKAGE = assemble(gripper_model="linkage")
 FINGERS = [
     joint

@@ -20,6 +20,8 @@ from tool0.runtime.joint_motion import (
     plan_motion,
 )
 
+pytestmark = pytest.mark.slow
+
 
 def joint(
     name: str,

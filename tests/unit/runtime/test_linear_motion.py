@@ -20,6 +20,8 @@ from tool0.kinematics.pose_matrix import as_matrix
 from tool0.runtime.joint_motion import TIME_TO_FULL_SPEED
 from tool0.runtime.linear_motion import PERIOD, LinearLimits, LinearMotion
 
+pytestmark = pytest.mark.slow
+
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])
 PAD = as_matrix(Pose(xyz=(0.01, 0.0, 0.15), rpy=(0.2, 0.0, 0.3)))
 FASTEST = np.pi

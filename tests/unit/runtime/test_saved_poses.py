@@ -69,6 +69,7 @@ def test_what_another_process_saves_is_seen(poses: SavedPoses) -> None:
     assert list(poses.read()) == ["a", "b"]
 
 
+@pytest.mark.slow
 def test_two_processes_and_two_threads_at_once_lose_nothing(poses: SavedPoses) -> None:
     context = multiprocessing.get_context("spawn")
     workers = [
