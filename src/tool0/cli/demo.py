@@ -88,9 +88,7 @@ class PickArguments:
 
 
 def pick(
-    arguments: Annotated[
-        PickArguments, tyro.conf.arg(name="")
-    ] = PickArguments(),  # frozen
+    arguments: Annotated[PickArguments, tyro.conf.arg(name="")] = PickArguments(),
     panel: PanelOptions = PanelOptions(),  # noqa: B008  # frozen
 ) -> int:
     """Pick a cube from the table and place it in a bin; status 1 if one is not there.
