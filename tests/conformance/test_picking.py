@@ -33,7 +33,8 @@ def test_cubes_from_anywhere_end_in_the_bin(bring_up: BringUp) -> None:
         assert into.lower[1] < pick.end[1] < into.upper[1]
         assert pick.width == pytest.approx(0.045, abs=5e-4)
         assert pick.grip_force == pytest.approx(60.0, rel=0.1)
-        assert pick.peak_force >= pick.grip_force
+        # Neither the pads' impact nor letting go presses much harder than the grip.
+        assert pick.grip_force <= pick.peak_force <= 1.5 * 60.0
         assert pick.slip is not None
         assert pick.slip <= 1e-3
         assert sum(pick.phases.values()) == pytest.approx(pick.duration, abs=0.05)

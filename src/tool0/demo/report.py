@@ -26,8 +26,8 @@ class PickReport:
     grip_force: float | None = None
     """That a pad exerted when it was lifted [N]."""
     peak_force: float
-    """The largest that a pad exerted, of samples at 125 Hz: where pads meet something
-    rigid, they have to stop their drive's rotor [N]."""
+    """The largest that a pad exerted, of samples at 125 Hz: pads that meet something
+    rigid have to stop their drive's rotor, too [N]."""
     width: float | None = None
     """Of what the gripper held, as its joint tells [m]."""
     slip: float | None = None

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 from numbers import Real
 from typing import TYPE_CHECKING, final
 
+from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError, GoalTimeoutError
 from tool0.hardware.drive_bounds import DriveBounds
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
     from tool0.runtime.loop import Loop
     from tool0.runtime.robot import Robot
 
+SQUEEZED = 0.001
+"""How far inside of where the pads are they must be wanted to squeeze something [m]."""
 _PATIENCE = 0.05  # [wall s] between looks at whether the loop still lives
 
 
@@ -128,7 +132,7 @@ class Gripper:
                 most = robot.joint_limits[joint].effort if force is not None else effort
                 return controller.command_gripper(target, most, bounds=bounds)
             if status.type.endswith("/JointTrajectoryController"):
-                points = opening_motion(geometry, self._start(opening), opening, speed)
+                points = self._plan(opening, speed)
                 return controller.follow(
                     points, joint_names=[joint], bounds={joint: bounds}
                 )
@@ -137,18 +141,30 @@ class Gripper:
             "Controller or a GripperActionController that claims it"
         )
 
-    def _start(self, end: float) -> float:
-        """Return from which opening [m] a motion to ``end`` begins.
+    def _plan(self, end: float, speed: float) -> list[TrajectoryPoint]:
+        """Return the way to ``end`` [m], from where the pads are.
 
-        Where it is; but what is squeezed is not let go of for a squeeze in the same
-        direction.
+        What is squeezed is not let go of for a squeeze in the same direction.  For a
+        way back it is let go of at once: the controller wants the pads inside of it,
+        and would squeeze on, all that the new goal allows, until its way from there
+        has come out again.
         """
         now = self.opening
         wanted = wanted_openings(self._robot.snapshot, self.geometry)
         ahead = 0.0 if wanted is None else wanted[0] - now
-        if ahead * (end - now) <= 0.0:
-            return now
-        return end if abs(ahead) > abs(end - now) else now + ahead
+        if ahead * (end - now) > 0.0:
+            start = end if abs(ahead) > abs(end - now) else now + ahead
+            return opening_motion(self.geometry, start, end, speed)
+        way = opening_motion(self.geometry, now, end, speed)
+        if abs(ahead) <= SQUEEZED:
+            return way
+        at_once = self._robot.control_period
+        here = self._robot.joint_state.position[self.geometry.joint]
+        later = [
+            replace(point, time_from_start=point.time_from_start + at_once)
+            for point in way
+        ]
+        return [TrajectoryPoint([here], [0.0], time_from_start=at_once), *later]
 
 
 def _require_numbers(*, opening: float, **settings: float | None) -> None:
