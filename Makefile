@@ -8,7 +8,7 @@ ARGS ?=
 BIN  := $(VENV)/bin
 RUN  := $(VENV)/.stamp-run
 DEV  := $(VENV)/.stamp-dev
-PAGE := src/tool0/panel/static/.stamp
+PAGE := src/tool0/interfaces/panel/static/.stamp
 WEB  := $(BIN)/python tools/web.py
 BROWSER := $(VENV)/.stamp-browser
 GAZEBO  := $(VENV)/.stamp-gazebo
@@ -78,7 +78,7 @@ web-dev: $(RUN)
 	$(WEB) run dev
 
 clean:
-	rm -rf $(VENV) build dist src/tool0/panel/static web/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) build dist src/tool0/interfaces/panel/static web/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 # The stamps: what they depend on is newer, so install again; otherwise do nothing.
 $(RUN): pyproject.toml tools/setup-venv
@@ -112,6 +112,6 @@ $(GAZEBO): tools/setup-gazebo | $(RUN)
 	else echo 'setup: no Gazebo here; the tests that need it will be skipped' >&2; fi
 
 # From the distribution's packages, RViz with them; some distributions have none.
-$(ROS1): tools/setup-ros1 src/tool0/ros1/setup/packages.py | $(RUN)
+$(ROS1): tools/setup-ros1 src/tool0/installation/ros1/packages.py | $(RUN)
 	@if tools/setup-ros1 $(VENV); then touch $@; \
 	else echo 'setup: no ROS 1 here; the tests that need it will be skipped' >&2; fi

@@ -16,7 +16,7 @@ from pathlib import Path
 import tool0
 from benchmarks import process
 from tool0.engines.gazebo.engine import GazeboEngine
-from tool0.engines.gazebo.plugin import require_compiler
+from tool0.installation.gazebo.plugin import require_compiler
 
 ORIGINAL_STEPS = 3650.0
 """Of the original system, unthrottled, arm up [1/s].  The recordings' README tells of a

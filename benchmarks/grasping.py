@@ -10,14 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 
 import tool0
-from tool0.demo.bin import find_bin
-from tool0.demo.picker import Picker, PickFailure, PickOptions
-from tool0.demo.report import DemoReport
-from tool0.demo.trials import TABLE, random_poses, run_trials
-from tool0.demo.witness import Witness
+from tool0.cli.pick_demo.bin import find_bin
+from tool0.cli.pick_demo.picker import Picker, PickFailure, PickOptions
+from tool0.cli.pick_demo.report import DemoReport
+from tool0.cli.pick_demo.trials import TABLE, random_poses, run_trials
+from tool0.cli.pick_demo.witness import Witness
 from tool0.description.kinematics import transforms
-from tool0.runtime.pads import pad_links
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
+from tool0.sensing.pads import pad_links
 
 Shape = Box | Cylinder
 

@@ -21,7 +21,7 @@ from urllib.parse import urlsplit
 from websockets.asyncio.client import connect
 
 import tool0
-from tool0.panel.server import Panel, load
+from tool0.interfaces.panel.server import Panel, load
 
 DURATION: Final = 3.0
 """Of one round of one load [wall s]."""

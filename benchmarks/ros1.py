@@ -80,8 +80,8 @@ def _delays(sent: Sequence[float], seen: Sequence[float]) -> list[float]:
 
 def _robot() -> None:
     """Be the robot; print when the client sent, when effort jumped, what was heard."""
-    from tool0.ros1.edge import Ros1
-    from tool0.ros1.options import Ros1Options
+    from tool0.interfaces.ros1.edge import Ros1
+    from tool0.interfaces.ros1.options import Ros1Options
 
     with tool0.bringup() as robot:
         index = robot.snapshot.joint_names.index(JOINT)
@@ -160,7 +160,7 @@ def _client() -> None:
 
 
 if __name__ == "__main__":
-    from tool0.ros1.messages import import_messages
+    from tool0.installation.ros1.messages import import_messages
 
     import_messages()
     {"robot": _robot, "listener": _listener, "client": _client}[sys.argv[1]]()

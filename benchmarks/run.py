@@ -11,8 +11,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from benchmarks import gazebo, golden, grasping, grip, panel, process, rest, ros1, tick
-from tool0.engines.gazebo.readiness import readiness
-from tool0.ros1.setup.readiness import readiness as ros1_readiness
+from tool0.installation.gazebo.readiness import readiness
+from tool0.installation.ros1.readiness import readiness as ros1_readiness
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 from websockets.sync.client import ClientConnection, connect
 
 import tool0
-from tool0.panel.server import Panel
+from tool0.interfaces.panel.server import Panel
 
 
 def elbow_of(hello: dict, frame: dict) -> float:

@@ -2,8 +2,8 @@
 
 import tool0
 from tool0.errors import RosUnavailableError
-from tool0.ros1.edge import Ros1
-from tool0.ros1.options import Ros1Options
+from tool0.interfaces.ros1.edge import Ros1
+from tool0.interfaces.ros1.options import Ros1Options
 
 GOAL = {"shoulder_lift_joint": -1.2, "elbow_joint": 1.4}  # [rad]
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tool0.checks.check import check
+from tool0.lint.check import check
 
 YAML = """\
 gripper_controller:

@@ -7,8 +7,8 @@ import numpy as np
 
 import tool0
 from tool0.description.camera import Camera, looking
-from tool0.runtime.png import encode_png
-from tool0.runtime.video import VideoWriter
+from tool0.sensing.png import encode_png
+from tool0.sensing.video import VideoWriter
 
 SIDE = Camera(  # besides `wrist` and `scene`, which every arm has
     name="side",

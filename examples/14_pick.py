@@ -1,8 +1,8 @@
 """Pick a cube and place it in a bin; the same task in steps, with the façade alone."""
 
 import tool0
-from tool0.demo.bin import find_bin
-from tool0.demo.pick import pick_and_place
+from tool0.cli.pick_demo.bin import find_bin
+from tool0.cli.pick_demo.pick import pick_and_place
 from tool0.description.model import Pose
 
 with tool0.bringup(scene="table_and_bin", realtime=False) as robot:

@@ -14,7 +14,7 @@ from skew_robot import build_model
 
 import tool0
 from tool0.description.model import RobotModel
-from tool0.engines.gazebo.installation import (
+from tool0.installation.gazebo.installation import (
     NAMED_BY,
     find_system,
     from_prefix,
@@ -24,7 +24,7 @@ from tool0.engines.gazebo.installation import (
 if TYPE_CHECKING:
     from fake_robot import FakeRobot
 
-    from tool0.panel.server import Panel
+    from tool0.interfaces.panel.server import Panel
 
 
 pytest_plugins = ["side_by_side"]
@@ -100,7 +100,7 @@ def robot() -> Iterator[tool0.Robot]:
 @pytest.fixture
 def panel(robot: tool0.Robot) -> Iterator[Panel]:
     """Serve it."""
-    from tool0.panel.server import Panel
+    from tool0.interfaces.panel.server import Panel
 
     with Panel(robot) as panel:
         yield panel

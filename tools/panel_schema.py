@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 import msgspec
 
-from tool0.panel import protocol
+from tool0.interfaces.panel import protocol
 
 SCHEMA = Path(__file__).parent.parent / "web" / "protocol.schema.json"
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 import tool0
-from tool0.demo.bin import find_bin
-from tool0.demo.film import Film
-from tool0.demo.pick import pick_and_place
+from tool0.cli.pick_demo.bin import find_bin
+from tool0.cli.pick_demo.film import Film
+from tool0.cli.pick_demo.pick import pick_and_place
 from tool0.description.camera import Camera, looking
-from tool0.runtime.png import encode_png
+from tool0.sensing.png import encode_png
 
 CAMERA = Camera(
     name="readme",

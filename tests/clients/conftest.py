@@ -12,7 +12,7 @@ from browser import Tab, find_chromium, launch
 from playwright.sync_api import Browser, sync_playwright
 from promised import absent
 
-from tool0.panel.server import Panel, is_page_built
+from tool0.interfaces.panel.server import Panel, is_page_built
 
 OpenTab = Callable[..., Tab]
 

@@ -13,7 +13,7 @@ import tool0
 from conftest import OpenTab
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose
 from tool0.description.scene import SceneObject
-from tool0.panel.server import Panel
+from tool0.interfaces.panel.server import Panel
 
 READY = "[data-testid=scene][data-ready=true]"
 MAGENTA, GREEN = (1.0, 0.0, 1.0, 1.0), (0.0, 1.0, 0.0, 1.0)

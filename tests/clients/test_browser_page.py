@@ -10,9 +10,9 @@ from playwright.sync_api import Browser
 import tool0
 from conftest import OpenTab
 from tool0.description.catalogue import assemble
-from tool0.panel.robot_files import RobotFiles
-from tool0.panel.server import STATIC, Panel
-from tool0.panel.view import ViewSource
+from tool0.interfaces.panel.robot_files import RobotFiles
+from tool0.interfaces.panel.server import STATIC, Panel
+from tool0.interfaces.panel.view import ViewSource
 
 READY = "[data-testid=scene][data-ready=true]"
 SEEN_READY_AT = """

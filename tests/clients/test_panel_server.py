@@ -18,9 +18,9 @@ import tool0
 from tool0.description.model import Box, Cylinder, Geometry, Pose, Sphere
 from tool0.description.scene import SceneObject
 from tool0.errors import TransportError
-from tool0.panel import client as client_module
-from tool0.panel import object_requests
-from tool0.panel.server import Panel
+from tool0.interfaces.panel import client as client_module
+from tool0.interfaces.panel import object_requests
+from tool0.interfaces.panel.server import Panel
 
 ARM = "eff_joint_traj_controller"
 
@@ -482,7 +482,7 @@ def test_a_flooding_page_is_slowed_down_and_others_are_not(panel: Panel) -> None
 def test_only_so_many_pages_are_let_in(
     robot: tool0.Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tool0.panel.hub.MOST_CLIENTS", 1)
+    monkeypatch.setattr("tool0.interfaces.panel.hub.MOST_CLIENTS", 1)
     with Panel(robot) as panel, page_at(panel.url) as page:
         with pytest.raises(InvalidStatus) as refused, connect(socket_url(panel.url)):
             pass

@@ -24,9 +24,9 @@ from tool0.errors import (
     nearest_name,
 )
 from tool0.hardware.engine import ObjectState
-from tool0.runtime.cameras import CameraImage
-from tool0.runtime.grasp import GraspState
-from tool0.runtime.wrench import WrenchReading
+from tool0.sensing.cameras import CameraImage
+from tool0.sensing.grasp import GraspState
+from tool0.sensing.wrench import WrenchReading
 
 ARM = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
 SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)

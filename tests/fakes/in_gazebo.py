@@ -12,7 +12,7 @@ from typing import Protocol
 
 import tool0
 from tool0.engines.gazebo.engine import GazeboEngine
-from tool0.engines.gazebo.installation import find_installation
+from tool0.installation.gazebo.installation import find_installation
 
 PATIENCE = 60.0
 """For what takes a moment on a busy machine [wall s]."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ros import Ros
 from screen import Pixels, Screen
 
-from tool0.ros1.child import Child
+from tool0.installation.ros1.child import Child
 
 Mask = NDArray[np.bool_]
 

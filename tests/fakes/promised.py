@@ -8,11 +8,11 @@ from typing import NoReturn
 
 import pytest
 
-from tool0.engines.gazebo.readiness import readiness
 from tool0.engines.mujoco.gl import make_context
 from tool0.errors import RenderError
-from tool0.ros1.setup.packages import wanted
-from tool0.ros1.setup.readiness import readiness as readiness_of_ros
+from tool0.installation.gazebo.readiness import readiness
+from tool0.installation.ros1.packages import wanted
+from tool0.installation.ros1.readiness import readiness as readiness_of_ros
 
 
 def absent(part: str, why: str) -> NoReturn:

@@ -18,7 +18,7 @@ from types import TracebackType
 from typing import Any
 from xmlrpc.client import ServerProxy
 
-from tool0.ros1.child import Child
+from tool0.installation.ros1.child import Child
 
 PATIENCE = 60.0
 """For what takes a moment on a busy machine [wall s]."""

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from fake_robot import FakeRobot
 
-from tool0.remote.address import Claim
-from tool0.remote.server import RemoteServer
+from tool0.interfaces.socket.address import Claim
+from tool0.interfaces.socket.server import RemoteServer
 
 
 def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:

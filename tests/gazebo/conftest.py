@@ -10,8 +10,8 @@ from promised import absent
 
 import tool0
 from tool0.engines.gazebo.engine import GazeboEngine
-from tool0.engines.gazebo.installation import Installation, find_installation
-from tool0.engines.gazebo.readiness import readiness
+from tool0.installation.gazebo.installation import Installation, find_installation
+from tool0.installation.gazebo.readiness import readiness
 
 
 @pytest.fixture(scope="session", autouse=True)

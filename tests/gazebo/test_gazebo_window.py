@@ -15,8 +15,8 @@ from promised import absent
 from screen import Pixels, Screen, find_xvfb
 
 import tool0
-from tool0.engines.gazebo.installation import Installation
 from tool0.errors import EngineUnavailableError
+from tool0.installation.gazebo.installation import Installation
 from tool0.user_data import cache_folder
 
 GROUND, SKY = 224, 178

@@ -48,7 +48,7 @@ def ros() -> Iterator[Ros]:
 @pytest.fixture(scope="session")
 def node(ros: Ros) -> Iterator[ModuleType]:
     """Make this process a node, once, in simulated time and with all messages."""
-    from tool0.ros1.messages import import_messages
+    from tool0.installation.ros1.messages import import_messages
 
     with pytest.MonkeyPatch.context() as patch, warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -24,9 +24,9 @@ from screen import Pixels, Screen, find_xvfb
 from tool0.description.catalogue import assemble, named_poses
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
-from tool0.engines.gazebo.installation import find_installation
-from tool0.workspace.contents import PACKAGES
-from tool0.workspace.writing import write_workspace
+from tool0.installation.gazebo.installation import find_installation
+from tool0.installation.workspace.contents import PACKAGES
+from tool0.installation.workspace.writing import write_workspace
 
 DATA = Path(__file__).parents[1] / "data"
 GAZEBO = ("tool0_gazebo", "ur5_robotiq_2f_85_bringup.launch")

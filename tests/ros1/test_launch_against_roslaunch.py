@@ -13,11 +13,11 @@ from typing import Any
 import pytest
 from promised import require_ros
 
-from tool0.launch.model import LaunchFile
-from tool0.launch.packages import Packages
-from tool0.launch.parameters import parameter_values
-from tool0.launch.reader import read_launch
-from tool0.ros1.library import DEBIAN
+from tool0.installation.ros1.library import DEBIAN
+from tool0.lint.launch.model import LaunchFile
+from tool0.lint.launch.packages import Packages
+from tool0.lint.launch.parameters import parameter_values
+from tool0.lint.launch.reader import read_launch
 
 SOURCES = Path(__file__).parents[1] / "data" / "launch" / "src"
 ASK = """

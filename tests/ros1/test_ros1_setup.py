@@ -11,10 +11,10 @@ import pytest
 from promised import require_ros
 
 from tool0.cli import FAILED, OK, main
-from tool0.ros1.setup import readiness
-from tool0.ros1.setup.apt import not_installed
-from tool0.ros1.setup.distribution import PYTHON
-from tool0.ros1.setup.packages import PARTS, Part, wanted
+from tool0.installation.ros1 import readiness
+from tool0.installation.ros1.apt import not_installed
+from tool0.installation.ros1.distribution import PYTHON
+from tool0.installation.ros1.packages import PARTS, Part, wanted
 
 Capture = pytest.CaptureFixture[str]
 
@@ -296,7 +296,7 @@ def test_a_ros_that_is_named_but_not_found_is_told(
     machine: Machine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROS_DISTRO", "noetic")
-    monkeypatch.setattr("tool0.ros1.library.DEBIAN", Path("/nowhere"))
+    monkeypatch.setattr("tool0.installation.ros1.library.DEBIAN", Path("/nowhere"))
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert "source /opt/ros/noetic/setup.bash" in refusal(capsys)
     monkeypatch.setenv("ROS_VERSION", "2")
@@ -319,7 +319,7 @@ def test_with_everything_installed_the_status_is_good(
 def test_without_rospy_the_status_says_what_to_do(
     capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tool0.ros1.library.DEBIAN", Path("/nowhere"))
+    monkeypatch.setattr("tool0.installation.ros1.library.DEBIAN", Path("/nowhere"))
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert main(["ros1", "status", "--format", "json"]) == 1
     found = json.loads(capsys.readouterr().out)

@@ -15,7 +15,7 @@ from ros import Bringup, Ros
 from ros_client import listening
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, HOME
 
-from tool0.ros1.meshes import with_found_meshes
+from tool0.interfaces.ros1.meshes import with_found_meshes
 
 JOINTS = (
     "elbow_joint",

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from tool0.ros1.ros_time import RosTime
+from tool0.interfaces.ros1.ros_time import RosTime
 
 
 @pytest.mark.usefixtures("rospy")

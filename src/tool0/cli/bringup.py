@@ -23,9 +23,9 @@ from tool0.errors import EngineError, EngineUnavailableError
 
 if TYPE_CHECKING:
     from tool0.cli.stop_signal import StopSignal
-    from tool0.panel.address import Door
-    from tool0.remote.address import Claim
-    from tool0.ros1.options import Ros1Options
+    from tool0.interfaces.panel.address import Door
+    from tool0.interfaces.ros1.options import Ros1Options
+    from tool0.interfaces.socket.address import Claim
     from tool0.runtime.robot import Robot
 
 _GLANCE: Final = 0.1
@@ -108,7 +108,7 @@ def _claim(simulation: SimulationOptions) -> Claim | None:
             file=sys.stderr,
         )
         return None
-    from tool0.remote.address import Claim
+    from tool0.interfaces.socket.address import Claim
 
     return Claim(simulation.name)
 
@@ -135,7 +135,7 @@ def _robot(options: BringupOptions) -> Robot:
 
 @contextlib.contextmanager
 def _reachable(robot: Robot, claim: Claim) -> Iterator[None]:
-    from tool0.remote.server import RemoteServer
+    from tool0.interfaces.socket.server import RemoteServer
 
     server = RemoteServer(robot, claim)
     try:
@@ -148,7 +148,7 @@ def _ros_options(options: BringupOptions) -> Ros1Options | None:
     given = options.ros
     if not given.ros1:
         return None
-    from tool0.ros1.options import Ros1Options
+    from tool0.interfaces.ros1.options import Ros1Options
 
     ros = Ros1Options(
         ns=given.ns,
@@ -170,7 +170,7 @@ def _in_ros(
     if options is None:
         yield None
         return
-    from tool0.ros1.edge import Ros1
+    from tool0.interfaces.ros1.edge import Ros1
 
     with Ros1(robot, options, when_killed=stop.request) as edge:
         yield f"ROS 1: node {options.node} under {edge.node.master.uri}"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from tool0.description.camera import Camera
-    from tool0.runtime.cameras import CameraImage
+    from tool0.sensing.cameras import CameraImage
 
 _DEFAULT = Bringup()
 
@@ -81,7 +81,7 @@ def _table(cameras: Mapping[str, Camera]) -> str:
 def _write(image: CameraImage, out: Path | None, depth: Path | None) -> None:
     import numpy as np
 
-    from tool0.runtime.png import encode_depth, encode_png
+    from tool0.sensing.png import encode_depth, encode_png
 
     try:
         if out is not None:

@@ -10,7 +10,7 @@ import tyro
 from tool0.cli.parsing import parse
 
 if TYPE_CHECKING:
-    from tool0.checks.check import Report
+    from tool0.lint.check import Report
 
 Format = Literal["text", "json"]
 
@@ -38,8 +38,8 @@ def check(
         format: For people, or for programs.
         strict: Whether what is only suspicious counts as an error.
     """
-    from tool0.checks.check import check as look_into
     from tool0.errors import ConfigError
+    from tool0.lint.check import check as look_into
 
     if not paths:
         raise ConfigError(

@@ -9,12 +9,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
-from tool0.remote.address import DEFAULT_NAME
+from tool0.interfaces.socket.address import DEFAULT_NAME
 
 if TYPE_CHECKING:
     from tool0.control.goal import Result
-    from tool0.remote.client import RemoteRobot
-    from tool0.remote.requests import RemoteGoal
+    from tool0.interfaces.socket.client import RemoteRobot
+    from tool0.interfaces.socket.requests import RemoteGoal
 
 _GLANCE: Final = 0.05
 """Longest time between looks at the signals [wall s]; an outcome wakes at once."""
@@ -32,7 +32,7 @@ class Bringup:
 
     def connect(self) -> RemoteRobot:
         """Return the running robot, or raise TransportError."""
-        from tool0.remote.client import RemoteRobot
+        from tool0.interfaces.socket.client import RemoteRobot
 
         return RemoteRobot(self.name)
 

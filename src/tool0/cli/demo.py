@@ -23,7 +23,7 @@ from tool0.runtime.writable import require_writable
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from tool0.demo.report import DemoReport, PickReport
+    from tool0.cli.pick_demo.report import DemoReport, PickReport
     from tool0.description.model import Pose
     from tool0.description.scene import Scene
     from tool0.runtime.robot import Robot
@@ -102,7 +102,7 @@ def pick(
     if arguments.report is not None:
         require_writable(arguments.report)
     if arguments.video is not None:
-        from tool0.runtime.video import require_encoder
+        from tool0.sensing.video import require_encoder
 
         require_encoder(arguments.video)
     with contextlib.ExitStack() as exits:
@@ -177,10 +177,10 @@ def _linger() -> None:
 
 
 def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
-    from tool0.demo.bin import find_bin
-    from tool0.demo.film import Film
-    from tool0.demo.picker import PickOptions
-    from tool0.demo.trials import run_trials
+    from tool0.cli.pick_demo.bin import find_bin
+    from tool0.cli.pick_demo.film import Film
+    from tool0.cli.pick_demo.picker import PickOptions
+    from tool0.cli.pick_demo.trials import run_trials
 
     film = Film()
     report = run_trials(
@@ -201,7 +201,7 @@ def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
 
 
 def _poses(arguments: PickArguments) -> Iterator[Pose | None]:
-    from tool0.demo.trials import TABLE, random_poses
+    from tool0.cli.pick_demo.trials import TABLE, random_poses
 
     drawn = random_poses(TABLE, arguments.size, arguments.seed or 0)
     return drawn if arguments.seed is not None else itertools.chain([None], drawn)

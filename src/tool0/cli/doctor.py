@@ -23,6 +23,6 @@ def doctor(*, format: Literal["text", "json"] = "text") -> int:
     Args:
         format: For people or for programs.
     """
-    from tool0.doctor.examination import examine
+    from tool0.installation.doctor.examination import examine
 
     return tell(examine(), format)

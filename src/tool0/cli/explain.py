@@ -13,8 +13,8 @@ from tool0.errors import ConfigError, DescriptionError
 
 if TYPE_CHECKING:
     from tool0.description.finding import Finding
-    from tool0.launch.item import Item
-    from tool0.launch.packages import Packages
+    from tool0.lint.launch.item import Item
+    from tool0.lint.launch.packages import Packages
 
 OK, HAS_ERRORS = 0, 1
 
@@ -39,11 +39,11 @@ def explain(
         words: The launch file, or its package and its name; then its arguments.
         format: For people or for programs.
     """
-    from tool0.launch.contents import contents
-    from tool0.launch.packages import Packages, packages_around
-    from tool0.launch.reader import read_launch
-    from tool0.launch.ways import argument_ways
-    from tool0.launch.xacro_files import xacro_robots
+    from tool0.lint.launch.contents import contents
+    from tool0.lint.launch.packages import Packages, packages_around
+    from tool0.lint.launch.reader import read_launch
+    from tool0.lint.launch.ways import argument_ways
+    from tool0.lint.launch.xacro_files import xacro_robots
 
     names = [word for word in words if ":=" not in word]
     file = _file(names)
@@ -80,7 +80,7 @@ def _file(names: list[str]) -> Path:
 
 def _in_package(package: str, name: str) -> Path:
     """Return the file of a package, wherever it lies in it, as roslaunch does."""
-    from tool0.launch.packages import Packages, packages_around
+    from tool0.lint.launch.packages import Packages, packages_around
 
     packages: Packages = Packages(packages_around(Path.cwd() / name))
     try:

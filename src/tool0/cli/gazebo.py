@@ -41,8 +41,8 @@ def install(
         mirror: Address of a Debian mirror, instead of those that apt here uses.
         keyring: Keys that sign Debian 11, instead of debian-archive-keyring's.
     """
-    from tool0.engines.gazebo.install import KEYRING, Wish, ready
-    from tool0.engines.gazebo.installation import NAMED_BY, find_installation
+    from tool0.installation.gazebo.install import KEYRING, Wish, ready
+    from tool0.installation.gazebo.installation import NAMED_BY, find_installation
 
     wish = Wish(
         has_client=gui, is_private=private, mirror=mirror, keyring=keyring or KEYRING
@@ -63,14 +63,14 @@ def status_of_gazebo(*, format: Literal["text", "json"] = "text") -> int:
     Args:
         format: For people or for programs.
     """
-    from tool0.engines.gazebo.readiness import readiness
+    from tool0.installation.gazebo.readiness import readiness
 
     return tell(readiness(), format)
 
 
 def uninstall() -> int:
     """Remove the private Gazebo and what was compiled for any."""
-    from tool0.engines.gazebo.install import uninstall as remove
+    from tool0.installation.gazebo.install import uninstall as remove
 
     freed = remove()
     print(f"removed: {freed / 1e6:.0f} MB are free again" if freed else "nothing to do")

@@ -11,7 +11,7 @@ from tool0.cli.parsing import parse
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
-    from tool0.remote.remote_gripper import RemoteGrasp
+    from tool0.interfaces.socket.remote_gripper import RemoteGrasp
 
 _DEFAULT = Bringup()
 _SETTLE = 1.0

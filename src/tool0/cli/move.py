@@ -14,7 +14,7 @@ from tool0.description.model import Pose
 from tool0.errors import ConfigError, ControlError, nearest_name
 
 if TYPE_CHECKING:
-    from tool0.remote.client import RemoteRobot, RemoteStatus
+    from tool0.interfaces.socket.client import RemoteRobot, RemoteStatus
 
 SixNumbers = tuple[float, float, float, float, float, float]
 

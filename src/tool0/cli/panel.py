@@ -12,16 +12,16 @@ if TYPE_CHECKING:
     from threading import Thread
 
     from tool0.cli.options import PanelOptions
-    from tool0.panel.address import Door
-    from tool0.panel.server import Panel
-    from tool0.panel.source import PanelSource
+    from tool0.interfaces.panel.address import Door
+    from tool0.interfaces.panel.server import Panel
+    from tool0.interfaces.panel.source import PanelSource
     from tool0.runtime.robot import Robot
 
 
 def door_of(options: PanelOptions) -> Door:
     """Listen where the options say, and warn if that lets others in."""
-    from tool0.panel.address import open_door
-    from tool0.panel.server import load
+    from tool0.interfaces.panel.address import open_door
+    from tool0.interfaces.panel.server import load
 
     door = open_door(options.panel_host, options.panel_port)
     if door.token is not None:
@@ -37,7 +37,7 @@ def door_of(options: PanelOptions) -> Door:
 @contextlib.contextmanager
 def served(source: Robot | PanelSource, door: Door) -> Iterator[Panel]:
     """Serve the panel at ``door``."""
-    from tool0.panel.server import Panel, is_page_built
+    from tool0.interfaces.panel.server import Panel, is_page_built
 
     if not is_page_built():
         print(
@@ -54,7 +54,7 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     Returns:
         The thread that opens it; None if there is nobody to see it.
     """
-    from tool0.panel.desktop import has_desktop
+    from tool0.interfaces.panel.desktop import has_desktop
 
     is_seen = console.isatty() and has_desktop(os.environ, sys.platform)
     if not (options.open and is_seen):

@@ -32,7 +32,7 @@ def install(*, rviz: bool = False, dry_run: bool = False) -> int:
         rviz: Also RViz, and what it draws with.
         dry_run: Print the command, and do not run it.
     """
-    from tool0.ros1.setup.install import carry_out, plan
+    from tool0.installation.ros1.install import carry_out, plan
 
     found = plan(rviz=rviz)
     if not found.packages:
@@ -55,7 +55,7 @@ def status_of_ros(*, format: Literal["text", "json"] = "text") -> int:
     Args:
         format: For people or for programs.
     """
-    from tool0.ros1.setup.readiness import readiness
+    from tool0.installation.ros1.readiness import readiness
 
     return tell(readiness(), format)
 
@@ -66,7 +66,7 @@ def env() -> int:
     Say ``eval "$(tool0 ros1 env)"`` in the shell.  Nothing is printed where
     control_msgs, controller_manager_msgs and gazebo_msgs are installed.
     """
-    from tool0.ros1.setup.shell import exports
+    from tool0.installation.ros1.shell import exports
 
     for line in exports():
         print(line)

@@ -19,7 +19,7 @@ from tool0.description.scene import DEFAULT_FRICTION
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
-    from tool0.remote.remote_scene import RemoteObject
+    from tool0.interfaces.socket.remote_scene import RemoteObject
 
 Three = tuple[float, float, float]
 Name = Annotated[str, tyro.conf.Positional]
@@ -186,7 +186,7 @@ def _told(shape: Geometry) -> str:
 
 
 def _plain(item: RemoteObject) -> dict[str, object]:
-    from tool0.remote.shape_json import shape_to_json
+    from tool0.interfaces.socket.shape_json import shape_to_json
 
     return {
         "name": item.name,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from tool0.description.model import Pose, Vector3
-    from tool0.remote.client import RemoteState
+    from tool0.interfaces.socket.client import RemoteState
 
 _DEFAULT = Bringup()
 

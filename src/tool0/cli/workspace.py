@@ -12,7 +12,7 @@ import tyro
 from tool0.cli.parsing import parse
 
 if TYPE_CHECKING:
-    from tool0.workspace.writing import Written
+    from tool0.installation.workspace.writing import Written
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 """Where robotiq_2f_85_gripper_visualization is; no distribution packages it."""
@@ -42,7 +42,7 @@ def workspace(
         force: Overwrite files that you have edited, too; your version stays beside
             each, as FILE.orig.
     """
-    from tool0.workspace.writing import write_workspace
+    from tool0.installation.workspace.writing import write_workspace
 
     written = write_workspace(folder, upstream_meshes=upstream_meshes, force=force)
     for line in report(written):
@@ -54,8 +54,8 @@ def workspace(
 
 def report(written: Written) -> Iterator[str]:
     """Yield what became of the files, for people."""
-    from tool0.workspace.changes import Action
-    from tool0.workspace.contents import PACKAGES
+    from tool0.installation.workspace.changes import Action
+    from tool0.installation.workspace.contents import PACKAGES
 
     counts = (
         f"{len(written.paths(action))} {action.value}"

@@ -11,8 +11,8 @@ from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
     from tool0.description.model import Vector3
-    from tool0.remote.remote_force_torque import RemoteForceTorque
-    from tool0.runtime.wrench import WrenchReading
+    from tool0.interfaces.socket.remote_force_torque import RemoteForceTorque
+    from tool0.sensing.wrench import WrenchReading
 
 _DEFAULT = Bringup()
 

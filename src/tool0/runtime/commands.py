@@ -13,7 +13,7 @@ from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.scene import SceneObject
 from tool0.hardware.drive_bounds import DriveBounds
 from tool0.hardware.engine import ObjectState
-from tool0.runtime.force_torque_sensor import ForceTorqueSensor
+from tool0.sensing.force_torque_sensor import ForceTorqueSensor
 
 
 @final

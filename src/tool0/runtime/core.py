@@ -19,11 +19,11 @@ from tool0.hardware.engine import Engine
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime import commands as ask
-from tool0.runtime.force_torque_sensor import ForceTorqueSensor
-from tool0.runtime.grasp_assist import GraspAssist
 from tool0.runtime.initial_pose import joint_positions
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
 from tool0.runtime.surroundings import Surroundings
+from tool0.sensing.force_torque_sensor import ForceTorqueSensor
+from tool0.sensing.grasp_assist import GraspAssist
 
 
 @final

@@ -13,8 +13,8 @@ from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError, GoalTimeoutError
 from tool0.hardware.drive_bounds import DriveBounds
 from tool0.runtime.bus import SNAPSHOT_PERIOD
-from tool0.runtime.grasp import GraspState, judge, wanted_openings
 from tool0.runtime.gripper_motion import opening_motion
+from tool0.sensing.grasp import GraspState, judge, wanted_openings
 
 if TYPE_CHECKING:
     from tool0.runtime.bus import Bus

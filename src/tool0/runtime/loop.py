@@ -29,8 +29,8 @@ from tool0.runtime.bus import (
 )
 from tool0.runtime.clock import Pacer, SpeedMeter
 from tool0.runtime.core import Core
-from tool0.runtime.grasp_assist import GraspAssist
 from tool0.runtime.mailbox import Mailbox
+from tool0.sensing.grasp_assist import GraspAssist
 
 logger = logging.getLogger(__name__)
 

@@ -21,8 +21,6 @@ from tool0.errors import ControlError, nearest_name
 from tool0.hardware.engine import Contact, Engine
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Bus, Snapshot, Subscription
-from tool0.runtime.cameras import CameraHandle, Cameras, find_camera
-from tool0.runtime.force_torque import ForceTorque, ForceTorques
 from tool0.runtime.gripper import Gripper
 from tool0.runtime.handles import ControllerHandle, GoalHandle
 from tool0.runtime.joint_motion import import_planner
@@ -30,6 +28,8 @@ from tool0.runtime.loop import Loop
 from tool0.runtime.poses import NamedPose, PoseBook
 from tool0.runtime.scene import SceneHandle
 from tool0.runtime.summary import summarize
+from tool0.sensing.cameras import CameraHandle, Cameras, find_camera
+from tool0.sensing.force_torque import ForceTorque, ForceTorques
 
 if TYPE_CHECKING:
     from tool0.runtime.arm import Arm

@@ -11,9 +11,9 @@ from fake_robot import FakeCamera, FakeRobot
 from tool0.cli import FAILED, OK, main
 from tool0.description.camera import Camera
 from tool0.errors import RenderError
-from tool0.remote.client import RemoteRobot
-from tool0.remote.wire import MAX_LINE
-from tool0.runtime.png import encode_depth, encode_png
+from tool0.interfaces.socket.client import RemoteRobot
+from tool0.interfaces.socket.wire import MAX_LINE
+from tool0.sensing.png import encode_depth, encode_png
 
 
 @pytest.fixture(autouse=True)

@@ -11,7 +11,7 @@ import pytest
 
 import tool0
 from tool0.cli import FAILED, OK, main
-from tool0.doctor.probes import PROBES
+from tool0.installation.doctor.probes import PROBES
 
 pytestmark = pytest.mark.slow
 

@@ -6,8 +6,8 @@ import pytest
 
 from tool0.cli import FAILED, OK, main
 from tool0.cli.progress import Progress
-from tool0.engines.gazebo.installation import private_prefix
-from tool0.engines.gazebo.prefix import Marker, write_marker
+from tool0.installation.gazebo.installation import private_prefix
+from tool0.installation.gazebo.prefix import Marker, write_marker
 
 CONFIG = '#define GAZEBO_VERSION_FULL "11.1.0"\n'
 

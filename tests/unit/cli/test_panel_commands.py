@@ -18,7 +18,7 @@ from served import use_folder
 from tool0.cli import FAILED, OK, main
 from tool0.cli.options import PanelOptions
 from tool0.cli.panel import show
-from tool0.panel.address import Door, open_door
+from tool0.interfaces.panel.address import Door, open_door
 
 pytestmark = pytest.mark.slow
 

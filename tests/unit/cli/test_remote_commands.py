@@ -12,8 +12,8 @@ from tool0.cli import FAILED, GOAL_FAILED, INTERRUPTED, OK, main
 from tool0.cli.grip import told
 from tool0.control.goal import GoalStatus
 from tool0.description.model import Pose
-from tool0.remote.remote_gripper import RemoteGrasp
-from tool0.runtime.grasp import GraspState, GripperMotion
+from tool0.interfaces.socket.remote_gripper import RemoteGrasp
+from tool0.sensing.grasp import GraspState, GripperMotion
 
 pytestmark = pytest.mark.slow
 

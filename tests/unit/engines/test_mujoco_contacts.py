@@ -12,7 +12,7 @@ from tool0.description.model import Box, Cylinder, Pose, RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.hardware.engine import Contact
-from tool0.runtime.pads import grasp_frame, pad_links
+from tool0.sensing.pads import grasp_frame, pad_links
 
 REST = [0.0, 0.0, 0.0, 0.2]  # the skew robot's joints
 FAR = 5.0  # [m] from the robot, which lies about

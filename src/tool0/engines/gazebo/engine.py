@@ -20,10 +20,8 @@ from tool0.engines.gazebo.connection import (
     pose_bytes,
 )
 from tool0.engines.gazebo.couplings import couplings
-from tool0.engines.gazebo.installation import find_installation
 from tool0.engines.gazebo.model import body_poses, gazebo_urdf
 from tool0.engines.gazebo.models import Models
-from tool0.engines.gazebo.plugin import bridge_libraries
 from tool0.engines.gazebo.server import Server
 from tool0.engines.gazebo.touches import Names
 from tool0.engines.gazebo.window import require_window
@@ -36,6 +34,8 @@ from tool0.errors import (
 from tool0.hardware.bodies import check_masses, moving_bodies, transform
 from tool0.hardware.engine import Contact, ObjectState
 from tool0.hardware.joint_state import JointState
+from tool0.installation.gazebo.installation import find_installation
+from tool0.installation.gazebo.plugin import bridge_libraries
 
 START_PATIENCE = 30.0
 """[s] until gzserver has loaded the bridge; a cold disk takes ten."""

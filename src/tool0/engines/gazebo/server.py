@@ -12,11 +12,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final, final
 
-from tool0.engines.gazebo.installation import Installation
-from tool0.engines.gazebo.plugin import BridgeLibraries
 from tool0.engines.gazebo.window import Window, require_window
 from tool0.engines.gazebo.words import complaints, obituary, said
 from tool0.errors import EngineUnavailableError
+from tool0.installation.gazebo.installation import Installation
+from tool0.installation.gazebo.plugin import BridgeLibraries
 from tool0.user_data import locked
 
 _GRACE = 0.2  # [s] for a server that hung up to end by itself

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final, final
 
-from tool0.engines.gazebo.installation import Installation
 from tool0.engines.gazebo.words import obituary
 from tool0.errors import EngineUnavailableError
+from tool0.installation.gazebo.installation import Installation
 
 logger = logging.getLogger(__name__)
 

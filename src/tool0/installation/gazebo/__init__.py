@@ -1,0 +1,1 @@
+"""Gazebo 11 without root, and whether it can run here."""

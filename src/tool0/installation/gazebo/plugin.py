@@ -1,0 +1,135 @@
+"""The C++ that runs inside Gazebo, compiled on this machine against its own headers.
+
+A binary is not shipped: Gazebo's classes differ between its versions, and the
+compiler's library between distributions.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import platform
+import shlex
+import shutil
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, final
+
+from tool0.errors import EngineUnavailableError
+from tool0.installation.gazebo.host_tools import last_lines, run_host
+from tool0.installation.gazebo.installation import Installation
+from tool0.user_data import cache_folder
+
+logger = logging.getLogger(__name__)
+
+_SOURCES: Final = Path(__file__).parents[2] / "engines" / "gazebo" / "bridge"
+_FLAGS: Final = ("-O2", "-fPIC", "-shared", "-std=c++17", "-pthread")
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BridgeLibraries:
+    """What gzserver loads to run with us."""
+
+    bridge: Path
+    """The plugin that talks with the engine."""
+    leash: Path
+    """Preloaded, also into gzclient: ties them to our process."""
+
+
+def plugin_folder() -> Path:
+    """Return where compiled libraries are kept; it may not be there yet."""
+    return cache_folder() / "gazebo"
+
+
+def bridge_libraries(installation: Installation) -> BridgeLibraries:
+    """Return the libraries for this Gazebo; compile those that never were.
+
+    Raises:
+        EngineUnavailableError: If one has to be compiled and cannot be.
+    """
+    paths = expected_libraries(installation)
+    for source, library in zip(_sources(), (paths.bridge, paths.leash), strict=True):
+        if not library.is_file():
+            _compile(source, installation, library)
+    return paths
+
+
+def expected_libraries(installation: Installation) -> BridgeLibraries:
+    """Return where the libraries for this Gazebo are, once they are compiled."""
+    bridge, leash = (_library_of(source, installation) for source in _sources())
+    return BridgeLibraries(bridge, leash)
+
+
+def _library_of(source: Path, installation: Installation) -> Path:
+    """Return where the library of ``source`` is, once it is compiled.
+
+    Its name tells all that it depends on.  The compiler's version is not among that: a
+    machine whose compiler was removed goes on using what it made.
+    """
+    what = (
+        source.read_text(encoding="utf-8"),
+        *_FLAGS,
+        installation.version,
+        *map(str, installation.include_dirs),
+        platform.machine(),
+        _c_library(),
+    )
+    digest = hashlib.sha256("\0".join(what).encode()).hexdigest()[:16]
+    return plugin_folder() / f"{source.stem}-{digest}.so"
+
+
+def _sources() -> tuple[Path, Path]:
+    return _SOURCES / "bridge.cc", _SOURCES / "leash.cc"
+
+
+def compiler() -> list[str] | None:
+    """Return the command of the C++ compiler, or None if there is none."""
+    command = shlex.split(os.environ.get("CXX", "")) or ["g++"]
+    return command if shutil.which(command[0]) else None
+
+
+def require_compiler() -> list[str]:
+    """Return the command of the C++ compiler, or raise EngineUnavailableError."""
+    command = compiler()
+    if command is None:
+        raise EngineUnavailableError(
+            "what runs inside Gazebo has to be compiled, and there is no C++ compiler "
+            "here; install one (apt install g++), or name it in CXX"
+        )
+    return command
+
+
+def _compile(source: Path, installation: Installation, library: Path) -> None:
+    command = require_compiler()
+    logger.info("compiling %s for Gazebo %s", source.name, installation.version)
+    try:
+        library.parent.mkdir(parents=True, exist_ok=True)
+        # Two processes may compile at once: the last one to end takes the place.
+        with tempfile.TemporaryDirectory(dir=library.parent, prefix=".new-") as folder:
+            made = Path(folder) / library.name
+            includes = [f"-isystem{path}" for path in installation.include_dirs]
+            answer = run_host(
+                [*command, *_FLAGS, *includes, str(source), "-o", str(made)]
+            )
+            if answer.returncode != 0:
+                raise EngineUnavailableError(
+                    f"cannot compile {source.name} against the headers of Gazebo "
+                    f"{installation.version}; {command[0]} said:\n"
+                    f"{last_lines(answer.stderr, 12)}"
+                )
+            made.replace(library)
+    except OSError as error:
+        raise EngineUnavailableError(
+            f"cannot write '{error.filename or library}': {error.strerror}"
+        ) from None
+
+
+def _c_library() -> str:
+    """Return the C library's version: one made for a newer cannot be loaded."""
+    try:
+        return os.confstr("CS_GNU_LIBC_VERSION") or ""
+    except (ValueError, OSError):
+        return ""

@@ -1,0 +1,193 @@
+"""The ROS master: whether it is there, starting one, and coming back after it."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, final
+from urllib.parse import urlsplit
+
+from tool0.errors import RosUnavailableError
+from tool0.installation.ros1.child import Child
+from tool0.installation.ros1.library import is_local
+
+logger = logging.getLogger(__name__)
+
+START_PATIENCE = 20.0
+"""[s] until a roscore of ours answers; two are usual."""
+CALL_PATIENCE = 3.0
+"""[s] that a master has for an answer."""
+
+
+@final
+class Master:
+    """What we ask of it, under our node's name.  Any thread may."""
+
+    def __init__(self, node: str) -> None:
+        import rosgraph
+
+        self._node = node
+        try:
+            self.uri = str(rosgraph.get_master_uri())
+        except ValueError as error:
+            raise RosUnavailableError(f"ROS_MASTER_URI: {error}") from None
+
+    def call(self, method: str, *arguments: object) -> Any:  # what XML-RPC brings
+        """Return the answer's value.
+
+        Raises:
+            RosUnavailableError: If nobody answers, or the master refuses.
+        """
+        try:
+            code, message, value = self._proxy(self.uri, method, *arguments)
+        except (OSError, ValueError, TypeError) as error:
+            raise RosUnavailableError(
+                f"no ROS master answers at {self.uri} ({error}); start roscore, "
+                "or add --roscore"
+            ) from None
+        if code != 1:
+            raise RosUnavailableError(f"the ROS master refuses {method}: {message}")
+        return value
+
+    def _proxy(self, uri: str, method: str, *arguments: object) -> Any:
+        from xmlrpc.client import Error, ServerProxy
+
+        try:
+            with ServerProxy(uri, transport=_transport()) as proxy:
+                return getattr(proxy, method)(self._node, *arguments)
+        except Error as error:
+            raise OSError(error) from None
+
+    @property
+    def is_there(self) -> bool:
+        """Whether it answers."""
+        try:
+            self.call("getPid")
+        except RosUnavailableError:
+            return False
+        return True
+
+    def uri_of(self, node: str) -> str | None:
+        """Return the address of a node that lives, None if there is none."""
+        try:
+            uri = str(self.call("lookupNode", node))
+        except RosUnavailableError:
+            return None
+        try:
+            code, _, _ = self._proxy(uri, "getPid")
+        except (OSError, ValueError, TypeError):
+            return None  # killed, and never unregistered
+        return uri if code == 1 else None
+
+    def publishers_of(self, topic: str) -> tuple[str, ...]:
+        """Return the nodes that publish ``topic``, dead ones included."""
+        publishers, _, _ = self.call("getSystemState")
+        return next((tuple(nodes) for name, nodes in publishers if name == topic), ())
+
+
+def _transport() -> Any:
+    """Return a transport of XML-RPC that waits no longer than we do."""
+    from http.client import HTTPConnection
+    from xmlrpc.client import Transport
+
+    class Patient(Transport):
+        def make_connection(self, host: Any) -> HTTPConnection:
+            connection = super().make_connection(host)
+            connection.timeout = CALL_PATIENCE
+            return connection
+
+    return Patient()
+
+
+@contextmanager
+def running_master(master: Master, *, start: bool) -> Iterator[None]:
+    """Have a master while the context lasts: the one that answers, or our roscore.
+
+    Raises:
+        RosUnavailableError: If none answers, and none is to be or can be started.
+    """
+    if master.is_there:
+        yield
+        return
+    if not start:
+        raise RosUnavailableError(
+            f"no ROS master answers at {master.uri}; start roscore, or add --roscore"
+        )
+    roscore = _roscore(master)
+    try:
+        _await(master, roscore)
+        yield
+    finally:
+        roscore.close()
+
+
+def _roscore(master: Master) -> Child:
+    program = shutil.which("roscore")
+    if program is None:
+        raise RosUnavailableError(
+            "there is no roscore on this machine's PATH; `tool0 ros1 install` gets one"
+        )
+    address = urlsplit(master.uri)
+    if not is_local(master.uri):
+        raise RosUnavailableError(
+            f"ROS_MASTER_URI is {master.uri}, on another machine: a roscore can be "
+            "started only there"
+        )
+    return Child([program, "-p", str(address.port or 11311)], os.environ)
+
+
+def _await(master: Master, roscore: Child) -> None:
+    end = time.monotonic() + START_PATIENCE
+    while not master.is_there:
+        if roscore.exit_status is not None:
+            raise RosUnavailableError(
+                f"roscore ended with status {roscore.exit_status}:\n"
+                f"{roscore.last_words()}"
+            )
+        if time.monotonic() > end:
+            raise RosUnavailableError(
+                f"roscore does not answer at {master.uri} within {START_PATIENCE:g} s:"
+                f"\n{roscore.last_words()}"
+            )
+        time.sleep(0.05)
+
+
+@final
+class Watch:
+    """Notices that the master has gone, and that one without us is there."""
+
+    def __init__(
+        self, master: Master, node: str, uri: str, again: Callable[[], None]
+    ) -> None:
+        """Call ``again`` when a master is there that does not know us at ``uri``."""
+        self._master = master
+        self._node = node
+        self._uri = uri
+        self._again = again
+        self._is_gone = False
+
+    def look(self) -> None:
+        """Look once; call it about once a second, from one thread."""
+        if not self._master.is_there:
+            if not self._is_gone:
+                logger.warning(
+                    "the ROS master at %s is gone; those who are connected stay so, "
+                    "and we register again when it is back",
+                    self._master.uri,
+                )
+            self._is_gone = True
+            return
+        if self._is_gone or not self._is_known():
+            self._again()
+            logger.warning("registered again with the ROS master")
+        self._is_gone = False
+
+    def _is_known(self) -> bool:
+        try:
+            return bool(self._master.call("lookupNode", self._node) == self._uri)
+        except RosUnavailableError:
+            return False

@@ -1,0 +1,219 @@
+"""A robot without physics, as the pages of ``tool0 view`` see and pose it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Collection, Mapping, Sequence
+from typing import Final, final
+
+from tool0.description.catalogue import RobotDescription
+from tool0.description.model import Joint, JointType, RobotModel
+from tool0.errors import ConfigError, ControlError, ModelError
+from tool0.interfaces.panel import protocol as ask
+from tool0.interfaces.panel.protocol import Frame, GripperState, PoseInfo, Scene, Status
+from tool0.interfaces.panel.robot_files import RobotFiles
+from tool0.interfaces.panel.robot_info import ONE_AXIS, robot_info
+from tool0.interfaces.panel.source import Facts, Happening
+from tool0.runtime.poses import PoseBook
+
+FIRST_POSE: Final = "home"
+_ROUNDING: Final = 1e-6
+"""How far beyond a limit a position may be that was meant to be at it [rad | m]."""
+_NOTHING: Final = Scene(number=0, objects=[])
+
+
+@final
+class ViewSource:
+    """Joints stand where a page last put them, for every page."""
+
+    def __init__(
+        self, description: RobotDescription, ground: float | None = None
+    ) -> None:
+        self._model = description.model
+        self._book = PoseBook(description)
+        self._lock = threading.Lock()
+        self._names = [
+            joint.name
+            for joint in description.model.movable_joints
+            if joint.type in ONE_AXIS
+        ]
+        self._start = {
+            name: self._model.joint(name).limits.clamp(0.0) for name in self._names
+        }
+        first = self._book.own.get(FIRST_POSE)
+        if first is not None:
+            self._start.update(first.positions)
+        self._position = _with_mimics(self._model, self._start)
+        self._frame = self._frame_now()
+        self._problem: str | None = None
+        self._happenings: list[Happening] = []
+        self._facts = Facts(
+            mode="view",
+            engine=None,
+            control_period=None,
+            grasp_assist=False,
+            robot=robot_info(description, self._names, ground, {}),
+            files=RobotFiles(description),
+        )
+
+    @property
+    def facts(self) -> Facts:
+        return self._facts
+
+    def scene(self) -> Scene:
+        return _NOTHING
+
+    def frame(self) -> Frame:
+        return self._frame
+
+    def status(self, clients: int) -> Status:
+        position = self._position
+        return Status(
+            paused=False,
+            stopped=False,
+            fault=None,
+            speed=None,
+            real_time_factor=0.0,
+            overruns=0,
+            clients=clients,
+            controllers=[],
+            grippers=[
+                GripperState(
+                    name=gripper.name,
+                    opening=round(
+                        max(0.0, gripper.opening(position[gripper.joint])), 4
+                    ),
+                    motion="idle",
+                    gobj=0,
+                    width=None,
+                )
+                for gripper in self._model.grippers
+            ],
+            poses=self._poses(),
+            targets={},
+        )
+
+    def happenings(self) -> Sequence[Happening]:
+        found, self._happenings = self._happenings, []
+        return found
+
+    def check(self, message: ask.Stream) -> None:
+        match message:
+            case ask.PoseJoints(positions=positions):
+                self._checked(positions)
+            case _:
+                raise _no_physics(message)
+
+    def displaced_by(self, message: ask.ClientMessage) -> Collection[str]:
+        return ("",) if isinstance(message, ask.GoToPose | ask.Reset) else ()
+
+    def carry_out(self, message: ask.ClientMessage) -> None:
+        match message:
+            case ask.PoseJoints(positions=positions):
+                self._put(self._checked(positions))
+            case ask.GoToPose(name=name):
+                self._put(self._book.find(name).positions)
+            case ask.Reset():
+                self._put(self._start)
+            case ask.SavePose(name=name):
+                self._book.save(name, self._driven())
+            case ask.DeletePose(name=name):
+                self._book.delete(name)
+            case ask.Grip(gripper=name, opening=opening):
+                self._grip(name, opening)
+            case _:
+                raise _no_physics(message)
+
+    def close(self) -> None:
+        pass
+
+    def _put(self, positions: Mapping[str, float]) -> None:
+        with self._lock:
+            self._position = _with_mimics(self._model, {**self._position, **positions})
+            self._frame = self._frame_now()
+
+    def _grip(self, name: str, opening: float) -> None:
+        for gripper in self._model.grippers:
+            if gripper.name == name:
+                self._put({gripper.joint: gripper.position(opening)})
+                return
+        names = ", ".join(gripper.name for gripper in self._model.grippers) or "none"
+        raise ControlError(f"unknown gripper '{name}'; there are: {names}")
+
+    def _driven(self) -> Mapping[str, float]:
+        driven = [item.joint for item in self._model.transmissions]
+        free = [name for name in self._names if self._model.joint(name).mimic is None]
+        position = self._position
+        return {name: position[name] for name in driven or free}
+
+    def _checked(self, positions: Mapping[str, float]) -> Mapping[str, float]:
+        """Return positions that the joints can have, or raise Tool0Error."""
+        return {
+            name: _checked(self._model.joint(name), position)
+            for name, position in positions.items()
+        }
+
+    def _frame_now(self) -> Frame:
+        n_joints = len(self._names)
+        return Frame(
+            time=0.0,
+            position=[self._position[name] for name in self._names],
+            velocity=[0.0] * n_joints,
+            effort=[0.0] * n_joints,
+            desired=[None] * n_joints,
+            objects=[],
+            scene=_NOTHING.number,
+        )
+
+    def _poses(self) -> list[PoseInfo]:
+        try:
+            poses = self._book.all()
+        except ConfigError as error:
+            if str(error) != self._problem:
+                self._problem = str(error)
+                self._happenings.append(
+                    Happening(severity="warning", code="log", text=str(error))
+                )
+            poses = self._book.own
+        return [
+            PoseInfo(name=pose.name, saved=pose.saved, positions=dict(pose.positions))
+            for pose in poses.values()
+        ]
+
+
+def _checked(joint: Joint, position: float) -> float:
+    if joint.mimic is not None:
+        raise ModelError(
+            f"joint '{joint.name}' follows '{joint.mimic.joint}'; pose that one"
+        )
+    if joint.type not in ONE_AXIS:
+        raise ModelError(f"joint '{joint.name}' is {joint.type.value} and stands still")
+    if joint.type is JointType.CONTINUOUS:
+        return position
+    limits = joint.limits
+    if not limits.lower - _ROUNDING <= position <= limits.upper + _ROUNDING:
+        raise ModelError(
+            f"joint '{joint.name}' cannot be at {position:.6g}; its limits are "
+            f"[{limits.lower:.6g}, {limits.upper:.6g}]"
+        )
+    return limits.clamp(position)
+
+
+def _with_mimics(
+    model: RobotModel, positions: Mapping[str, float]
+) -> Mapping[str, float]:
+    """Return ``positions`` with every mimic joint where its joint takes it."""
+    found = dict(positions)
+    for name in positions:
+        mimic = model.joint(name).mimic
+        if mimic is not None:
+            found[name] = mimic.multiplier * found.get(mimic.joint, 0.0) + mimic.offset
+    return found
+
+
+def _no_physics(message: ask.ClientMessage) -> ControlError:
+    kind = type(message).__struct_config__.tag
+    return ControlError(
+        f"`tool0 view` has no physics and no controllers, so it cannot do '{kind}'; "
+        "bring the robot up with `tool0 bringup`"
+    )

@@ -1,0 +1,174 @@
+"""The arguments of one file: what is declared, given, missing and used."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal, final
+from xml.dom.minidom import Element
+
+from tool0.errors import SourceLocation, nearest_name
+from tool0.lint.launch.model import Argument
+from tool0.lint.launch.scope import Scope
+from tool0.lint.launch.text import Activity, Text
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Given:
+    """A value that a file's argument has from outside."""
+
+    text: Text
+    origin: Literal["command line", "include", "pass_all_args"]
+
+
+@final
+class Arguments:
+    """Notes the arguments of a file while it is read."""
+
+    def __init__(
+        self,
+        scope: Scope,
+        given: Mapping[str, Given],
+        *,
+        is_included: bool,
+        passes_all: bool,
+    ) -> None:
+        self._scope = scope
+        self._given = given
+        self._is_included = is_included
+        self._passes_all = passes_all
+        self._found: list[Argument] = []
+
+    def declare(self, element: Element, scope: Scope) -> None:
+        """Take an ``<arg>`` into the scope."""
+        name = scope.required(element, "name").resolved
+        if not name:
+            return
+        value, default = scope.text(element, "value"), scope.text(element, "default")
+        if value is not None and default is not None:
+            scope.report(
+                scope.locate(element),
+                "bad-argument",
+                name,
+                "has both value and default, and roslaunch stops here",
+                "write value if it may never change, else default",
+            )
+        argument = Argument(
+            name=name,
+            place=scope.place(element),
+            doc=element.getAttribute("doc"),
+            origin="missing",
+            default=default,
+        )
+        if scope.activity is Activity.INACTIVE:
+            argument = replace(argument, origin="switched off")
+        else:
+            self._refuse_twice(argument, scope)
+            scope.declared.setdefault(name, argument.place.location)
+            argument = self._with_value(argument, value, scope)
+        self._found.append(argument)
+
+    def _refuse_twice(self, argument: Argument, scope: Scope) -> None:
+        first = scope.declared.get(argument.name)
+        if first is None or self._passes_all or scope.activity is Activity.UNKNOWN:
+            return
+        earlier = [a for a in self._found if a.place.location is first]
+        if any(a.place.activity is Activity.UNKNOWN for a in earlier):
+            return
+        scope.report(
+            argument.place.location,
+            "duplicate-argument",
+            argument.name,
+            f"is declared at {first} already, and roslaunch stops here",
+            "remove one of them",
+        )
+
+    def _with_value(
+        self, argument: Argument, value: Text | None, scope: Scope
+    ) -> Argument:
+        """Return the argument with the value that it has from now on."""
+        name = argument.name
+        given = self._given.get(name)
+        if value is not None:
+            if given is not None and not self._passes_all:
+                self._refuse_override(argument, given, scope)
+            scope.values[name] = _perhaps(value, scope)
+            return replace(argument, value=scope.values[name], origin="value")
+        if given is not None:
+            return replace(argument, value=given.text, origin=given.origin)
+        if name in scope.values:  # declared twice, which has been said
+            return replace(argument, value=scope.values[name], origin="default")
+        if argument.default is not None:
+            scope.values[name] = _perhaps(argument.default, scope)
+            return replace(argument, value=scope.values[name], origin="default")
+        if not self._is_included:
+            scope.report(
+                argument.place.location,
+                "missing-argument",
+                name,
+                "has no default, and no value is given: what depends on it is unknown",
+                f"say {name}:=… on the command line, or include the file from one that "
+                "gives it",
+                severity="warning",
+            )
+        return argument
+
+    def _refuse_override(self, argument: Argument, given: Given, scope: Scope) -> None:
+        place = given.text.location
+        where = "on the command line" if place.file is None else f"at {place}"
+        scope.report(
+            argument.place.location if place.file is None else place,
+            "constant-argument",
+            argument.name,
+            f"has a fixed value (at {argument.place.location}), and another is given "
+            f"{where}: roslaunch stops here",
+            "write default instead of value, or do not give it",
+        )
+
+    def missing(self) -> tuple[Argument, ...]:
+        """Return the active arguments that are required and not given."""
+        return tuple(
+            argument
+            for argument in self._found
+            if argument.origin == "missing" and argument.name not in self._scope.values
+        )
+
+    def finished(self) -> tuple[Argument, ...]:
+        """Return all arguments, the file being read; report those nothing uses."""
+        used = self._scope.used
+        for name in {argument.name: None for argument in self._found}:
+            if name in used:
+                continue
+            first = next(a for a in self._found if a.name == name)
+            self._scope.report(
+                first.place.location,
+                "unused-argument",
+                name,
+                "is declared, and nothing in the file uses it: its value has no effect",
+                f"use it as $(arg {name}), or remove it",
+                severity="warning",
+            )
+        return tuple(replace(a, is_used=a.name in used) for a in self._found)
+
+    def report_unknown(self) -> None:
+        """Report what the command line gives and the file does not declare."""
+        declared = {argument.name for argument in self._found}
+        for name in self._given:
+            if name not in declared:
+                self._scope.report(
+                    SourceLocation(self._scope.file),
+                    "unused-argument",
+                    name,
+                    "is given on the command line, and the file declares no such "
+                    "argument" + nearest_name(name, declared),
+                    severity="warning",
+                )
+
+
+def _perhaps(text: Text, scope: Scope) -> Text:
+    """Return ``text``, without a value if the element may be switched off."""
+    if scope.activity is not Activity.UNKNOWN:
+        return text
+    reason = "it depends on an if or unless that is unknown"
+    return replace(text, resolved=None, reason=text.reason or reason)

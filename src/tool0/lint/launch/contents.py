@@ -1,0 +1,180 @@
+"""What a launch file includes, starts and sets, explained."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import final
+
+from tool0.errors import SourceLocation
+from tool0.lint.launch.item import Item
+from tool0.lint.launch.model import (
+    Entry,
+    Include,
+    LaunchFile,
+    Machine,
+    Node,
+    Parameter,
+    Rosparam,
+)
+from tool0.lint.launch.text import Place, Text
+from tool0.lint.launch.xacro_files import XacroFile, xacro_call
+
+
+def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
+    """Return what the file includes, starts and sets, with all that it includes.
+
+    Args:
+        launch: The file.
+        robots: What its parameters have xacro read (``xacro_robots``).
+    """
+    explainer = _Explainer(robots)
+    return Item(
+        kind="launch",
+        name=str(launch.file),
+        location=SourceLocation(launch.file),
+        items=tuple(explainer.entry(entry) for entry in launch.entries),
+    )
+
+
+@final
+class _Explainer:
+    """Explains the entries of one file and of those it includes."""
+
+    def __init__(self, robots: Mapping[Parameter, XacroFile]) -> None:
+        self._robots = robots
+
+    def entry(self, entry: Entry) -> Item:
+        """Return one entry with all that is in it."""
+        match entry:
+            case Include():
+                return self._include(entry)
+            case Node():
+                return self._node(entry)
+            case Parameter():
+                return self._parameter(entry, entry.full_name)
+            case Rosparam():
+                return _rosparam(entry)
+            case Machine():
+                texts = [f"{key}={_shown(text)}" for key, text in entry.settings]
+                return _item("machine", "", " ".join(texts), entry.place)
+        kind = type(entry).__name__.lower().replace("environment", "env")
+        (_, name), (_, value) = entry.texts
+        return _item(kind, _shown(name), _shown(value), entry.place)
+
+    def _include(self, include: Include) -> Item:
+        inside: tuple[Item, ...] = ()
+        if include.launch is not None:
+            inside = tuple(self.entry(entry) for entry in include.launch.entries)
+        off = _off(include.place)
+        return Item(
+            kind="include",
+            name=include.file.raw if include.path is None else str(include.path),
+            location=include.place.location,
+            note=off or include.reason,
+            items=inside,
+        )
+
+    def _node(self, node: Node) -> Item:
+        program = f"{_shown(node.package)}/{_shown(node.type)}"
+        args = [] if node.args is None else [" ".join(_shown(node.args).split())]
+        parts = [self._parameter(p, p.name.resolved) for p in node.parameters]
+        parts += [_rosparam(rosparam) for rosparam in node.rosparams]
+        parts += [
+            _item("remap", _shown(r.from_name), _shown(r.to_name), r.place)
+            for r in node.remaps
+        ]
+        return Item(
+            kind="test" if node.is_test else "node",
+            name=node.full_name or node.name.raw,
+            value=" ".join([program, *args]),
+            location=node.place.location,
+            note=_off(node.place) or (node.args.reason if node.args else ""),
+            items=tuple(parts),
+        )
+
+    def _parameter(self, parameter: Parameter, name: str | None) -> Item:
+        robot = self._robots.get(parameter)
+        value = parameter.content.resolved
+        shown = f"{parameter.source} {value}" if value is not None else None
+        if parameter.source == "value" or value is None:
+            shown = value
+        return Item(
+            kind="param",
+            name=name or parameter.name.raw,
+            value=shown if robot is None else None,
+            location=parameter.place.location,
+            note=_off(parameter.place) or parameter.content.reason,
+            items=() if robot is None else (self._robot(parameter, robot),),
+        )
+
+    def _robot(self, parameter: Parameter, robot: XacroFile) -> Item:
+        """Return the xacro file that a parameter loads, with what it is given."""
+        call = xacro_call(parameter)
+        args = {} if call is None else call.args
+        declared = {name for file in robot.walk() for name in file.defaults}
+        given = [
+            Item(
+                kind="xacro arg",
+                name=name,
+                value=value,
+                location=parameter.place.location,
+                note="" if name in declared else "no file declares it",
+            )
+            for name, value in args.items()
+        ]
+        item = _xacro(robot)
+        return Item(
+            kind=item.kind,
+            name=item.name,
+            location=item.location,
+            note=item.note,
+            items=(*given, *item.items),
+        )
+
+
+def _item(kind: str, name: str, value: str, place: Place) -> Item:
+    return Item(
+        kind=kind, name=name, value=value, location=place.location, note=_off(place)
+    )
+
+
+def _rosparam(rosparam: Rosparam) -> Item:
+    file = rosparam.file
+    value = "YAML in the launch file"
+    if file is not None:
+        value = file.resolved or file.raw
+    elif rosparam.command == "delete":
+        value = ""
+    verb = "" if rosparam.command == "load" else f"{rosparam.command} "
+    return Item(
+        kind="rosparam",
+        name=verb + (rosparam.namespace or "(unknown)"),
+        value=value,
+        location=rosparam.place.location,
+        note=_off(rosparam.place) or (file.reason if file is not None else ""),
+    )
+
+
+def _xacro(file: XacroFile) -> Item:
+    return Item(
+        kind="xacro",
+        name=file.written if file.file is None else str(file.file),
+        location=file.location,
+        note=file.reason,
+        items=tuple(_xacro(include) for include in file.includes),
+    )
+
+
+def _shown(text: Text) -> str:
+    return text.raw if text.resolved is None else text.resolved
+
+
+def _off(place: Place) -> str:
+    """Return why something is off, or may be; empty if it is on."""
+    for condition in place.conditions:
+        if condition.holds is False:
+            return f'off: {condition.kind}="{condition.text.raw}"'
+    for condition in place.conditions:
+        if condition.holds is None:
+            return f'perhaps off: {condition.kind}="{condition.text.raw}" is unknown'
+    return ""

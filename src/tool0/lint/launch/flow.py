@@ -1,0 +1,193 @@
+"""Where the value of an argument ends up: from file to file, to what uses it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
+
+from tool0.errors import SourceLocation
+from tool0.lint.launch.model import (
+    Entry,
+    Environment,
+    Include,
+    LaunchFile,
+    Machine,
+    Node,
+    Parameter,
+    Remap,
+    Rosparam,
+)
+from tool0.lint.launch.text import Activity, Place
+from tool0.lint.launch.xacro_files import xacro_call
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Use:
+    """One place that uses an argument of a launch file."""
+
+    what: str
+    """For people: ``args of node /spawner``."""
+    location: SourceLocation
+    activity: Activity
+    argument: tuple[LaunchFile, str] | None = None
+    """The argument that it becomes a part of, of this file or of an included one."""
+    xacro: tuple[Parameter, str] | None = None
+    """The argument of xacro that it becomes a part of."""
+
+
+def uses(launch: LaunchFile, name: str) -> Iterator[Use]:
+    """Yield what uses the argument ``name`` of ``launch``, in the file's order."""
+    found = [*_in_arguments(launch, name)]
+    for entry in launch.entries:
+        found += _in_entry(entry, name)
+    found += _in_conditions(launch, name)
+    yield from sorted(found, key=lambda use: use.location.line or 0)
+
+
+def _in_arguments(launch: LaunchFile, name: str) -> Iterator[Use]:
+    for argument in launch.arguments:
+        value = argument.value
+        if argument.origin in ("value", "default") and value and name in value.uses:
+            yield Use(
+                what=f"argument {argument.name}",
+                location=argument.place.location,
+                activity=argument.place.activity,
+                argument=(launch, argument.name),
+            )
+
+
+def _in_entry(entry: Entry, name: str) -> Iterator[Use]:
+    if isinstance(entry, Include):
+        yield from _in_include(entry, name)
+    if isinstance(entry, Parameter):
+        yield from _in_xacro(entry, name)
+    for key, text in entry.texts:
+        is_xacro = key == "command" and isinstance(entry, Parameter)
+        if name not in text.uses or (is_xacro and any(_in_xacro(entry, name))):
+            continue
+        yield _use(f"{key} of {describe(entry)}", entry.place)
+    if isinstance(entry, Node):
+        for part in _inside(entry):
+            for key, text in part.texts:
+                if name in text.uses and part.place.location.file == _file(entry):
+                    of = describe(part)
+                    if not (isinstance(part, Parameter) and part.full_name):
+                        of = f"{of} of {describe(entry)}"
+                    what = f"{key} of {of}"
+                    yield _use(what, part.place)
+
+
+def _in_include(include: Include, name: str) -> Iterator[Use]:
+    """Yield the arguments of the included file that the value becomes."""
+    child = include.launch
+    passed = {p.name for p in include.passed if p.place.activity is not _OFF}
+    for item in include.passed:
+        if item.value is None or name not in item.value.uses:
+            continue
+        is_known = child is not None and child.argument(item.name) is not None
+        yield Use(
+            what=f"argument {item.name} of {_included(include)}",
+            location=item.place.location,
+            activity=item.place.activity,
+            argument=(child, item.name) if child and is_known else None,
+        )
+    if not include.passes_all or child is None or name in passed:
+        return
+    argument = child.argument(name)
+    if argument is not None and argument.origin == "pass_all_args":
+        yield Use(
+            what=f"argument {name} of {_included(include)}",
+            location=include.place.location,
+            activity=include.place.activity,
+            argument=(child, name),
+        )
+
+
+def _in_xacro(parameter: Entry, name: str) -> Iterator[Use]:
+    """Yield the arguments of xacro that the value becomes."""
+    call = xacro_call(parameter) if isinstance(parameter, Parameter) else None
+    for argument, used in () if call is None else call.uses.items():
+        if call is not None and name in used:
+            yield Use(
+                what=f"xacro argument {argument} of "
+                + (describe(parameter) if call.file is None else call.file.name),
+                location=parameter.place.location,
+                activity=parameter.place.activity,
+                xacro=(call.parameter, argument),
+            )
+
+
+def _in_conditions(launch: LaunchFile, name: str) -> Iterator[Use]:
+    """Yield each ``if`` and ``unless`` once, though a group's is that of many."""
+    seen = set()
+    for what, place, argument in _places(launch):
+        for number, condition in enumerate(reversed(place.conditions)):
+            where = condition.text.location
+            key = (condition.kind, where)
+            if name not in condition.text.uses or where.file != launch.file:
+                continue
+            if key not in seen:
+                seen.add(key)
+                is_own = number == 0 and where == place.location
+                goes_on = is_own and argument and place.activity is not _OFF
+                yield Use(
+                    what=f"{condition.kind} of {what if is_own else 'the group'}",
+                    location=where,
+                    activity=Activity.ACTIVE,
+                    argument=(launch, argument) if goes_on else None,
+                )
+
+
+def _places(launch: LaunchFile) -> Iterator[tuple[str, Place, str]]:
+    """Yield all that may have a condition; for an argument also its name."""
+    for argument in launch.arguments:
+        yield f"argument {argument.name}", argument.place, argument.name
+    for entry in launch.entries:
+        yield describe(entry), entry.place, ""
+        if isinstance(entry, Include):
+            for passed in entry.passed:
+                yield f"argument {passed.name}", passed.place, ""
+        if isinstance(entry, Node):
+            for part in _inside(entry):
+                yield describe(part), part.place, ""
+
+
+_OFF = Activity.INACTIVE
+
+
+def _inside(node: Node) -> tuple[Entry, ...]:
+    return (*node.parameters, *node.rosparams, *node.remaps, *node.environment)
+
+
+def _file(entry: Entry) -> object:
+    return entry.place.location.file
+
+
+def _use(what: str, place: Place) -> Use:
+    return Use(what=what, location=place.location, activity=place.activity)
+
+
+def describe(entry: Entry) -> str:
+    """Return what a person calls an entry."""
+    match entry:
+        case Node():
+            kind = "test" if entry.is_test else "node"
+            return f"{kind} {entry.full_name or entry.name.raw}"
+        case Parameter():
+            return f"param {entry.full_name or entry.name.resolved or entry.name.raw}"
+        case Rosparam():
+            return f"rosparam {entry.command}"
+        case Include():
+            return f"include {_included(entry)}"
+        case Remap():
+            return f"remap {entry.from_name.resolved or entry.from_name.raw}"
+        case Environment():
+            return f"env {entry.name.resolved or entry.name.raw}"
+        case Machine():
+            return "machine"
+
+
+def _included(include: Include) -> str:
+    return include.file.raw if include.path is None else include.path.name

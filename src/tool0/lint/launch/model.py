@@ -1,0 +1,278 @@
+"""A launch file as values: what it declares, starts, sets and includes.
+
+Every entry has a ``place`` and names its ``texts``: each attribute that may hold an
+argument, with what a person calls it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, TypeAlias, final
+
+from tool0.description.finding import Finding
+from tool0.lint.launch.text import Activity, Place, Text
+
+Origin: TypeAlias = Literal[
+    "command line",
+    "include",
+    "pass_all_args",
+    "value",
+    "default",
+    "missing",
+    "switched off",
+]
+"""Where an argument's value comes from; ``value`` is one that cannot be overridden."""
+NamedText: TypeAlias = tuple[str, Text]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Argument:
+    """A declared ``<arg>``, and the value that it has."""
+
+    name: str
+    place: Place
+    doc: str = ""
+    value: Text | None = None
+    """None if it has none.  Its location is where the origin says; it uses arguments of
+    the file there."""
+    origin: Origin
+    default: Text | None = None
+    """What the declaration offers, which need not be the value."""
+    is_used: bool = False
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Remap:
+    """A ``<remap>``."""
+
+    place: Place
+    from_name: Text
+    to_name: Text
+
+    @property
+    def texts(self) -> tuple[NamedText, ...]:
+        return (("from", self.from_name), ("to", self.to_name))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Environment:
+    """An ``<env>``."""
+
+    place: Place
+    name: Text
+    value: Text
+
+    @property
+    def texts(self) -> tuple[NamedText, ...]:
+        return (("name", self.name), ("value", self.value))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Machine:
+    """A ``<machine>``."""
+
+    place: Place
+    settings: tuple[NamedText, ...]
+
+    @property
+    def texts(self) -> tuple[NamedText, ...]:
+        return self.settings
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter:
+    """A ``<param>``."""
+
+    place: Place
+    name: Text
+    full_name: str | None
+    """``/robot_description``; None if unknown, or private and not in a node."""
+    type: str = "auto"
+    source: Literal["value", "textfile", "binfile", "command"]
+    content: Text
+    """The value, the path of the file, or the command."""
+    words: tuple[str, ...] = ()
+    """The command as a shell splits it; empty if it is none, or unresolved."""
+
+    @property
+    def texts(self) -> tuple[NamedText, ...]:
+        return (("name", self.name), (self.source, self.content))
+
+    @property
+    def is_private(self) -> bool:
+        """Whether the name begins with a tilde: it is set for every later node."""
+        return (self.name.resolved or self.name.raw).startswith("~")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rosparam:
+    """A ``<rosparam>``: a file of YAML, or YAML in the launch file."""
+
+    place: Place
+    command: Literal["load", "delete", "dump"]
+    namespace: str | None
+    """The full name that the parameters come under; None if unknown."""
+    file: Text | None
+    path: Path | None
+    """The file, if its name is known; it need not exist."""
+    yaml: Text | None
+    """What is loaded, with its arguments replaced if it says ``subst_value``; its
+    location is that of the YAML's first line.  None if the file cannot be read."""
+    names: tuple[NamedText, ...] = ()
+    """``ns`` and ``param``, if they are given."""
+
+    @property
+    def texts(self) -> tuple[NamedText, ...]:
+        optional = (("file", self.file), ("yaml", self.yaml))
+        return tuple((key, text) for key, text in optional if text) + self.names
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Node:
+    """A ``<node>`` or a ``<test>``."""
+
+    place: Place
+    is_test: bool
+    package: Text
+    type: Text
+    name: Text
+    full_name: str | None
+    args: Text | None
+    words: tuple[str, ...]
+    """The arguments as a shell splits them; empty if they are unresolved."""
+    settings: tuple[NamedText, ...] = ()
+    """Every other attribute, as ``output`` and ``respawn``."""
+    parameters: tuple[Parameter, ...] = ()
+    """Its own, and private ones that stand before it in the file."""
+    rosparams: tuple[Rosparam, ...] = ()
+    remaps: tuple[Remap, ...] = ()
+    """Those that hold for it, its own last."""
+    environment: tuple[Environment, ...] = ()
+
+    @property
+    def texts(self) -> tuple[NamedText, ...]:
+        texts = [("pkg", self.package), ("type", self.type), ("name", self.name)]
+        if self.args is not None:
+            texts.append(("args", self.args))
+        return (*texts, *self.settings)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Passed:
+    """An ``<arg>`` in an ``<include>``."""
+
+    name: str
+    place: Place
+    value: Text | None
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Include:
+    """An ``<include>``."""
+
+    place: Place
+    file: Text
+    path: Path | None
+    passed: tuple[Passed, ...] = ()
+    passes_all: bool = False
+    settings: tuple[NamedText, ...] = ()
+    launch: LaunchFile | None = None
+    reason: str = ""
+    """Why there is no ``launch``."""
+
+    @property
+    def texts(self) -> tuple[NamedText, ...]:
+        return (("file", self.file), *self.settings)
+
+
+Entry: TypeAlias = Remap | Environment | Machine | Parameter | Rosparam | Node | Include
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaunchFile:
+    """A launch file, as it is read with certain arguments in a certain namespace."""
+
+    file: Path
+    package: str | None
+    """The name of the package it lies in."""
+    namespace: str | None
+    arguments: tuple[Argument, ...] = ()
+    entries: tuple[Entry, ...] = ()
+    """In the order of the file; those of groups too, in place of the group."""
+    findings: tuple[Finding, ...] = ()
+    """Of this file and of those it includes."""
+
+    def walk(self, *, active_only: bool = True) -> Iterator[Entry]:
+        """Yield the entries in the order in which roslaunch acts on them.
+
+        An include comes before what it includes.  What depends on an argument without
+        a value counts as active.
+        """
+        for entry in self.entries:
+            if active_only and entry.place.activity is Activity.INACTIVE:
+                continue
+            yield entry
+            if isinstance(entry, Include) and entry.launch is not None:
+                yield from entry.launch.walk(active_only=active_only)
+
+    def files(self, *, active_only: bool = True) -> Iterator[LaunchFile]:
+        """Yield this file and all that it includes."""
+        yield self
+        for include in self.includes(active_only=active_only):
+            if include.launch is not None:
+                yield include.launch
+
+    def includes(self, *, active_only: bool = True) -> Iterator[Include]:
+        """Yield the includes of this file and of those it includes."""
+        for entry in self.walk(active_only=active_only):
+            if isinstance(entry, Include):
+                yield entry
+
+    def nodes(self, *, active_only: bool = True) -> Iterator[Node]:
+        """Yield every node and test."""
+        for entry in self.walk(active_only=active_only):
+            if isinstance(entry, Node):
+                yield entry
+
+    def parameters(self, *, active_only: bool = True) -> Iterator[Parameter]:
+        """Yield every parameter, those in nodes too."""
+        for setting in self.settings(active_only=active_only):
+            if isinstance(setting, Parameter):
+                yield setting
+
+    def rosparams(self, *, active_only: bool = True) -> Iterator[Rosparam]:
+        """Yield every ``<rosparam>``, those in nodes too."""
+        for setting in self.settings(active_only=active_only):
+            if isinstance(setting, Rosparam):
+                yield setting
+
+    def settings(self, *, active_only: bool = True) -> Iterator[Parameter | Rosparam]:
+        """Yield all that sets parameters, in the order in which roslaunch does it."""
+        for entry in self.walk(active_only=active_only):
+            inner: tuple[Parameter | Rosparam, ...] = ()
+            if isinstance(entry, Node):
+                inner = (*entry.rosparams, *entry.parameters)
+            elif isinstance(entry, (Parameter, Rosparam)):
+                inner = (entry,)
+            for setting in inner:
+                is_off = setting.place.activity is Activity.INACTIVE
+                if not (active_only and is_off):
+                    yield setting
+
+    def argument(self, name: str) -> Argument | None:
+        """Return the argument of this name that has a value, else any of the name."""
+        found = [argument for argument in self.arguments if argument.name == name]
+        valued = [argument for argument in found if argument.value is not None]
+        return next(iter(valued or found), None)

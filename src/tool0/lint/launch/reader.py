@@ -1,0 +1,282 @@
+"""Reading launch files: arguments, groups and includes, as roslaunch does.
+
+Every problem becomes a finding and reading goes on: what depends on it is unresolved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import final
+from xml.dom.minidom import Element
+
+from tool0.description.finding import Finding
+from tool0.description.xml_source import children
+from tool0.errors import SourceLocation, nearest_name
+from tool0.lint.launch import grammar, names, node_elements
+from tool0.lint.launch.arguments import Arguments, Given
+from tool0.lint.launch.attributes import namespace_of
+from tool0.lint.launch.includes import Target, target_of
+from tool0.lint.launch.model import Entry, Include, LaunchFile, Node
+from tool0.lint.launch.packages import Packages
+from tool0.lint.launch.param_elements import read_param, read_rosparam
+from tool0.lint.launch.scope import Scope
+from tool0.lint.launch.session import MAX_ELEMENTS, MAX_FILES, MAX_NESTING, Session
+from tool0.lint.launch.text import Activity, Text
+
+
+def read_launch(
+    file: Path,
+    arguments: Mapping[str, str] | None = None,
+    packages: Packages | None = None,
+) -> LaunchFile:
+    """Return what a launch file says, with all that it includes.
+
+    Args:
+        file: The launch file.
+        arguments: What ``name:=value`` gives it.
+        packages: Where ``$(find …)`` looks.
+    """
+    given = {
+        name: Given(
+            text=Text(raw=value, resolved=value, location=SourceLocation(None)),
+            origin="command line",
+        )
+        for name, value in (arguments or {}).items()
+    }
+    session = Session(packages or Packages())
+    file = file.absolute()
+    root = session.root(file)
+    if isinstance(root, Finding):
+        package = session.packages.package_of(file)
+        return LaunchFile(file=file, package=package, namespace="/", findings=(root,))
+    reader = _FileReader(session, file, given)
+    launch = reader.read(root)
+    reader.arguments.report_unknown()
+    return replace(launch, findings=tuple(dict.fromkeys(reader.scope.findings)))
+
+
+@final
+class _FileReader:
+    """Reads one file, once."""
+
+    def __init__(
+        self,
+        session: Session,
+        file: Path,
+        given: Mapping[str, Given],
+        outer: Scope | None = None,
+        *,
+        passes_all: bool = False,
+    ) -> None:
+        values = {name: value.text for name, value in given.items()}
+        if outer is None:
+            self.scope = Scope(session=session, file=file, namespace="/", values=values)
+        else:
+            self.scope = replace(
+                outer,
+                file=file,
+                values=values,
+                declared={},
+                used=set(),
+                findings=[],
+                remaps=list(outer.remaps),
+                environment=list(outer.environment),
+                anonymous={},
+            )
+        self.arguments = Arguments(
+            self.scope, given, is_included=outer is not None, passes_all=passes_all
+        )
+        self._session = session
+        self._entries: list[Entry] = []
+
+    def read(self, root: Element) -> LaunchFile:
+        """Return what the file says."""
+        scope = self.scope
+        where = scope.locate(root)
+        grammar.check(root, where, scope.findings.append)
+        if root.getAttribute("deprecated"):
+            scope.report(
+                where,
+                "deprecated",
+                scope.file.name,
+                f"says that it is deprecated: {root.getAttribute('deprecated')}",
+                severity="warning",
+            )
+        self._read_children(root, scope.at(root))
+        return LaunchFile(
+            file=scope.file,
+            package=self._session.packages.package_of(scope.file),
+            namespace=scope.namespace,
+            arguments=self.arguments.finished(),
+            entries=tuple(self._entries),
+            findings=tuple(dict.fromkeys(scope.findings)),
+        )
+
+    def _read_children(self, element: Element, scope: Scope) -> None:
+        for child in children(element):
+            if child.tagName not in grammar.CHILDREN["launch"]:
+                continue
+            if not self._session.spend("elements"):
+                self._stop(child, scope, f"more than {MAX_ELEMENTS} elements")
+                return
+            at = scope.at(child)
+            grammar.check(child, scope.locate(child), scope.findings.append)
+            self._read_element(child, at)
+
+    def _read_element(self, element: Element, scope: Scope) -> None:
+        entry: Entry | None = None
+        match element.tagName:
+            case "arg":
+                self.arguments.declare(element, scope)
+            case "group":
+                self._read_group(element, scope)
+            case "include":
+                entry = self._include(element, scope)
+            case "param":
+                entry = read_param(element, scope)
+            case "rosparam":
+                entry = read_rosparam(element, scope)
+            case "node" | "test":
+                entry = node_elements.read_node(element, scope)
+                self._claim_name(entry, scope)
+            case "remap":
+                entry = node_elements.read_remap(element, scope)
+                node_elements.hold(entry, scope.remaps)
+            case "env":
+                entry = node_elements.read_env(element, scope)
+                if scope.activity is not Activity.INACTIVE:
+                    scope.environment.append(entry)
+            case "machine":
+                entry = node_elements.read_machine(element, scope)
+            case "master":
+                scope.report(
+                    scope.locate(element),
+                    "deprecated",
+                    "master",
+                    "is an element that roslaunch ignores",
+                    "remove it",
+                    severity="warning",
+                )
+        if entry is not None:
+            self._entries.append(entry)
+
+    def _read_group(self, element: Element, scope: Scope) -> None:
+        if self._session.depth >= MAX_NESTING:
+            self._stop(element, scope, f"more than {MAX_NESTING} inside one another")
+            return
+        self._session.depth += 1
+        inside = scope.group(namespace_of(element, scope))
+        self._read_children(element, inside)
+        self._session.depth -= 1
+
+    def _claim_name(self, node: Node, scope: Scope) -> None:
+        """Report a second node of one name: roslaunch refuses it."""
+        name = node.full_name
+        if name is None or scope.activity is not Activity.ACTIVE:
+            return
+        first = self._session.nodes.setdefault(name, node.place.location)
+        if first is not node.place.location:
+            scope.report(
+                node.place.location,
+                "duplicate-node",
+                name,
+                f"is the name of the node at {first}, too: roslaunch stops here",
+                "give one of them another name, or a namespace by ns",
+            )
+
+    def _include(self, element: Element, scope: Scope) -> Include:
+        """Return an ``<include>`` and what it includes."""
+        target = target_of(element, scope)
+        include = target.include
+        if include.reason or scope.activity is Activity.INACTIVE:
+            reason = include.reason or "switched off"
+            return replace(include, reason=reason)
+        where = include.place.location
+        if self._session.depth >= MAX_NESTING:
+            self._stop(element, scope, f"more than {MAX_NESTING} inside one another")
+            return replace(include, reason="too many files inside one another")
+        if not self._session.spend("files"):
+            self._stop(element, scope, f"more than {MAX_FILES} files")
+            return replace(include, reason="too many files")
+        path = target.path
+        key = (path, include.place.namespace, target.key)
+        if not self._session.enter(key):
+            scope.report(
+                where,
+                "recursive-include",
+                str(path),
+                "includes itself with the same arguments: roslaunch would never end",
+                "remove the include, or end it by an if",
+            )
+            return replace(include, reason="it includes itself")
+        self._session.depth += 1
+        launch = self._included(target, scope)
+        self._session.depth -= 1
+        self._session.leave()
+        if launch is None:
+            return replace(include, reason="it is no launch file that can be read")
+        return replace(include, launch=launch)
+
+    def _included(self, target: Target, scope: Scope) -> LaunchFile | None:
+        root = self._session.root(target.path)
+        if isinstance(root, Finding):
+            scope.findings.append(root)
+            return None
+        include = target.include
+        outer = replace(
+            scope,
+            namespace=include.place.namespace,
+            private=scope.private or [],  # as roslaunch: an empty list is not shared
+            environment=[*scope.environment, *target.environment],
+        )
+        reader = _FileReader(
+            self._session,
+            target.path,
+            target.given,
+            outer,
+            passes_all=include.passes_all,
+        )
+        launch = reader.read(root)
+        scope.findings += launch.findings
+        _check_passed(target, launch, scope)
+        for missing in reader.arguments.missing():
+            is_used = missing.name in reader.scope.used
+            scope.report(
+                include.place.location,
+                "missing-argument",
+                missing.name,
+                f"is an argument that {target.path.name} requires (declared at "
+                f"{missing.place.location}), and it is not given here",
+                f'write <arg name="{missing.name}" value="…"/> into this <include>',
+                severity="error" if is_used else "warning",
+            )
+        return launch
+
+    def _stop(self, element: Element, scope: Scope, why: str) -> None:
+        scope.report(
+            scope.locate(element),
+            "too-large",
+            element.tagName,
+            f"is not read any more: {why} in these files",
+        )
+
+
+def _check_passed(target: Target, launch: LaunchFile, scope: Scope) -> None:
+    """Report arguments that the included file does not declare."""
+    if target.include.passes_all:
+        return
+    declared = {argument.name for argument in launch.arguments}
+    for passed in target.include.passed:
+        is_off = passed.place.activity is Activity.INACTIVE
+        if passed.name in declared or is_off or passed.value is None:
+            continue
+        scope.report(
+            passed.place.location,
+            "unused-argument",
+            passed.name,
+            f"is no argument of {launch.file.name}, and roslaunch stops here"
+            + nearest_name(passed.name, declared),
+            f"remove it, or declare it in {names.canonical(str(launch.file))}",
+        )

@@ -1,0 +1,193 @@
+"""What holds at a place in a launch file: arguments, namespace, conditions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal, final
+from xml.dom.minidom import Element
+
+from tool0.description.finding import Finding, Severity
+from tool0.errors import SourceLocation
+from tool0.lint.launch import names
+from tool0.lint.launch.model import Environment, Parameter, Remap
+from tool0.lint.launch.session import Session
+from tool0.lint.launch.substitution import Surroundings, resolve
+from tool0.lint.launch.text import Activity, Condition, Place, Text
+
+
+@final
+@dataclass(slots=True, kw_only=True)
+class Scope:
+    """One context of roslaunch; a file has one, and each group in it a copy."""
+
+    session: Session
+    file: Path
+    namespace: str | None
+    values: dict[str, Text]
+    """The arguments that have, or should have, a value."""
+    declared: dict[str, SourceLocation] = field(default_factory=dict)
+    used: set[str] = field(default_factory=set)
+    """The arguments that something in the file uses."""
+    findings: list[Finding] = field(default_factory=list)
+    conditions: tuple[Condition, ...] = ()
+    private: list[Parameter] = field(default_factory=list)
+    """Set so far for the nodes that follow."""
+    remaps: list[Remap] = field(default_factory=list)
+    environment: list[Environment] = field(default_factory=list)
+    anonymous: dict[str, str] = field(default_factory=dict)
+
+    def at(self, element: Element) -> Scope:
+        """Return the scope of one element: this, under the element's conditions."""
+        own = self._conditions(element)
+        return replace(self, conditions=self.conditions + own) if own else self
+
+    def group(self, namespace: str | None) -> Scope:
+        """Return the scope of a group: what it declares ends with it."""
+        return replace(
+            self,
+            namespace=namespace,
+            values=dict(self.values),
+            declared=dict(self.declared),
+            private=list(self.private),
+            remaps=list(self.remaps),
+            environment=list(self.environment),
+            anonymous=dict(self.anonymous),
+        )
+
+    def place(self, element: Element) -> Place:
+        """Return the place of an element whose conditions this scope has."""
+        return Place(
+            location=self.locate(element),
+            namespace=self.namespace,
+            conditions=self.conditions,
+        )
+
+    @property
+    def activity(self) -> Activity:
+        """Whether roslaunch would act on what stands here."""
+        return Place(
+            location=SourceLocation(self.file),
+            namespace=self.namespace,
+            conditions=self.conditions,
+        ).activity
+
+    def locate(self, element: Element) -> SourceLocation:
+        """Return where an element stands."""
+        return getattr(element, "location", None) or SourceLocation(self.file)
+
+    def text(self, element: Element, name: str) -> Text | None:
+        """Return an attribute with its words replaced; None if there is none."""
+        if not element.hasAttribute(name):
+            return None
+        return self.resolved(element.getAttribute(name), self.locate(element))
+
+    def required(self, element: Element, name: str) -> Text:
+        """Return an attribute that must be there; unresolved if it is missing."""
+        text = self.text(element, name)
+        if text is not None:
+            return text
+        return Text(
+            raw="",
+            resolved=None,
+            location=self.locate(element),
+            reason=f"'{name}' is missing",
+        )
+
+    def resolved(self, raw: str, location: SourceLocation) -> Text:
+        """Return a text with its words replaced, and report what is wrong with it."""
+        around = Surroundings(
+            file=self.file,
+            values=self.values,
+            declared=frozenset(self.declared),
+            packages=self.session.packages,
+            anonymous=self._anonymous,
+        )
+        text, problems = resolve(raw, location, around)
+        self.used.update(text.uses)
+        for problem in problems:
+            self.report(
+                location,
+                problem.rule,
+                problem.key,
+                problem.message,
+                problem.remedy,
+                severity=problem.severity,
+            )
+        length = len(raw) + len(text.resolved or "")
+        if not self.session.spend("characters", length):
+            return replace(text, resolved=None, reason="too much text in these files")
+        return text
+
+    def boolean(self, element: Element, name: str) -> bool:
+        """Return an attribute that is ``true`` or ``false``; False if it is neither."""
+        text = self.text(element, name)
+        word = None if text is None else text.resolved
+        if word is None or word.lower() in ("true", "false"):
+            return word is not None and word.lower() == "true"
+        self.report(
+            self.locate(element),
+            "bad-value",
+            name,
+            f"must be true or false, and is '{word}': roslaunch stops here",
+            f'write {name}="true" or {name}="false"',
+        )
+        return False
+
+    def report(
+        self,
+        location: SourceLocation,
+        rule: str,
+        key: str,
+        message: str,
+        remedy: str = "",
+        *,
+        severity: Severity = "error",
+    ) -> None:
+        """Add a finding, unless the element is switched off."""
+        if self.activity is not Activity.INACTIVE:
+            finding = Finding(
+                location=location,
+                rule=rule,
+                severity=severity,
+                key=key,
+                message=message,
+                remedy=remedy,
+            )
+            self.findings.append(finding)
+
+    def _anonymous(self, name: str) -> str:
+        if name not in self.anonymous:
+            self.anonymous[name] = self.session.anonymous(name)
+        return self.anonymous[name]
+
+    def _conditions(self, element: Element) -> tuple[Condition, ...]:
+        found = []
+        kinds: tuple[Literal["if", "unless"], ...] = ("if", "unless")
+        for kind in kinds:
+            text = self.text(element, kind)
+            if text is None:
+                continue
+            word = None
+            if text.resolved is not None:
+                word = names.as_boolean(text.resolved)
+                if word is None:
+                    self.report(
+                        text.location,
+                        "bad-if",
+                        kind,
+                        f"must be true, false, 1 or 0, and is '{text.resolved}': "
+                        "roslaunch stops here",
+                        f"write $(eval …) in {kind}, or give the argument such a value",
+                    )
+            holds = None if word is None else word is (kind == "if")
+            found.append(Condition(kind=kind, text=text, holds=holds))
+        if len(found) == 2:
+            self.report(
+                self.locate(element),
+                "bad-if",
+                element.tagName,
+                "has both if and unless, and roslaunch stops here",
+                "join them in one if with $(eval …)",
+            )
+        return tuple(found)

@@ -1,0 +1,262 @@
+"""``$(find PACKAGE)``, ``$(arg NAME)`` and the other words that roslaunch replaces."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final, final
+
+from tool0.description.finding import Severity
+from tool0.errors import DescriptionError, SourceLocation, nearest_name
+from tool0.lint.launch.evaluation import (
+    EvaluationError,
+    Function,
+    NotUnderstoodError,
+    evaluate,
+)
+from tool0.lint.launch.names import converted
+from tool0.lint.launch.packages import Packages
+from tool0.lint.launch.text import Text
+
+COMMANDS: Final = ("find", "env", "optenv", "dirname", "anon", "arg", "eval")
+MAX_LENGTH: Final = 100_000
+"""Of a resolved text, in characters: arguments in arguments grow without bound."""
+
+_WORD = re.compile(r"\$\(([^()]+)\)")
+_BROKEN = re.compile(r"\$\([^()]*(\(|$)")
+_FIND = re.compile(r"\$\(find ([^()]*)\)([^ $]*)")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """What is wrong in a text, for its reader to say where."""
+
+    rule: str
+    key: str
+    message: str
+    remedy: str
+    severity: Severity = "error"
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surroundings:
+    """What the words in one file and scope stand for."""
+
+    file: Path
+    values: Mapping[str, Text]
+    """The arguments that have, or should have, a value."""
+    declared: frozenset[str]
+    """The arguments that are declared so far."""
+    packages: Packages
+    anonymous: Callable[[str], str]
+
+
+def resolve(
+    raw: str, location: SourceLocation, around: Surroundings
+) -> tuple[Text, list[Problem]]:
+    """Return ``raw`` with its words replaced, and what is wrong with them."""
+    if "$" not in raw:
+        return Text(raw=raw, resolved=raw, location=location), []
+    work = _Substitution(around)
+    resolved = work.result(raw)
+    reason = "" if resolved is not None else work.reason
+    text = Text(
+        raw=raw,
+        resolved=resolved,
+        location=location,
+        uses=tuple(dict.fromkeys(work.uses)),
+        packages=tuple(dict.fromkeys(work.packages)),
+        reason=reason,
+    )
+    return text, work.problems
+
+
+class _UnresolvedError(Exception):
+    """A word has no value."""
+
+
+@final
+@dataclass(slots=True)
+class _Substitution:
+    """The work on one text."""
+
+    around: Surroundings
+    uses: list[str] = field(default_factory=list)
+    packages: list[str] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    reason: str = ""
+
+    def result(self, raw: str) -> str | None:
+        """Return the text, or None if a word in it has no value."""
+        try:
+            if raw.startswith("$(eval ") and raw.endswith(")"):
+                return _bounded(self._evaluate(raw[7:-1]))
+            if _BROKEN.search(raw):
+                self._problem(
+                    "bad-substitution",
+                    raw.strip()[:40],
+                    "has a $( that nothing closes, or a parenthesis inside another",
+                    "close it; only $(eval …) may hold parentheses, and it must be "
+                    "the whole value",
+                )
+                return None
+            return self._replaced(raw)
+        except _UnresolvedError as error:
+            self.reason = self.reason or str(error)
+            return None
+
+    def _replaced(self, raw: str) -> str | None:
+        """Replace all words but ``find``, then that, as roslaunch does."""
+        is_whole = True
+        parts: list[str] = []
+        length = end = 0
+        for match in _WORD.finditer(raw):
+            try:
+                value = self._word(match.group(0), match.group(1))
+            except _UnresolvedError as error:
+                self.reason = self.reason or str(error)
+                is_whole, value = False, ""
+            parts += (raw[end : match.start()], value)
+            length += len(parts[-1]) + len(parts[-2])
+            end = match.end()
+            if length > MAX_LENGTH:
+                break
+        text = _bounded("".join((*parts, raw[end:])))
+        text = _bounded(_FIND.sub(self._find, text))
+        return text if is_whole and not self.reason else None
+
+    def _word(self, whole: str, inside: str) -> str:
+        command, *words = inside.split() or [""]
+        if command == "find" and len(words) == 1:
+            return f"$(find {words[0]})"  # in its turn
+        if command == "dirname":
+            return str(self.around.file.absolute().parent)
+        if command == "optenv" and words:
+            return os.environ.get(words[0], " ".join(words[1:]))
+        if command in ("arg", "env", "anon") and len(words) == 1:
+            return self._function(command)(words[0])
+        if command in COMMANDS:
+            message = (
+                "must be the whole value: roslaunch reads it nowhere else"
+                if command == "eval"
+                else "takes one name"
+            )
+            self._problem("bad-substitution", whole, message, "")
+        valid = nearest_name(command, list(COMMANDS))
+        self._problem(
+            "bad-substitution", whole, f"nothing reads '{command}'{valid}", ""
+        )
+        raise _UnresolvedError(f"{whole} is not understood")
+
+    def _function(self, command: str) -> Callable[[str], str]:
+        functions: dict[str, Callable[[str], str]] = {
+            "arg": self._arg,
+            "env": self._env,
+            "anon": self.around.anonymous,
+        }
+        return functions[command]
+
+    def _arg(self, name: str) -> str:
+        self.uses.append(name)
+        text = self.around.values.get(name)
+        if text is not None and text.resolved is not None:
+            return text.resolved
+        if text is not None:
+            raise _UnresolvedError(text.reason or f"argument '{name}' has no value")
+        if name not in self.around.declared:
+            self._problem(
+                "missing-argument",
+                name,
+                "is used here, and no <arg> before it declares it"
+                + nearest_name(name, set(self.around.declared)),
+                f'write <arg name="{name}" default="…"/> above',
+            )
+        raise _UnresolvedError(f"argument '{name}' has no value")
+
+    def _env(self, name: str) -> str:
+        if name in os.environ:
+            return os.environ[name]
+        self._problem(
+            "unset-environment",
+            name,
+            "is an environment variable that is not set here, and $(env …) needs it",
+            f"set it, or write $(optenv {name} DEFAULT)",
+        )
+        raise _UnresolvedError(f"the environment variable {name} is not set")
+
+    def _find(self, match: re.Match[str]) -> str:
+        """Return the path that begins with a package's folder."""
+        after = match.group(2).replace("\\", "/")
+        try:
+            folder = self._folder(match.group(1).strip())
+        except _UnresolvedError as error:
+            self.reason = self.reason or str(error)
+            return ""
+        return folder + (after and "/" + after.removeprefix("/"))
+
+    def _folder(self, name: str) -> str:
+        self.packages.append(name)
+        try:
+            return str(self.around.packages.find(name))
+        except DescriptionError:
+            self._not_found(name)
+        raise _UnresolvedError(f"package '{name}' is not found")
+
+    def _not_found(self, name: str) -> None:
+        packages = self.around.packages
+        near = packages.nearest(name)
+        problem = Problem(
+            rule="unresolved-find",
+            key=name,
+            message="is a package that is not found here"
+            + (f"; did you mean '{near}'?" if near else ""),
+            remedy=f"install ros-noetic-{name.replace('_', '-')}, or put the package "
+            "into the workspace and its folder into ROS_PACKAGE_PATH",
+            severity="error" if near or packages.has_ros else "warning",
+        )
+        self.problems.append(problem)
+
+    def _evaluate(self, expression: str) -> str:
+        def known(name: str) -> object:
+            if name not in self.around.values and name not in self.around.declared:
+                raise KeyError(name)
+            return converted(self._arg(name))
+
+        functions: dict[str, Function] = {
+            "arg": lambda name: converted(self._arg(name)),
+            "env": self._env,
+            "anon": self.around.anonymous,
+            "find": self._folder,
+            "dirname": lambda: str(self.around.file.absolute().parent),
+            "optenv": lambda name, default="": os.environ.get(name, default),
+        }
+        try:
+            return evaluate(expression, functions, known)
+        except EvaluationError as error:
+            is_ours = isinstance(error, NotUnderstoodError)
+            problem = Problem(
+                rule="bad-eval",
+                key=expression.strip()[:40],
+                message=f"$(eval …) has no value: {error}",
+                remedy="",
+                severity="warning" if is_ours else "error",
+            )
+            self.problems.append(problem)
+            raise _UnresolvedError(f"$(eval …) has no value: {error}") from None
+
+    def _problem(self, rule: str, key: str, message: str, remedy: str) -> None:
+        self.reason = self.reason or message
+        self.problems.append(
+            Problem(rule=rule, key=key, message=message, remedy=remedy)
+        )
+
+
+def _bounded(text: str) -> str:
+    if len(text) > MAX_LENGTH:
+        raise _UnresolvedError(f"it would be longer than {MAX_LENGTH} characters")
+    return text

@@ -1,0 +1,241 @@
+"""Which xacro files a command of a launch file loads, and what it gives them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path, PurePath
+from typing import Final, final
+from xml.dom.minidom import Element
+
+from tool0.description.xml_source import children, parse_text
+from tool0.errors import DescriptionError, SourceLocation
+from tool0.lint.launch.model import LaunchFile, Parameter
+from tool0.lint.launch.packages import Packages
+from tool0.lint.launch.session import read_bounded
+from tool0.lint.launch.substitution import Surroundings, resolve
+from tool0.lint.launch.text import Text
+
+MAX_FILES: Final = 200
+_GIVEN = re.compile(r"""(\w+):=['"]?((?:\$\([^()]*\)|[^\s'"$])*)""")
+_PROPERTY = re.compile(r"\$\{\s*(\w+)\s*\}")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class XacroCall:
+    """A ``xacro FILE name:=value …`` of a parameter."""
+
+    parameter: Parameter
+    file: Path | None
+    args: Mapping[str, str]
+    """As they are given."""
+    uses: Mapping[str, tuple[str, ...]]
+    """The launch file's arguments from which each is made."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class XacroUse:
+    """An attribute of a xacro file that holds ``$(arg …)``."""
+
+    argument: str
+    location: SourceLocation
+    element: str
+    attribute: str
+    """Empty for the text of the element."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class XacroFile:
+    """A xacro file, and what it includes."""
+
+    file: Path | None
+    """None if its name cannot be told."""
+    written: str
+    """Its name as the file that includes it writes it."""
+    location: SourceLocation
+    """Where it is included."""
+    package: str | None = None
+    reason: str = ""
+    """Why it could not be read."""
+    defaults: Mapping[str, str] = field(default_factory=dict)
+    """The arguments it declares, with their defaults."""
+    uses: tuple[XacroUse, ...] = ()
+    includes: tuple[XacroFile, ...] = ()
+
+    def walk(self) -> Iterator[XacroFile]:
+        """Yield this file and all that it includes."""
+        yield self
+        for include in self.includes:
+            yield from include.walk()
+
+
+def xacro_call(parameter: Parameter) -> XacroCall | None:
+    """Return what a parameter's command has xacro do; None if it calls no xacro."""
+    if parameter.source != "command":
+        return None
+    raw = parameter.content.raw
+    words = list(parameter.words)
+    while words and PurePath(words[0]).name not in ("xacro", "xacro.py"):
+        words.pop(0)  # as `rosrun xacro`
+    if not words and not re.search(r"\bxacro(\.py)?\b", raw):
+        return None
+    while len(words) > 1 and PurePath(words[1]).name in ("xacro", "xacro.py"):
+        words.pop(0)
+    given = dict(w.split(":=", 1) for w in words[1:] if ":=" in w)
+    files = [w for w in words[1:] if ":=" not in w and not w.startswith("-")]
+    uses = {
+        name: tuple(dict.fromkeys(re.findall(r"\$\(arg\s+([^\s()]+)\s*\)", value)))
+        for name, value in _GIVEN.findall(raw)
+    }
+    return XacroCall(
+        parameter=parameter,
+        file=Path(files[0]) if files else None,
+        args=given,
+        uses=uses,
+    )
+
+
+def xacro_robots(launch: LaunchFile, packages: Packages) -> dict[Parameter, XacroFile]:
+    """Return what every parameter that calls xacro has it read."""
+    return {
+        parameter: xacro_files(call, packages)
+        for parameter in launch.parameters(active_only=False)
+        if (call := xacro_call(parameter)) is not None
+    }
+
+
+def xacro_files(call: XacroCall, packages: Packages) -> XacroFile:
+    """Return the file that a call loads, with all that it includes."""
+    where = call.parameter.place.location
+    if call.file is None:
+        reason = call.parameter.content.reason or "no file is named"
+        written = call.parameter.content.raw
+        return XacroFile(file=None, written=written, location=where, reason=reason)
+    reader = _Reader(packages, call.args)
+    return reader.read(call.file.absolute(), str(call.file), where)
+
+
+@final
+class _Reader:
+    """Follows the includes of one call."""
+
+    def __init__(self, packages: Packages, args: Mapping[str, str]) -> None:
+        self._packages = packages
+        self._values = {name: _text(value) for name, value in args.items()}
+        self._properties: dict[str, str] = {}
+        self._open: list[Path] = []
+        self._left = MAX_FILES
+
+    def read(self, file: Path, written: str, where: SourceLocation) -> XacroFile:
+        """Return one file and what it includes."""
+        package = self._packages.package_of(file)
+        reason, root = "", None
+        self._left -= 1
+        if file in self._open:
+            reason = "it includes itself"
+        elif self._left < 0:
+            reason = f"it is one of more than {MAX_FILES}"
+        else:
+            try:
+                root = parse_text(read_bounded(file), file).documentElement
+            except DescriptionError as error:
+                reason = error.message
+            except (LookupError, ValueError) as error:
+                reason = f"cannot be decoded: {error}"
+        if root is None:
+            return XacroFile(
+                file=file,
+                written=written,
+                location=where,
+                package=package,
+                reason=reason or "it is empty",
+            )
+        self._open.append(file)
+        defaults: dict[str, str] = {}
+        uses: list[XacroUse] = []
+        includes: list[XacroFile] = []
+        for element in _all(root):
+            self._look(element, file, defaults, includes)
+            uses += _uses(element)
+        self._open.pop()
+        return XacroFile(
+            file=file,
+            written=written,
+            location=where,
+            package=package,
+            defaults=defaults,
+            uses=tuple(uses),
+            includes=tuple(includes),
+        )
+
+    def _look(
+        self,
+        element: Element,
+        file: Path,
+        defaults: dict[str, str],
+        includes: list[XacroFile],
+    ) -> None:
+        name = element.getAttribute("name")
+        if element.tagName == "xacro:arg":
+            defaults[name] = element.getAttribute("default")
+            value = self._resolve(defaults[name], file)
+            self._values.setdefault(name, value)
+        elif element.tagName == "xacro:property" and element.hasAttribute("value"):
+            text = self._resolve(element.getAttribute("value"), file)
+            if text.resolved is not None:
+                self._properties.setdefault(name, text.resolved)
+        elif element.tagName == "xacro:include":
+            includes.append(self._include(element, file))
+
+    def _include(self, element: Element, file: Path) -> XacroFile:
+        written = element.getAttribute("filename")
+        where: SourceLocation = getattr(element, "location", SourceLocation(file))
+        text = self._resolve(written, file)
+        if text.resolved is None or "$" in text.resolved:
+            reason = text.reason or "it depends on what xacro works out"
+            return XacroFile(file=None, written=written, location=where, reason=reason)
+        return self.read((file.parent / text.resolved).absolute(), written, where)
+
+    def _resolve(self, raw: str, file: Path) -> Text:
+        raw = _PROPERTY.sub(lambda m: self._properties.get(m[1], m[0]), raw[:10_000])
+        around = Surroundings(
+            file=file,
+            values=self._values,
+            declared=frozenset(self._values),
+            packages=self._packages,
+            anonymous=str,
+        )
+        return resolve(raw, SourceLocation(file), around)[0]
+
+
+def _text(value: str) -> Text:
+    return Text(raw=value, resolved=value, location=SourceLocation(None))
+
+
+def _all(root: Element) -> Iterator[Element]:
+    """Yield the elements in the order of the document."""
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        yield element
+        waiting += reversed(list(children(element)))
+
+
+def _uses(element: Element) -> Iterator[XacroUse]:
+    where: SourceLocation = getattr(element, "location", SourceLocation(None))
+    texts = [(name, value) for name, value in element.attributes.items()]
+    texts += [("", node.nodeValue) for node in element.childNodes if node.nodeValue]
+    for attribute, text in texts:
+        if "$(arg" not in text:
+            continue
+        for name in dict.fromkeys(re.findall(r"\$\(arg\s+([^\s()]+)\s*\)", text)):
+            yield XacroUse(
+                argument=name,
+                location=where,
+                element=element.tagName,
+                attribute=attribute,
+            )

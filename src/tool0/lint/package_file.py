@@ -1,0 +1,154 @@
+"""A package.xml, and what the files of its package use without its saying so."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from xml.dom.minidom import Element
+
+from tool0.description.attributes import text_of
+from tool0.description.finding import Finding
+from tool0.description.xml_source import LocatedElement, children, locate, parse_file
+from tool0.errors import DescriptionError, SourceLocation
+from tool0.lint.launch.packages import Packages
+from tool0.lint.sources import Kind, Source
+
+DEPENDENCIES = ("depend", "exec_depend", "run_depend", "build_depend", "test_depend")
+_REQUIRED = ("name", "version", "description", "maintainer", "license")
+_USES = re.compile(r"\$\(find +([\w-]+) *\)|package://([\w-]+)/")
+_CHOICES = ("xacro:if", "xacro:unless")
+_GAZEBO_PLUGIN = "libgazebo_ros_control.so"
+
+
+def declared_dependencies(package: Path) -> frozenset[str]:
+    """Return what the package in a folder says that it depends on."""
+    try:
+        root = parse_file(package / "package.xml").documentElement
+    except DescriptionError:
+        return frozenset()
+    if root is None:
+        return frozenset()
+    return frozenset(
+        text_of(item) for item in children(root) if item.tagName in DEPENDENCIES
+    )
+
+
+def package_findings(
+    file: Path, sources: Iterable[Source], given: Mapping[str, Path]
+) -> Iterator[Finding]:
+    """Yield what is wrong with a package.xml.
+
+    Args:
+        file: The package.xml.
+        sources: The files to check, of which those below it count.
+        given: Name → folder of the packages beside it.
+    """
+    try:
+        root = parse_file(file).documentElement
+    except DescriptionError as error:
+        yield Finding(
+            location=error.location or SourceLocation(file),
+            rule="bad-xml",
+            message=error.message,
+        )
+        return
+    if not isinstance(root, LocatedElement) or root.tagName != "package":
+        yield Finding(
+            location=SourceLocation(file, 1),
+            rule="bad-package",
+            message='a package.xml begins with <package format="3">',
+        )
+        return
+    present = {item.tagName for item in children(root)}
+    here = root.location or SourceLocation(file)
+    for tag in _REQUIRED:
+        if tag not in present:
+            yield Finding(
+                location=here,
+                rule="bad-package",
+                key=tag,
+                message=f"<{tag}> is missing, so catkin refuses the package",
+                remedy=f"add <{tag}>",
+            )
+    name = next((text_of(item) for item in children(root, "name")), "")
+    declared = {
+        text_of(item) for item in children(root) if item.tagName in DEPENDENCIES
+    }
+    reached, is_whole = _reached(declared, Packages(given))
+    for used, where in sorted(_used(file.parent, sources).items()):
+        if used in declared or used == name:
+            continue
+        if used in reached:
+            comes: str | None = f"today it comes with '{reached[used]}', which is named"
+        elif not is_whole and used not in given:
+            comes = (
+                "unless a package that is named brings it, rosdep does not install it"
+            )
+        else:
+            comes = None
+        yield Finding(
+            location=here,
+            rule="missing-dependency",
+            severity="warning" if comes else "error",
+            key=used,
+            message=f"{where} uses '{used}', which package.xml does not name: "
+            + (comes or "rosdep does not install it; on another machine it is missing"),
+            remedy=f"add <exec_depend>{used}</exec_depend>",
+        )
+
+
+def _reached(
+    declared: Iterable[str], packages: Packages
+) -> tuple[dict[str, str], bool]:
+    """Return what else gets installed and by which dependency, and if that is all."""
+    by: dict[str, str] = {}
+    waiting, is_whole = [(name, name) for name in sorted(declared)], True
+    while waiting:
+        name, first = waiting.pop()
+        try:
+            further = declared_dependencies(packages.find(name))
+        except DescriptionError:
+            is_whole = False
+            continue
+        for other in sorted(further - by.keys()):
+            by[other] = first
+            waiting.append((other, first))
+    return by, is_whole
+
+
+def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
+    """Return the packages that files below a folder use, and where first."""
+    found: dict[str, SourceLocation] = {}
+    for source in sources:
+        if source.kind not in (Kind.LAUNCH, Kind.XACRO, Kind.URDF):
+            continue
+        if not source.path.is_relative_to(folder):
+            continue
+        try:
+            root = parse_file(source.path).documentElement
+        except DescriptionError:
+            continue  # which is told where the file is checked
+        for name, element in _uses(root):
+            where = locate(element) or SourceLocation(source.path)
+            found.setdefault(name, where)
+    return found
+
+
+def _uses(root: Element | None) -> Iterator[tuple[str, Element]]:
+    """Yield the packages that a file uses whatever its arguments are."""
+    waiting = [] if root is None else [root]
+    while waiting:
+        element = waiting.pop()
+        if element.tagName in _CHOICES:
+            continue  # may be meant for who has that package
+        waiting += reversed(list(children(element)))
+        texts = [*(value for _, value in element.attributes.items()), text_of(element)]
+        for match in _USES.finditer("\n".join(texts)):
+            yield match[1] or match[2], element
+        if element.tagName in ("node", "test") and "$" not in element.getAttribute(
+            "pkg"
+        ):
+            yield element.getAttribute("pkg"), element
+        if _GAZEBO_PLUGIN in element.getAttribute("filename"):
+            yield "gazebo_ros_control", element

@@ -1,0 +1,279 @@
+"""Rules for ros2_control's YAML (ROS 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import final
+
+from tool0.control.controller_types import TYPES as TYPES_OF_ROS1
+from tool0.control.lint_controller import complaint
+from tool0.description.finding import Finding, Severity
+from tool0.description.yaml_tree import Entry
+from tool0.lint.parameters.names import JointNames
+from tool0.lint.parameters.ros2_tables import (
+    COMMON,
+    MANAGER,
+    OTHER_TYPES,
+    REQUIRED,
+    TYPES,
+)
+from tool0.lint.robot.facts import RobotFacts
+from tool0.lint.robot.names import nearest
+
+PARAMETERS = "ros__parameters"
+_MANAGER = "controller_manager"
+_TYPO = 0.75
+_MISSPELT = ("ros_parameters", "ros__parameter", "ros_parameter", "ros___parameters")
+
+
+def is_ros2(root: Entry) -> bool:
+    """Return whether a file is laid out for ROS 2, or is meant to be."""
+    return any(
+        part in (PARAMETERS, *_MISSPELT)
+        for leaf in root.leaves()
+        for part in leaf.key.split("/")
+    ) or _MANAGER in (root.children or {})
+
+
+def controller_findings(root: Entry, robot: RobotFacts | None) -> Iterator[Finding]:
+    """Yield what is wrong with the controllers of a ROS 2 YAML.
+
+    Args:
+        root: Its parameters.
+        robot: The robot that it is for, if it is known.
+    """
+    nodes: dict[str, Entry] = {}
+    yield from _collect(root, nodes)
+    manager = nodes.pop(_MANAGER, None)
+    declared: dict[str, Entry] = {}
+    for name, entry in ((manager and manager.children) or {}).items():
+        if "type" in (entry.children or {}):
+            declared[name] = (entry.children or {})["type"]
+        elif name not in MANAGER and entry.children is None:
+            near = nearest(name, MANAGER, _TYPO)
+            if near is not None:
+                yield _unread(entry, "the controller manager", near)
+    for name, entry in nodes.items():
+        own = (entry.children or {}).get("type")
+        if own is not None:
+            declared.setdefault(name, own)
+    yield from _misnamed(nodes, declared)
+    for name, type_entry in declared.items():
+        parameters = nodes.get(name)
+        yield from _Controller(name, type_entry, parameters, robot).findings()
+
+
+def _collect(root: Entry, nodes: dict[str, Entry]) -> Iterator[Finding]:
+    """Put the parameters of every node into ``nodes``, by the node's name."""
+    for name, entry in (root.children or {}).items():
+        children = entry.children or {}
+        inner = children.get(PARAMETERS)
+        if inner is not None:
+            inner.location = entry.location  # a person looks for the node's name
+            nodes[name] = inner
+            continue
+        wrong = next((key for key in _MISSPELT if key in children), None)
+        if wrong is not None:
+            yield _missing_level(children[wrong], f"'{wrong}' should be '{PARAMETERS}'")
+            nodes[name] = children[wrong]
+        elif name == _MANAGER or _is_controller(children):
+            yield _missing_level(
+                entry, f"'{PARAMETERS}:' must stand between '{name}' and its parameters"
+            )
+            nodes[name] = entry
+        else:
+            yield from _collect(entry, nodes)
+
+
+def _is_controller(children: Mapping[str, Entry]) -> bool:
+    return "joints" in children or "command_interfaces" in children
+
+
+def _missing_level(entry: Entry, remedy: str) -> Finding:
+    return Finding(
+        location=entry.location,
+        rule="no-ros-parameters",
+        key=entry.key,
+        message="no node of ROS 2 gets these parameters",
+        remedy=remedy,
+    )
+
+
+def _misnamed(
+    nodes: Mapping[str, Entry], declared: Mapping[str, Entry]
+) -> Iterator[Finding]:
+    """Yield parameters whose controller is declared under a similar name."""
+    without = [name for name in declared if name not in nodes]
+    for name, entry in nodes.items():
+        near = nearest(name, without, _TYPO)
+        if name not in declared and near is not None:
+            yield Finding(
+                location=entry.location,
+                rule="no-controller",
+                key=name,
+                message="the controller manager declares no such controller, so these "
+                "parameters are read by none",
+                remedy=f"did you mean '{near}'?",
+            )
+
+
+def _unread(entry: Entry, who: str, near: str) -> Finding:
+    return Finding(
+        location=entry.location,
+        rule="unread-key",
+        key=entry.key,
+        message=f"{who} does not read it",
+        remedy=f"did you mean '{near}'?",
+    )
+
+
+@final
+class _Controller:
+    """One controller that the manager is to load."""
+
+    def __init__(
+        self,
+        name: str,
+        type_entry: Entry,
+        parameters: Entry | None,
+        robot: RobotFacts | None,
+    ) -> None:
+        self._name, self._type_entry, self._robot = name, type_entry, robot
+        self._type = str(type_entry.scalar)
+        self._parameters = parameters
+        self._keys = (parameters and parameters.children) or {}
+
+    def findings(self) -> Iterator[Finding]:
+        patterns = TYPES.get(self._type)
+        if patterns is None:
+            yield from self._unknown_type()
+            return
+        yield from self._missing()
+        joints = [
+            (str(entry.scalar), entry)
+            for key in ("joint", "joints")
+            if key in self._keys
+            for entry in (self._keys[key].items or [self._keys[key]])
+        ]
+        if self._robot is not None or len(joints) > 1:
+            yield from JointNames(self._robot).unknown(joints)
+        yield from self._interfaces(joints)
+        yield from self._keys_that_nothing_reads(patterns, {n for n, _ in joints})
+
+    def _unknown_type(self) -> Iterator[Finding]:
+        if self._type in OTHER_TYPES:
+            return
+        near = nearest(self._type, (*TYPES, *OTHER_TYPES), _TYPO)
+        if self._type in TYPES_OF_ROS1 and self._type not in TYPES:
+            kind = self._type.partition("/")[2]
+            same = [name for name in TYPES if name.endswith(f"/{kind}")]
+            remedy = f"write '{same[0]}'" if same else "write joint_state_broadcaster/…"
+            message = f"'{self._type}' is a controller of ROS 1, in a file for ROS 2"
+        elif near is not None:
+            message = f"there is no controller type '{self._type}'"
+            remedy = f"did you mean '{near}'?"
+        else:
+            return  # somebody's own
+        yield complaint(self._type_entry, "unknown-type", message, remedy)
+
+    def _missing(self) -> Iterator[Finding]:
+        missing = [key for key in REQUIRED.get(self._type, ()) if key not in self._keys]
+        if not missing:
+            return
+        where = self._parameters or self._type_entry
+        yield complaint(
+            where,
+            "missing-key",
+            f"{self._type} does not configure without {' and '.join(missing)}",
+            f"write them under '{self._name}: {PARAMETERS}:'",
+        )
+
+    def _interfaces(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
+        entry = self._keys.get("command_interfaces")
+        wanted = [str(item.scalar) for item in (entry and entry.items) or []]
+        if (
+            "effort" in wanted
+            and "gains" not in self._keys
+            and "position" not in wanted
+        ):
+            yield complaint(
+                entry or self._type_entry,
+                "missing-gains",
+                "commands effort, so it closes the loop itself and needs gains",
+                f"write gains: {{<joint>: {{p: …}}}} under {self._name}",
+            )
+        if self._robot is None or not self._robot.ros2_joints:
+            return
+        for name, place in joints:
+            offered = self._robot.ros2_joints.get(name)
+            lacking = [kind for kind in wanted if kind not in (offered or ())]
+            if offered is None and name in self._robot.joints:
+                yield complaint(
+                    place,
+                    "no-transmission",
+                    f"'{name}' is not in the robot's <ros2_control>",
+                    "add it there, with its command interfaces",
+                )
+            elif offered is not None and lacking:
+                yield complaint(
+                    place,
+                    "interface-mismatch",
+                    f"commands {', '.join(lacking)}, but <ros2_control> offers "
+                    f"{', '.join(offered) or 'nothing'} for '{name}'",
+                    "change command_interfaces, or the robot's <ros2_control>",
+                )
+
+    def _keys_that_nothing_reads(
+        self, patterns: frozenset[str], joints: set[str]
+    ) -> Iterator[Finding]:
+        read = patterns | COMMON
+        told: set[str] = set()
+        for leaf in self._parameters.leaves() if self._parameters else ():
+            base = self._parameters.key if self._parameters else ""
+            path = leaf.key[len(base) + 1 :].split("/")
+            pattern = "/".join("*" if part in joints else part for part in path)
+            dotted = pattern.replace(".", "/")  # ROS 2 reads a dot as a level
+            if any(_covers(known, p) for known in read for p in (pattern, dotted)):
+                continue
+            if path[0] in told and len(path) > 1 and path[1] not in joints:
+                continue
+            told.add(path[0])
+            yield self._unread(leaf, path, pattern, read)
+
+    def _unread(
+        self, leaf: Entry, path: list[str], pattern: str, read: frozenset[str]
+    ) -> Finding:
+        others = [name for name, keys in TYPES.items() if pattern in keys]
+        siblings = {
+            candidate.split("/")[len(path) - 1]
+            for candidate in read
+            if candidate.count("/") >= len(path) - 1
+            and candidate.split("/")[: len(path) - 1] == pattern.split("/")[:-1]
+        }
+        near = nearest(path[-1], siblings, _TYPO)
+        severity: Severity = "error"
+        kind = self._type.partition("/")[2]
+        if near is not None:
+            return _unread(leaf, kind, near)
+        if others:
+            whose = " and ".join(sorted({name.partition("/")[2] for name in others}))
+            rule, message = "misplaced-key", f"{kind} does not read it; {whose} does"
+        else:
+            rule, severity = "unread-key", "warning"
+            message = f"no version of {kind} that is known here reads it"
+        return complaint(leaf, rule, message, "remove it", severity)
+
+
+def _covers(candidate: str, pattern: str) -> bool:
+    """Return whether what is read is ``pattern``, or a namespace around it.
+
+    A ``*`` that is read stands for any name: a joint that the list lacks is a joint
+    all the same.
+    """
+    read, asked = candidate.split("/"), pattern.split("/")
+    if len(read) > len(asked):
+        return False
+    return all(
+        a == b or (a == "*" and b not in ("goal_time", "stopped_velocity_tolerance"))
+        for a, b in zip(read, asked, strict=False)
+    )

@@ -1,0 +1,166 @@
+"""Gazebo's plugins: the controller manager twice or not at all, misspelt parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tool0.description.finding import Finding
+from tool0.lint.robot.facts import PluginFacts, RobotFacts
+from tool0.lint.robot.names import nearest, quoted, short
+
+LIBRARY = "libgazebo_ros_control.so"
+_FILES = (LIBRARY, LIBRARY.removeprefix("lib"), LIBRARY.removesuffix(".so"))
+_CONTROL = (
+    "robotNamespace",
+    "robotSimType",
+    "controlPeriod",
+    "robotParam",
+    "legacyModeNS",
+    "eStopTopic",
+)
+_MIMIC = (
+    "joint",
+    "mimicJoint",
+    "multiplier",
+    "offset",
+    "maxEffort",
+    "sensitiveness",
+    "robotNamespace",
+    "hasPID",
+)
+_DEFAULT_PARAM = "robot_description"
+
+
+def plugin_findings(facts: RobotFacts, spawned: bool) -> Iterator[Finding]:
+    """Yield what is wrong in the plugins for Gazebo."""
+    yield from _two(facts)
+    yield from _none(facts, spawned)
+    for plugin in facts.plugins:
+        yield from _file(plugin)
+        if plugin.is_control:
+            yield from _parameters(plugin, _CONTROL)
+        elif "roboticsgroup" in plugin.filename and plugin.is_mimic:
+            yield from _parameters(plugin, _MIMIC)
+            yield from _joints(plugin, facts)
+
+
+def _description(plugin: PluginFacts) -> str:
+    return (plugin.parameter("robotParam") or _DEFAULT_PARAM).strip("/")
+
+
+def _two(facts: RobotFacts) -> Iterator[Finding]:
+    first: dict[str, PluginFacts] = {}
+    for plugin in facts.control_plugins:
+        earlier = first.setdefault(_description(plugin), plugin)
+        if earlier is plugin:
+            continue
+        where = (
+            "made by the same line, of a macro that is called twice"
+            if plugin.location == earlier.location
+            else f"at {earlier.location}"
+        )
+        yield Finding(
+            location=plugin.location,
+            rule="two-plugins",
+            key=plugin.name,
+            message=(
+                f"a second {LIBRARY}, '{short(plugin.name)}'; the first, "
+                f"'{short(earlier.name)}', is {where}. Each makes a "
+                "controller manager for every joint of the robot: their commands "
+                "fight over the joints, and in one namespace the services of one "
+                "hide those of the other"
+            ),
+            remedy=(
+                "keep one; an arm's and a gripper's macro often bring one each: "
+                "remove the gripper's"
+            ),
+        )
+
+
+def _none(facts: RobotFacts, spawned: bool) -> Iterator[Finding]:
+    if not facts.transmissions or not (spawned or facts.plugins):
+        return
+    if any(plugin.is_control or plugin.is_control_of_ros2 for plugin in facts.plugins):
+        return
+    yield Finding(
+        location=facts.transmissions[0].location,
+        rule="no-plugin",
+        severity="warning",
+        key=facts.name,
+        message=(
+            f"the robot has transmissions, yet no {LIBRARY}: in Gazebo there is no "
+            "controller manager, spawners wait for it in vain and the arm falls"
+        ),
+        remedy=(
+            f'add <gazebo><plugin name="ros_control" filename="{LIBRARY}"/></gazebo>'
+        ),
+    )
+
+
+def _file(plugin: PluginFacts) -> Iterator[Finding]:
+    if not plugin.filename:
+        yield Finding(
+            location=plugin.location,
+            rule="unnamed",
+            key="<plugin>",
+            message="this <plugin> names no file, so Gazebo loads nothing",
+            remedy=f'write filename="…", such as filename="{LIBRARY}"',
+        )
+    elif plugin.is_control_of_ros2 or plugin.filename.rpartition("/")[2] in _FILES:
+        return
+    elif plugin.is_control or nearest(plugin.filename, (LIBRARY,), cutoff=0.9):
+        yield _misspelt(plugin)
+
+
+def _misspelt(plugin: PluginFacts) -> Finding:
+    return Finding(
+        location=plugin.location,
+        rule="unknown-plugin",
+        key=plugin.name,
+        message=(
+            f"there is no plugin '{short(plugin.filename)}', so Gazebo has no "
+            "controller manager"
+        ),
+        remedy=f'write filename="{LIBRARY}"',
+    )
+
+
+def _parameters(plugin: PluginFacts, known: tuple[str, ...]) -> Iterator[Finding]:
+    for name, _, location in plugin.parameters:
+        if name in known:
+            continue
+        close = nearest(name, known)
+        yield Finding(
+            location=location,
+            rule="unread-parameter",
+            severity="error" if close else "warning",
+            key=name,
+            message=(
+                f"the plugin {short(plugin.filename)} does not read "
+                f"<{short(name)}>, so it does nothing"
+            ),
+            remedy=f"write <{close}>" if close else f"it reads {quoted(known)}",
+        )
+
+
+def _joints(plugin: PluginFacts, facts: RobotFacts) -> Iterator[Finding]:
+    places = {name: location for name, _, location in plugin.parameters}
+    for role in ("joint", "mimicJoint"):
+        name = plugin.parameter(role)
+        if name and name in facts.joints:
+            continue
+        close = nearest(name or "", facts.joints)
+        yield Finding(
+            location=places.get(role, plugin.location),
+            rule="unknown-joint",
+            key=name or plugin.name,
+            message=(
+                f"plugin '{short(plugin.name)}' has the <{role}> '{short(name or '')}'"
+                ", which the robot lacks: it does nothing, and the finger hangs loose"
+            ),
+            remedy=(
+                f"write <{role}>{close}</{role}>"
+                if close
+                else "name one of the robot's joints"
+            ),
+        )

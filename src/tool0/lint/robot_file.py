@@ -1,0 +1,119 @@
+"""One robot of a file: expanded if it is xacro, and judged."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import final
+
+from tool0.description.expansion import expand
+from tool0.description.finding import Finding
+from tool0.description.packages import preferring
+from tool0.description.urdf import read_model
+from tool0.description.xml_source import LocatedElement, children, parse_file
+from tool0.errors import SourceLocation, Tool0Error
+from tool0.lint.robot.facts import RobotFacts, facts_of
+from tool0.lint.robot.rules import robot_findings, xacro_findings
+from tool0.lint.robot.xacro_includes import included_files
+
+_DEFINES = frozenset({"xacro:include", "xacro:macro", "xacro:property", "xacro:arg"})
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ReadRobot:
+    """A robot as far as it could be read."""
+
+    facts: RobotFacts | None
+    findings: tuple[Finding, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class XacroSource:
+    """A xacro file as it is written."""
+
+    findings: tuple[Finding, ...]
+    makes_a_robot: bool
+    """Whether it makes something by itself, rather than defining macros."""
+    includes: tuple[Path, ...]
+    """The files that it includes, whatever its arguments are; absolute."""
+    needs: tuple[str, ...]
+    """The arguments that have no default, or an empty one."""
+
+
+def read_robot(
+    file: Path,
+    args: Mapping[str, str] | None,
+    packages: Mapping[str, Path],
+    *,
+    spawned: bool = False,
+) -> ReadRobot:
+    """Return the robot of a file, and what is wrong with it.
+
+    Args:
+        file: URDF or xacro.
+        args: The arguments of xacro; None if the file is URDF.
+        packages: Name → folder of packages that come before all others.
+        spawned: Whether it is known to be put into Gazebo.
+    """
+    with preferring(packages):
+        try:
+            document = parse_file(file) if args is None else expand(file, args)
+        except Tool0Error as error:
+            rule = "bad-xml" if args is None else "xacro-fails"
+            return ReadRobot(None, (_as_finding(error, rule, file),))
+        root = document.documentElement
+        if not isinstance(root, LocatedElement) or root.tagName != "robot":
+            name = "nothing" if root is None else f"<{root.tagName}>"
+            wrong = Tool0Error(f"begins with {name}, and no <robot>")
+            return ReadRobot(None, (_as_finding(wrong, "no-robot", file),))
+        findings = tuple(robot_findings(root, packages, spawned=spawned))
+        facts = facts_of(root)
+        if any(finding.severity == "error" for finding in findings):
+            return ReadRobot(facts, findings)
+        try:  # what else keeps tool0 from simulating it, though ROS may take it
+            read_model(document)
+        except Tool0Error as error:
+            found = _as_finding(error, "no-model", file)
+            if found.location not in {finding.location for finding in findings}:
+                findings += (replace(found, severity="warning"),)
+        return ReadRobot(facts, findings)
+
+
+def read_xacro_source(file: Path, packages: Mapping[str, Path]) -> XacroSource:
+    """Return what a xacro file says before any expansion."""
+    with preferring(packages):
+        try:
+            root = parse_file(file).documentElement
+        except Tool0Error as error:
+            finding = _as_finding(error, "bad-xml", file)
+            return XacroSource((finding,), makes_a_robot=False, includes=(), needs=())
+        if not isinstance(root, LocatedElement):
+            return XacroSource((), makes_a_robot=False, includes=(), needs=())
+        makes = any(item.tagName not in _DEFINES for item in children(root))
+        needs = tuple(
+            item.getAttribute("name")
+            for item in children(root, "xacro:arg")
+            if not item.getAttribute("default")
+        )
+        return XacroSource(
+            findings=tuple(xacro_findings(root, packages)),
+            makes_a_robot=makes,
+            includes=tuple(map(_resolved, included_files(root, packages))),
+            needs=needs,
+        )
+
+
+def _resolved(path: Path) -> Path:
+    return Path(os.path.realpath(path))
+
+
+def _as_finding(error: Tool0Error, rule: str, file: Path) -> Finding:
+    location: SourceLocation | None = getattr(error, "location", None)
+    message: str = getattr(error, "message", str(error))
+    return Finding(
+        location=location or SourceLocation(file), rule=rule, message=message
+    )

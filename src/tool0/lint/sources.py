@@ -1,0 +1,156 @@
+"""Which files a person's paths name, and what each of them is."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from typing import final
+
+from tool0.description.packages import package_name
+from tool0.errors import ConfigError, SourceLocation
+from tool0.lint.xml_comments import without_comments
+
+LARGEST = 5_000_000
+"""[bytes] of a file that is read; descriptions are a hundredth of it."""
+_NOT_SOURCES = ("build", "devel", "install", "log", "logs", "node_modules")
+_IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
+_ROOT = re.compile(r"<\s*([A-Za-z_][\w.-]*)(?=[\s/>])")
+
+
+class Kind(Enum):
+    """What a file is."""
+
+    URDF = "URDF"
+    XACRO = "xacro"
+    LAUNCH = "launch file"
+    PARAMETERS = "YAML"
+    PACKAGE = "package.xml"
+    DOCUMENT = "text"
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A file to check."""
+
+    path: Path
+    kind: Kind
+    was_named: bool
+    """Whether a person named it, rather than a folder above it."""
+
+
+@final
+@dataclass(slots=True)
+class Sources:
+    """All files to check, and the packages that they lie in."""
+
+    files: list[Source] = field(default_factory=list)
+    packages: dict[str, Path] = field(default_factory=dict)
+    """Name → folder, of the packages below the folders that were named."""
+    skipped: list[tuple[Path, str]] = field(default_factory=list)
+    """What was not looked into, and why."""
+
+    def of(self, *kinds: Kind) -> Iterator[Source]:
+        return (source for source in self.files if source.kind in kinds)
+
+
+def collect(paths: Iterable[Path]) -> Sources:
+    """Return what ``paths``, files and folders, hold.
+
+    Raises:
+        ConfigError: If a path does not exist, or a file that was named cannot be read
+            or is of no kind that is understood.
+    """
+    sources = Sources()
+    seen: set[Path] = set()
+    for path in paths:
+        if path.is_dir():
+            found = [(file, False) for file in _walk(path, sources)]
+        else:
+            found = [(path, True)]
+        for file, was_named in found:
+            if file.resolve() not in seen:
+                seen.add(file.resolve())
+                _add(sources, file, was_named)
+    return sources
+
+
+def _walk(root: Path, sources: Sources) -> Iterator[Path]:
+    for name, folders, files in os.walk(root):
+        folder = Path(name)
+        if any(mark in files for mark in _IGNORED):
+            folders.clear()
+            continue
+        if "package.xml" in files:
+            sources.packages.setdefault(package_name(folder), folder)
+        folders[:] = sorted(
+            name
+            for name in folders
+            if not name.startswith(".") and name not in _NOT_SOURCES
+        )
+        yield from (folder / file for file in sorted(files))
+
+
+def _add(sources: Sources, file: Path, was_named: bool) -> None:
+    try:
+        if file.stat().st_size > LARGEST:
+            kind, why = None, f"is larger than {LARGEST:,} bytes"
+        else:
+            kind, why = kind_of(file), "is of no kind that is understood"
+    except OSError as error:
+        kind, why = None, f"cannot be read: {error.strerror}"
+    if kind is not None and (was_named or kind is not Kind.DOCUMENT):
+        sources.files.append(Source(file, kind, was_named))
+    elif was_named:
+        raise ConfigError(
+            f"'{file}' {why}; tool0 check reads URDF, xacro, launch files, ros_control "
+            "YAML, package.xml, texts that show them (.md, .txt), and folders of these"
+        )
+    elif "cannot" in why or "larger" in why:
+        sources.skipped.append((file, why))
+
+
+def read_text(file: Path) -> str:
+    """Return what a file holds.
+
+    Raises:
+        ConfigError: If it is not UTF-8.
+    """
+    raw = file.read_bytes()
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise ConfigError(
+            f"is not UTF-8: {error.reason}; save it as UTF-8",
+            SourceLocation(file, line),
+        ) from None
+
+
+def kind_of(file: Path) -> Kind | None:
+    """Return what a file is, by its name and, for XML, by its outermost element."""
+    name, suffix = file.name, file.suffix.lower()
+    if name == "package.xml":
+        return Kind.PACKAGE
+    if suffix in (".yaml", ".yml"):
+        return Kind.PARAMETERS
+    if suffix in (".md", ".txt", ".rst"):
+        return None if name == "CMakeLists.txt" else Kind.DOCUMENT
+    if suffix == ".xacro":
+        return Kind.XACRO
+    if suffix in (".launch", ".test"):
+        return Kind.LAUNCH
+    if suffix not in (".xml", ".urdf"):
+        return None
+    text = file.read_text(encoding="utf-8", errors="replace")
+    match = _ROOT.search(without_comments(text))
+    root = match[1] if match else ""
+    if root == "launch":
+        return Kind.LAUNCH
+    if root == "robot" or suffix == ".urdf":
+        return Kind.XACRO if "xmlns:xacro" in text else Kind.URDF
+    return None

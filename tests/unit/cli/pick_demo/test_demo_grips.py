@@ -1,0 +1,100 @@
+"""Where objects can be taken from above."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tool0.cli.pick_demo.grips import grips, half_height, reach_below
+from tool0.description.catalogue import assemble
+from tool0.description.kinematics import Transform, to_transform
+from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
+from tool0.description.scene import SceneObject
+from tool0.errors import ControlError
+
+LARGEST = 0.085
+
+
+def thing(geometry: Geometry, **pose: tuple[float, float, float]) -> SceneObject:
+    return SceneObject(name="thing", geometry=geometry, pose=Pose(**pose), mass=0.1)
+
+
+def ways(item: SceneObject) -> list[tuple[Transform, float]]:
+    found = grips(item, to_transform(item.pose), LARGEST)
+    return [(grip.pose, grip.width) for grip in found]
+
+
+def test_a_box_is_taken_across_each_side_that_fits_either_way_round() -> None:
+    yaw = 0.3
+    item = thing(Box(size=(0.04, 0.06, 0.1)), xyz=(0.5, 0.1, 0.2), rpy=(0.0, 0.0, yaw))
+    found = ways(item)
+    assert sorted(width for _, width in found) == [0.04, 0.04, 0.06, 0.06]
+    for pose, width in found:
+        matrix = pose.matrix
+        np.testing.assert_allclose(matrix[:3, 2], (0.0, 0.0, -1.0), atol=1e-12)
+        assert np.linalg.det(matrix[:3, :3]) == pytest.approx(1.0)
+        np.testing.assert_allclose(matrix[:3, 3], (0.5, 0.1, 0.2))
+        across = (math.cos(yaw), math.sin(yaw), 0.0)  # the box's x, 4 cm wide
+        if width == 0.06:
+            across = (-across[1], across[0], 0.0)
+        assert abs(matrix[:3, 1] @ across) == pytest.approx(1.0)
+
+
+def test_a_side_that_is_too_wide_is_left_out() -> None:
+    assert {width for _, width in ways(thing(Box(size=(0.04, 0.2, 0.1))))} == {0.04}
+
+
+def test_a_box_on_another_side_is_taken_as_it_lies() -> None:
+    item = thing(Box(size=(0.03, 0.05, 0.2)), rpy=(0.0, math.pi / 2.0, 0.0))
+    assert {width for _, width in ways(item)} == {0.05}  # 0.2 along x does not fit
+    assert half_height(item, to_transform(item.pose)) == pytest.approx(0.015)
+
+
+@pytest.mark.parametrize(
+    "shape", [Cylinder(radius=0.02, length=0.1), Sphere(radius=0.02)]
+)
+def test_a_round_thing_is_taken_from_any_side(shape: Geometry) -> None:
+    found = ways(thing(shape))
+    assert len(found) == 8
+    assert {width for _, width in found} == {0.04}
+    yaws = {round(math.atan2(p.rotation[1][0], p.rotation[0][0]), 6) for p, _ in found}
+    assert len(yaws) == 8
+
+
+@pytest.mark.parametrize(
+    ("item", "why"),
+    [
+        (
+            thing(Box(size=(0.1, 0.1, 0.1))),
+            "100.0 mm wide, and the gripper opens to 85.0",
+        ),
+        (thing(Box(size=(0.04, 0.04, 0.04)), rpy=(0.5, 0.0, 0.0)), "stand on one of"),
+        (thing(Cylinder(radius=0.02, length=0.1), rpy=(1.57, 0.0, 0.0)), "upright"),
+    ],
+)
+def test_what_cannot_be_taken_is_told(item: SceneObject, why: str) -> None:
+    with pytest.raises(ControlError, match=why):
+        ways(item)
+
+
+def test_a_mesh_is_refused(tmp_path: object) -> None:
+    item = thing(Mesh(uri="a.stl", path=tmp_path))  # type: ignore[arg-type]
+    with pytest.raises(ControlError, match="a mesh"):
+        ways(item)
+
+
+def test_the_fingers_reach_as_far_as_their_pads() -> None:
+    model = assemble(mount_rpy=(0.0, 0.0, 0.7)).model
+    assert reach_below(model, model.grippers[0]) == pytest.approx(0.0375 / 2.0)
+
+
+def test_pads_without_a_box_are_told() -> None:
+    model = assemble().model
+    bare = replace(
+        model, links=tuple(replace(link, collisions=()) for link in model.links)
+    )
+    with pytest.raises(ControlError, match="collision box of 'left_inner_finger_pad'"):
+        reach_below(bare, bare.grippers[0])

@@ -1,0 +1,148 @@
+"""Installing for real, from a tiny mirror: apt, gpg, dpkg-deb and tar all take part."""
+
+import fcntl
+from pathlib import Path
+
+import pytest
+from debian_mirror import CAN_BE_MADE, VERSION, Mirror, make_mirror
+
+from tool0.errors import ConfigError, EngineUnavailableError
+from tool0.installation.gazebo.install import Wish, ready, uninstall
+from tool0.installation.gazebo.installation import Installation, private_prefix
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not CAN_BE_MADE, reason="needs apt-get, dpkg-deb and gpg"),
+]
+
+
+@pytest.fixture(scope="module")
+def mirror(tmp_path_factory: pytest.TempPathFactory) -> Mirror:
+    return make_mirror(tmp_path_factory.mktemp("debian"))
+
+
+@pytest.fixture(autouse=True)
+def compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stand in for g++: a plugin is not what is tested here."""
+    program = tmp_path / "fake-g++"
+    program.write_text('#!/bin/sh\nfor last; do :; done; echo made > "$last"\n')
+    program.chmod(0o755)
+    monkeypatch.setenv("CXX", str(program))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.delenv("TOOL0_GAZEBO", raising=False)
+
+
+def install(mirror: Mirror, *, gui: bool = False) -> tuple[Installation, list[str]]:
+    said: list[str] = []
+    wish = Wish(
+        has_client=gui, is_private=True, mirror=mirror.address, keyring=mirror.keyring
+    )
+    made = ready(wish, lambda activity, _: said.append(activity))
+    return made, list(dict.fromkeys(said))
+
+
+def test_makes_a_prefix_that_runs_and_leaves_no_downloads(mirror: Mirror) -> None:
+    made, said = install(mirror)
+    prefix = private_prefix()
+    assert (made.version, made.prefix, made.client) == (VERSION, prefix, None)
+    assert made.server == prefix / "usr" / "bin" / f"gzserver-{VERSION}"
+    assert made.server.is_file()
+    assert {path.name for path in prefix.parent.iterdir()} == {"prefix", "lock"}
+    assert not (prefix / "usr" / "share" / "doc").exists()
+    assert (prefix / "usr" / "share" / "libtbb-dev").is_dir()
+    assert said[0] == "reading the list of packages"
+    assert said[-1] == "compiling the bridge to Gazebo"
+
+
+def test_what_only_the_window_needs_is_taken_on_demand(mirror: Mirror) -> None:
+    qt = private_prefix() / "usr" / "share" / "libqt5core5a"
+    install(mirror)
+    assert not qt.exists()
+    made, _ = install(mirror, gui=True)
+    assert qt.exists()
+    assert made.client is not None
+    _, said = install(mirror)  # the larger one will do
+    assert said == ["compiling the bridge to Gazebo"]
+
+
+def test_what_was_downloaded_is_used_unless_it_is_damaged(mirror: Mirror) -> None:
+    debs = private_prefix().with_name("work") / "debs"
+    debs.mkdir(parents=True)
+    names = ("libtbb-dev", "libboost1.74-dev", "gazebo")
+    whole, cut, wrong = (debs / f"{name}_1%3a11.1.0-6_all.deb" for name in names)
+    whole.write_bytes(mirror.package(names[0]).read_bytes())
+    cut.write_bytes(mirror.package(names[1]).read_bytes()[:100])
+    content = bytearray(mirror.package(names[2]).read_bytes())
+    content[-10] ^= 1
+    wrong.write_bytes(content)
+    install(mirror)
+    share = private_prefix() / "usr" / "share"
+    assert all((share / name).is_dir() for name in names[:2])
+
+
+def test_an_unsigned_mirror_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(EngineUnavailableError, match="not signed by a key of"):
+        install(make_mirror(tmp_path, signed=False))
+    assert not private_prefix().exists()
+
+
+def test_a_package_of_other_content_is_refused(mirror: Mirror, tmp_path: Path) -> None:
+    forged = make_mirror(tmp_path)
+    package = forged.package("gazebo")
+    content = bytearray(package.read_bytes())
+    content[-10] ^= 1
+    package.write_bytes(content)
+    with pytest.raises(EngineUnavailableError, match="not what Debian signed"):
+        install(forged)
+    assert not private_prefix().exists()
+    made, _ = install(mirror)  # and what is right goes on from there
+    assert made.server.is_file()
+
+
+def test_a_mirror_without_debian_11_is_named(mirror: Mirror, tmp_path: Path) -> None:
+    wrong = Mirror(tmp_path / "empty", mirror.keyring)
+    wrong.folder.mkdir()
+    with pytest.raises(EngineUnavailableError, match=r"no Debian 11.*--mirror"):
+        install(wrong)
+
+
+def test_missing_keys_are_named(mirror: Mirror, tmp_path: Path) -> None:
+    with pytest.raises(EngineUnavailableError, match="debian-archive-keyring"):
+        install(Mirror(mirror.folder, tmp_path / "none.gpg"))
+
+
+def test_a_missing_compiler_is_named_before_anything_is_fetched(
+    mirror: Mirror, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CXX", "no-such-compiler")
+    with pytest.raises(
+        EngineUnavailableError, match=r"install one \(apt install g\+\+"
+    ):
+        install(mirror)
+    assert not private_prefix().parent.exists()
+
+
+def test_two_at_once_do_not_disturb_each_other(mirror: Mirror) -> None:
+    folder = private_prefix().parent
+    folder.mkdir(parents=True)
+    with (folder / "lock").open("w") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        with pytest.raises(EngineUnavailableError, match="another process"):
+            install(mirror)
+        with pytest.raises(EngineUnavailableError, match="another process"):
+            uninstall()
+
+
+def test_uninstalling_leaves_nothing(mirror: Mirror, tmp_path: Path) -> None:
+    install(mirror)
+    assert any((tmp_path / "cache").rglob("*.so"))
+    assert uninstall() > 0
+    assert not private_prefix().parent.exists()
+    assert not any((tmp_path / "cache").rglob("*.so"))
+    assert uninstall() == 0
+
+
+@pytest.mark.parametrize("mirror", ["debian.org", "http://a b", ""])
+def test_a_mirror_must_be_an_address(mirror: str) -> None:
+    with pytest.raises(ConfigError, match="a mirror is an address"):
+        Wish(mirror=mirror)

@@ -1,0 +1,93 @@
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tool0.errors import EngineUnavailableError
+from tool0.installation.gazebo.installation import Installation
+from tool0.installation.gazebo.plugin import bridge_libraries, plugin_folder
+
+INSTALLATION = Installation(
+    version="11.1.0",
+    prefix=None,
+    server=Path("/usr/bin/gzserver"),
+    client=None,
+    environment={},
+    include_dirs=(Path("/somewhere/include"),),
+)
+COMPILER = """\
+#!/bin/sh
+echo "$*" >> "{calls}"
+{fail}
+for last; do :; done
+sleep 0.05
+echo made > "$last"
+"""
+
+
+@pytest.fixture
+def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Stand in for the compiler; return where it notes how it was called."""
+    file = tmp_path / "calls"
+    set_compiler(tmp_path, monkeypatch, COMPILER.format(calls=file, fail=""))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return file
+
+
+def set_compiler(folder: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+    program = folder / "g++"
+    program.write_text(text)
+    program.chmod(0o755)
+    monkeypatch.setenv("CXX", str(program))
+
+
+def test_compiles_each_once(calls: Path) -> None:
+    libraries = bridge_libraries(INSTALLATION)
+    assert libraries.bridge.read_text() == libraries.leash.read_text() == "made\n"
+    assert bridge_libraries(INSTALLATION) == libraries
+    assert len(calls.read_text().splitlines()) == 2
+    assert "-isystem/somewhere/include" in calls.read_text()
+
+
+def test_another_gazebo_has_others(calls: Path) -> None:
+    ours = bridge_libraries(INSTALLATION)
+    theirs = bridge_libraries(replace(INSTALLATION, version="11.10.2"))
+    assert ours.bridge != theirs.bridge
+
+
+def test_what_was_compiled_outlives_the_compiler(
+    calls: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    libraries = bridge_libraries(INSTALLATION)
+    monkeypatch.setenv("CXX", "no-such-compiler")
+    assert bridge_libraries(INSTALLATION) == libraries
+    libraries.leash.unlink()
+    with pytest.raises(EngineUnavailableError, match=r"apt install g\+\+"):
+        bridge_libraries(INSTALLATION)
+
+
+def test_several_may_compile_at_once(calls: Path) -> None:
+    with ThreadPoolExecutor(4) as pool:
+        made = list(pool.map(bridge_libraries, [INSTALLATION] * 4))
+    assert len(set(made)) == 1
+    assert {path.name for path in plugin_folder().iterdir()} == {
+        made[0].bridge.name,
+        made[0].leash.name,
+    }
+
+
+def test_what_the_compiler_said_is_shown_and_nothing_is_kept(
+    calls: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fail = "echo 'bridge.cc:1: error: no such header' >&2; exit 1"
+    set_compiler(tmp_path, monkeypatch, COMPILER.format(calls=calls, fail=fail))
+    with pytest.raises(EngineUnavailableError, match="error: no such header"):
+        bridge_libraries(INSTALLATION)
+    assert not list(plugin_folder().iterdir())
+
+
+def test_a_folder_that_cannot_be_written_is_named(calls: Path, tmp_path: Path) -> None:
+    (tmp_path / "cache").write_text("in the way")
+    with pytest.raises(EngineUnavailableError, match=r"cannot write '.*cache"):
+        bridge_libraries(INSTALLATION)

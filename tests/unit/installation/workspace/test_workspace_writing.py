@@ -1,0 +1,228 @@
+"""Writing twice updates what was written, and leaves a person's edits alone."""
+
+import errno
+import os
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+
+import pytest
+
+from tool0.errors import ConfigError
+from tool0.installation.workspace import writing
+from tool0.installation.workspace.changes import Action
+from tool0.installation.workspace.contents import contents
+from tool0.installation.workspace.record import NAME
+from tool0.installation.workspace.writing import Written, write_workspace
+
+LAUNCH = "tool0_gazebo/launch/ur5_robotiq_2f_85_bringup.launch"
+XACRO = "tool0_description/urdf/shapes.xacro"
+EDIT = "<launch/> <!-- mine -->\n"
+
+Files = dict[PurePosixPath, bytes]
+
+
+@pytest.fixture
+def shipped(monkeypatch: pytest.MonkeyPatch) -> Files:
+    """What is written: a test changes it, as another version of tool0 would."""
+    files = {
+        PurePosixPath(path): contents()[PurePosixPath(path)] for path in (LAUNCH, XACRO)
+    }
+
+    def stand_in(*, upstream_meshes: bool) -> Mapping[PurePosixPath, bytes]:
+        del upstream_meshes
+        return dict(files)
+
+    monkeypatch.setattr(writing, "contents", stand_in)
+    return files
+
+
+def one(written: Written, action: Action) -> str:
+    (path,) = written.paths(action)
+    return path.relative_to(written.source).as_posix()
+
+
+def everything(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_it_writes_real_files(tmp_path: Path) -> None:
+    written = write_workspace(tmp_path / "ws")
+    files = contents()
+    assert written.source == tmp_path / "ws" / "src"
+    assert len(written.paths(Action.ADD)) == len(files)
+    for path, data in files.items():
+        assert (written.source / path).read_bytes() == data
+        assert not (written.source / path).is_symlink()
+    names = {
+        path.relative_to(written.source).as_posix() for path in everything(tmp_path)
+    }
+    records = {f"{name}/{NAME}" for name in ("tool0_description", "tool0_gazebo")}
+    assert names == {str(path) for path in files} | records
+
+
+def test_files_are_as_readable_as_any_that_a_person_makes(tmp_path: Path) -> None:
+    before = os.umask(0o027)
+    try:
+        write_workspace(tmp_path)
+    finally:
+        os.umask(before)
+    assert (tmp_path / "src" / LAUNCH).stat().st_mode & 0o777 == 0o640
+    (script,) = tmp_path.glob("src/*/scripts/*")
+    assert script.stat().st_mode & 0o777 == 0o750
+
+
+def test_twice_changes_nothing(tmp_path: Path) -> None:
+    write_workspace(tmp_path)
+    before = everything(tmp_path)
+    again = write_workspace(tmp_path)
+    assert {change.action for change in again.changes} == {Action.LEAVE}
+    assert everything(tmp_path) == before
+
+
+def test_an_edited_file_is_kept_and_named(tmp_path: Path) -> None:
+    written = write_workspace(tmp_path)
+    (written.source / LAUNCH).write_text(EDIT)
+    for upstream in (False, True):  # which would change that file
+        again = write_workspace(tmp_path, upstream_meshes=upstream)
+        assert one(again, Action.KEEP) == LAUNCH
+        assert (written.source / LAUNCH).read_text() == EDIT
+
+
+def test_a_file_that_was_there_before_is_a_persons(tmp_path: Path) -> None:
+    file = tmp_path / "src" / LAUNCH
+    file.parent.mkdir(parents=True)
+    file.write_text(EDIT)
+    assert one(write_workspace(tmp_path), Action.KEEP) == LAUNCH
+    assert file.read_text() == EDIT
+
+
+def test_force_overwrites_and_keeps_what_it_overwrote(tmp_path: Path) -> None:
+    written = write_workspace(tmp_path)
+    file = written.source / LAUNCH
+    for number, aside in enumerate((f"{file}.orig", f"{file}.orig2")):
+        file.write_text(EDIT * (number + 1))
+        again = write_workspace(tmp_path, force=True)
+        assert again.backups == {file: Path(aside)}
+        assert Path(aside).read_text() == EDIT * (number + 1)
+        assert file.read_bytes() == contents()[PurePosixPath(LAUNCH)]
+
+
+def test_a_newer_version_updates_what_nobody_edited(
+    tmp_path: Path, shipped: Files
+) -> None:
+    source = write_workspace(tmp_path).source
+    (source / XACRO).write_text(EDIT)
+    shipped[PurePosixPath(LAUNCH)] = b"newer"
+    shipped[PurePosixPath(XACRO)] = b"newer"
+    again = write_workspace(tmp_path)
+    assert (one(again, Action.UPDATE), one(again, Action.KEEP)) == (LAUNCH, XACRO)
+    assert (source / LAUNCH).read_bytes() == b"newer"
+
+
+def test_an_edit_that_was_taken_back_is_none(tmp_path: Path, shipped: Files) -> None:
+    source = write_workspace(tmp_path).source
+    older = (source / LAUNCH).read_bytes()
+    (source / LAUNCH).write_text(EDIT)
+    shipped[PurePosixPath(LAUNCH)] = b"newer"
+    assert one(write_workspace(tmp_path), Action.KEEP) == LAUNCH
+    (source / LAUNCH).write_bytes(older)
+    assert one(write_workspace(tmp_path), Action.UPDATE) == LAUNCH
+
+
+def test_what_is_shipped_no_longer_goes_unless_it_was_edited(
+    tmp_path: Path, shipped: Files
+) -> None:
+    source = write_workspace(tmp_path).source
+    (source / XACRO).write_text(EDIT)
+    shipped.clear()
+    again = write_workspace(tmp_path, force=True)
+    assert (one(again, Action.REMOVE), one(again, Action.KEEP)) == (LAUNCH, XACRO)
+    assert not (source / LAUNCH).exists()
+    assert not write_workspace(tmp_path).changes  # it is theirs from now on
+
+
+def test_a_deleted_file_comes_back(tmp_path: Path) -> None:
+    source = write_workspace(tmp_path).source
+    (source / LAUNCH).unlink()
+    assert one(write_workspace(tmp_path), Action.ADD) == LAUNCH
+    assert (source / LAUNCH).is_file()
+
+
+def test_a_link_is_an_edit(tmp_path: Path) -> None:
+    source = write_workspace(tmp_path).source
+    mine = tmp_path / "mine.launch"
+    mine.write_text(EDIT)
+    (source / LAUNCH).unlink()
+    (source / LAUNCH).symlink_to(mine)
+    assert one(write_workspace(tmp_path), Action.KEEP) == LAUNCH
+    write_workspace(tmp_path, force=True)
+    assert mine.read_text() == EDIT
+    assert not (source / LAUNCH).is_symlink()
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", '{"sha256": []}', '{"sha256": {"package.xml": 3}}']
+)
+def test_without_a_record_what_differs_is_kept(
+    tmp_path: Path, shipped: Files, text: str
+) -> None:
+    source = write_workspace(tmp_path).source
+    (source / "tool0_gazebo" / NAME).write_text(text)
+    shipped[PurePosixPath(LAUNCH)] = b"newer"
+    assert one(write_workspace(tmp_path), Action.KEEP) == LAUNCH
+
+
+def test_a_run_that_was_cut_short_is_gone_on_with(
+    tmp_path: Path, shipped: Files, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = write_workspace(tmp_path).source
+    older = everything(tmp_path)
+    replace = Path.replace
+
+    def fails(self: Path, target: Path) -> Path:
+        if target.name == Path(LAUNCH).name:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return replace(self, target)
+
+    for path in (LAUNCH, XACRO):
+        shipped[PurePosixPath(path)] = b"newer"
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", fails)
+        with pytest.raises(ConfigError) as caught:
+            write_workspace(tmp_path)
+    assert "No space left on device" in str(caught.value)
+    assert LAUNCH in str(caught.value)
+    assert "run the same again" in str(caught.value)
+    assert set(everything(tmp_path)) == set(older)  # and nothing half-written beside
+    assert (source / LAUNCH).read_bytes() == older[source / LAUNCH]
+
+    shipped[PurePosixPath(XACRO)] = b"newer still"  # as another version would have it
+    again = write_workspace(tmp_path)
+    assert set(again.paths(Action.UPDATE)) == {source / LAUNCH, source / XACRO}
+
+
+def test_a_folder_that_is_not_ours_to_write_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(self: Path, **_: object) -> None:  # root, too, who may write anywhere
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "mkdir", fails)
+        with pytest.raises(ConfigError, match=r"cannot write .*Permission denied"):
+            write_workspace(tmp_path)
+
+
+def test_a_folder_where_a_file_goes_is_told(tmp_path: Path) -> None:
+    (tmp_path / "src" / LAUNCH).mkdir(parents=True)
+    with pytest.raises(ConfigError, match=r"cannot read .*Is a directory; move it"):
+        write_workspace(tmp_path)
+    assert not everything(tmp_path)  # it was seen before anything was written
+
+
+def test_a_file_where_a_folder_goes_is_told(tmp_path: Path) -> None:
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "tool0_gazebo").touch()
+    with pytest.raises(ConfigError, match="Not a directory"):
+        write_workspace(tmp_path)
+    assert len(everything(tmp_path)) == 1

@@ -1,0 +1,159 @@
+from __future__ import annotations
+
+import pytest
+from robot_xml import (
+    ARM,
+    DRIVEN,
+    LIMIT,
+    check,
+    joint,
+    link,
+    only,
+    plugin,
+    rules,
+    transmission,
+)
+
+from tool0.lint.robot.interfaces import is_interface, meant_interface
+
+EFFORT = "hardware_interface/EffortJointInterface"
+
+
+def test_a_driven_robot_is_silent() -> None:
+    assert check(DRIVEN) == []
+    assert check(DRIVEN, spawned=True) == []
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("hardware/interface/EffortJointInterface", "Effort"),
+        ('"hardware_interface/EffortJointInterface"', "Effort"),
+        ("hardware_interface/EffortJointInterfce", "Effort"),
+        ("hardware_interface::PositionJointInterface", "Position"),
+        ("hardware_interfaces/VelocityJointInterface", "Velocity"),
+        ("PositonJointInterface", "Position"),
+        ("hardware_interface/positionjointinterface", None),
+    ],
+)
+def test_a_misspelt_interface_names_the_right_one(
+    written: str, meant: str | None
+) -> None:
+    found = check(ARM + transmission("hinge", written) + plugin())
+    if meant is None:
+        assert found
+        return
+    finding = only(found, "interface-typo")
+    assert finding.key == written
+    assert finding.remedy == f"write hardware_interface/{meant}JointInterface"
+    assert "'hinge'" in finding.message
+
+
+@pytest.mark.parametrize(
+    "written", ["EffortJointInterface", "hardware_interface/VelocityJointInterface"]
+)
+def test_an_interface_with_or_without_its_package(written: str) -> None:
+    assert is_interface(written)
+    assert meant_interface(written)
+    assert check(ARM + transmission("hinge", written) + plugin()) == []
+
+
+def test_an_interface_of_a_robots_own_driver_is_a_warning_unless_simulated() -> None:
+    own = ARM + transmission("hinge", "franka_hw/FrankaPoseCartesianInterface")
+    finding = only(check(own + plugin()), "unknown-interface")
+    assert finding.severity == "warning"
+    simulator = "<robotSimType>franka_gazebo/FrankaHWSim</robotSimType>"
+    assert check(own + plugin(inside=simulator)) == []
+
+
+def test_a_macros_typo_is_told_once_for_all_its_joints() -> None:
+    parts = [link("world", "")]
+    wrong = ""
+    for name in "abc":
+        parts += [joint(name, "world", f"link_{name}"), link(f"link_{name}")]
+        wrong += transmission(name, "hardware/interface/EffortJointInterface")
+    finding = only(check(*parts, wrong, plugin()), "interface-typo")
+    assert "'a', 'b', 'c'" in finding.message
+
+
+def test_a_transmission_of_a_joint_that_is_not_there() -> None:
+    finding = only(check(DRIVEN, transmission("hing")), "unknown-joint")
+    assert finding.location.line == 3
+    assert 'name="hinge"' in finding.remedy
+
+
+def test_a_transmission_of_a_fixed_joint() -> None:
+    fixed = joint("mount", "arm", "hand", "", "fixed") + link("hand")
+    found = check(DRIVEN, fixed, transmission("mount"))
+    assert "fixed" in only(found, "unknown-joint").message
+
+
+def test_a_joint_without_transmission_beside_one_that_has() -> None:
+    more = joint("wrist", "arm", "hand") + link("hand")
+    finding = only(check(DRIVEN, more), "no-transmission")
+    assert (finding.key, finding.severity) == ("wrist", "warning")
+    assert check(ARM, more) == []
+
+
+def test_joints_that_need_no_transmission() -> None:
+    caster = joint("wheel", "arm", "hand", "", "continuous") + link("hand")
+    assert check(DRIVEN, caster) == []
+    wheel = joint("wheel", "arm", "hand") + link("hand")
+    drive = plugin("libgazebo_ros_drive.so", "<leftJoint>wheel</leftJoint>")
+    assert check(DRIVEN, wheel, drive) == []
+
+
+@pytest.mark.parametrize(
+    ("type", "severity"),
+    [
+        ("transmission_interface/SimpelTransmission", "error"),
+        ("SimpleTransmission", "error"),
+        ("transmission_interface/DifferentialTransmission", "warning"),
+        ("transmission_interface/HalfDifferentialTransmission", "warning"),
+    ],
+)
+def test_another_type_of_transmission(type: str, severity: str) -> None:
+    found = check(ARM + transmission("hinge", type=type) + plugin())
+    finding = only(found, "unknown-transmission")
+    assert finding.severity == severity
+    assert "SimpleTransmission" in finding.remedy
+
+
+def test_the_transmissions_of_a_pr2_are_not_those_of_ros_control() -> None:
+    old = '<transmission name="t" type="pr2_mechanism_model/SimpleTransmission"/>'
+    assert check(DRIVEN, old) == []
+
+
+def test_two_transmissions_of_one_joint() -> None:
+    finding = only(check(DRIVEN, transmission("hinge")), "two-transmissions")
+    assert finding.location.line == 3
+    assert "<string>:2" in finding.message
+
+
+@pytest.mark.parametrize(
+    "transmission",
+    [
+        transmission("hinge", actuator=""),
+        transmission("hinge", type=""),
+        '<transmission name="t"><type>transmission_interface/SimpleTransmission'
+        '</type><joint name="hinge"/><actuator name="m"/></transmission>',
+        transmission("hinge").replace('name="hinge_trans"', ""),
+    ],
+)
+def test_a_transmission_that_is_not_complete(transmission: str) -> None:
+    found = check(ARM + transmission + plugin())
+    assert rules(found) == ["incomplete-transmission"]
+    assert found[0].remedy.startswith("add ")
+
+
+def test_a_transmission_of_a_mimic_joint() -> None:
+    mimic = joint("finger", "arm", "hand", LIMIT + '<mimic joint="hinge"/>')
+    found = check(DRIVEN, mimic + link("hand"), transmission("finger"))
+    assert only(found, "driven-mimic").severity == "warning"
+
+
+def test_two_interfaces_of_one_joint() -> None:
+    two = f"{EFFORT}</hardwareInterface><hardwareInterface>PositionJointInterface"
+    assert rules(check(ARM + transmission("hinge", two) + plugin())) == [
+        "two-interfaces"
+    ]

@@ -1,0 +1,190 @@
+"""Rules for ros_control's YAML, without and with a robot."""
+
+import re
+
+import pytest
+import yaml
+from check_files import DATA, of_yaml, told
+
+from tool0.control.controller_types import TYPES
+from tool0.description.catalogue import assemble
+from tool0.description.xml_source import parse_text
+from tool0.lint.robot.facts import RobotFacts, facts_of
+
+ARM = """\
+arm:
+  type: effort_controllers/JointTrajectoryController
+  joints: [elbow_joint, wrist_1_joint]
+  gains:
+    elbow_joint: {p: 2000, d: 20, i: 1, i_clamp: 1}
+    wrist_1_joint: {p: 500, d: 1, i: 1, i_clamp: 1}
+"""
+PUBLISHED = yaml.safe_load(
+    (DATA / "checks" / "published_controllers.yaml").read_text(encoding="utf-8")
+)
+
+
+@pytest.fixture(scope="module")
+def robot() -> RobotFacts:
+    root = parse_text(assemble().urdf).documentElement
+    assert root is not None
+    return facts_of(root)
+
+
+def test_a_good_file_is_clean(robot: RobotFacts) -> None:
+    assert of_yaml(ARM) == of_yaml(ARM, robot) == []
+
+
+@pytest.mark.parametrize("arm", PUBLISHED["noetic_controller_defaults"]["per_model"])
+def test_what_is_published_is_clean(arm: str, robot: RobotFacts) -> None:
+    defaults = PUBLISHED["noetic_controller_defaults"]
+    gripper = {k: v for k, v in defaults["gripper_2f85"].items() if k != "source"}
+    joints = list(defaults["per_model"][arm]["gains"])
+    text = yaml.safe_dump(
+        {
+            "joint_state_controller": {
+                "type": "joint_state_controller/JointStateController",
+                "publish_rate": defaults["loop_hz_publish"],
+            },
+            "eff_joint_traj_controller": {
+                "type": "effort_controllers/JointTrajectoryController",
+                "joints": joints,
+                **defaults["per_model"][arm],
+            },
+            "joint_group_eff_controller": {
+                "type": "effort_controllers/JointGroupEffortController",
+                "joints": joints,
+            },
+            "gripper_controller": gripper,
+        },
+        sort_keys=False,
+    )
+    assert of_yaml(text) == of_yaml(text, robot) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "rule", "says"),
+    [
+        ("elbow_joint,", "elbw_joint,", 3, "unknown-joint", "'elbow_joint'"),
+        ("elbow_joint,", "finger_joint,", 5, "unread-key", "among the controller's"),
+        (
+            "elbow_joint,",
+            "left_inner_knuckle_joint,",
+            3,
+            "no-transmission",
+            "follows 'finger_joint'",
+        ),
+        ("effort_c", "velocity_c", 3, "interface-mismatch", "EffortJointInterface"),
+        (
+            "    wrist_1_joint: {p: 500, d: 1, i: 1, i_clamp: 1}\n",
+            "",
+            4,
+            "missing-gains",
+            "gains/wrist_1_joint: {p:",
+        ),
+        ("{p: 500, d", "{d", 6, "missing-gains", "at least p"),
+        ("TrajectoryC", "TrajectoriC", 2, "unknown-type", "JointTrajectoryController"),
+        (
+            "effort_controllers/",
+            "joint_trajectory_controller/",
+            2,
+            "unknown-type",
+            "of ROS 2",
+        ),
+        ("p: 2000", "p: many", 5, "controller-fails", "'many'"),
+        (
+            "  joints: [elbow_joint, wrist_1_joint]\n",
+            "",
+            1,
+            "missing-key",
+            "joints",
+        ),
+        ("i_clamp: 1}", "i_clam: 1}", 5, "unread-key", "'i_clamp'"),
+    ],
+)
+def test_what_is_wrong_is_named_where_it_stands(
+    robot: RobotFacts, *, old: str, new: str, line: int, rule: str, says: str
+) -> None:
+    assert old in ARM
+    found = of_yaml(ARM.replace(old, new, 1), robot)
+    matching = [f for f in found if (f.location.line, f.rule) == (line, rule)]
+    assert matching, [str(finding) for finding in found]
+    assert says in str(matching[0])
+
+
+def test_lost_indentation_is_one_finding_and_the_rest_is_read_all_the_same() -> None:
+    flat = re.sub(r"^  (?=\w)", "", ARM.replace("p: 500, ", ""), flags=re.MULTILINE)
+    found = of_yaml(flat)
+    assert told(found) == [
+        (1, "flat-yaml", "arm"),
+        (6, "missing-gains", "arm/gains/wrist_1_joint"),
+    ]
+    assert "'type' after it is not indented" in found[0].message
+
+
+def test_the_files_of_the_post() -> None:
+    folder = DATA / "controllers"
+    gazebo = of_yaml((folder / "gazebo_controller.yaml").read_text(encoding="utf-8"))
+    assert told(gazebo) == [
+        (3, "misplaced-key", "ros_control/pid_gains"),
+        (7, "unknown-joint", "ros_control/pid_gains/right_outer_knuckle_joint"),
+    ]
+    assert "'right_finger_joint'" in gazebo[1].remedy
+    arm = of_yaml((folder / "ur5_controllers.yaml").read_text(encoding="utf-8"))
+    assert [item[1] for item in told(arm)] == ["misplaced-key"] * 4
+
+
+def test_joints_of_an_unknown_robot_are_not_judged() -> None:
+    text = ARM.replace("elbow_joint", "knee").replace("wrist_1_joint", "toe")
+    assert of_yaml(text) == []
+
+
+def test_other_nodes_parameters_are_their_own() -> None:
+    assert of_yaml(f"{ARM}\nmove_base:\n  recovery: true\n  rate: 3\n") == []
+    (finding,) = of_yaml(f"{ARM}\nother:\n  typ: x/yController\n  joints: [a]\n")
+    assert finding.remedy == "is 'typ' meant to be 'type'?"
+
+
+def test_what_only_tool0_does_otherwise_is_no_fault_of_the_file() -> None:
+    assert of_yaml("gazebo_ros_control: {pid_gains: {elbow_joint: {p: 1}}}") == []
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_every_type_is_known(name: str) -> None:
+    assert not [f for f in of_yaml(f"c: {{type: {name}}}") if f.rule == "unknown-type"]
+
+
+@pytest.mark.parametrize(
+    "name", ["diff_drive_controller/DiffDriveController", "my_package/MyController"]
+)
+def test_types_of_others_are_let_be(name: str) -> None:
+    assert of_yaml(f"c: {{type: {name}, anything: 1}}") == []
+
+
+def test_what_moveit_reads_is_no_controller_without_a_type() -> None:
+    moveit = "controller_list:\n  - {name: arm, type: FollowJointTrajectory}\n"
+    assert of_yaml(f"{ARM}\n{moveit}") == []
+    assert of_yaml(f"{ARM}\n{moveit.replace('_list', '_lisp')}") != []
+
+
+def test_a_fixed_joint_is_not_what_was_meant() -> None:
+    text = """
+    <robot name="r"><link name="a"/><link name="b"/><link name="c"/>
+    <joint name="right_outer_finger_joint" type="fixed">
+      <parent link="a"/><child link="b"/></joint>
+    <joint name="right_finger_joint" type="continuous">
+      <parent link="b"/><child link="c"/></joint></robot>
+    """
+    robot = parse_text(text).documentElement
+    assert robot is not None
+    gains = "ros_control:\n  pid_gains:\n    right_outer_knuckle_joint: {p: 1}\n"
+    unknown = [f for f in of_yaml(gains, facts_of(robot)) if f.rule == "unknown-joint"]
+    assert [item.remedy for item in unknown] == ["did you mean 'right_finger_joint'?"]
+
+
+def test_yaml_on_one_line_is_read_too() -> None:
+    text = "arm: {type: effort_controllers/JointEffortController, a: 1, b: 2, joint: j}"
+    assert told(of_yaml(text)) == [
+        (1, "unread-key", "arm/a"),
+        (1, "unread-key", "arm/b"),
+    ]

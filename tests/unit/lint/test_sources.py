@@ -1,0 +1,67 @@
+"""Which files there are, and what they are."""
+
+from pathlib import Path
+
+import pytest
+from check_files import write
+
+from tool0.errors import ConfigError
+from tool0.lint import sources
+from tool0.lint.sources import Kind, collect, kind_of
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "kind"),
+    [
+        ("package.xml", "<package/>", Kind.PACKAGE),
+        ("a.yaml", "", Kind.PARAMETERS),
+        ("a.yml", "", Kind.PARAMETERS),
+        ("README.md", "", Kind.DOCUMENT),
+        ("CMakeLists.txt", "", None),
+        ("a.urdf.xacro", "", Kind.XACRO),
+        ("a.launch", "", Kind.LAUNCH),
+        ("a.launch.xml", "<?xml version='1.0'?><!-- <x> -->\n<launch>", Kind.LAUNCH),
+        ("a.xml", "<!-- --><robot name='r'>", Kind.URDF),
+        ("a.urdf", "", Kind.URDF),
+        ("b.urdf", "<robot xmlns:xacro='x'>", Kind.XACRO),
+        ("world.xml", "<sdf>", None),
+        ("a.py", "", None),
+    ],
+)
+def test_kinds(tmp_path: Path, name: str, text: str, kind: Kind | None) -> None:
+    file = tmp_path / name
+    file.write_text(text, encoding="utf-8")
+    assert kind_of(file) is kind
+
+
+def test_a_folder_is_searched_but_not_what_was_built(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        {
+            "src/mine/package.xml": "<package><name>own</name></package>",
+            "src/mine/a.launch": "<launch/>",
+            "src/mine/README.md": "text",
+            "src/off/CATKIN_IGNORE": "",
+            "src/off/b.launch": "<launch/>",
+            "build/c.launch": "<launch/>",
+            ".git/d.launch": "<launch/>",
+        },
+    )
+    found = collect([tmp_path, tmp_path / "src"])
+    assert [item.path.name for item in found.files] == ["a.launch", "package.xml"]
+    assert found.packages == {"own": tmp_path / "src" / "mine"}
+
+
+def test_what_is_named_must_be_readable(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(ConfigError, match="No such file"):
+        collect([tmp_path / "a.launch"])
+    write(tmp_path, {"a.py": "", "large.launch": "<launch/>"})
+    with pytest.raises(ConfigError, match=r"a\.py' is of no kind"):
+        collect([tmp_path / "a.py"])
+    monkeypatch.setattr(sources, "LARGEST", 3)
+    with pytest.raises(ConfigError, match="larger than 3 bytes"):
+        collect([tmp_path / "large.launch"])
+    ((path, why),) = collect([tmp_path]).skipped
+    assert (path.name, why) == ("large.launch", "is larger than 3 bytes")
