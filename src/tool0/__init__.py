@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from tool0.control.goal import GoalResult, GoalStatus, GripperResult
     from tool0.control.trajectory import TrajectoryPoint
     from tool0.errors import GoalRejectedError, Tool0Error
-    from tool0.runtime.bringup import bringup
-    from tool0.runtime.robot import Robot
+    from tool0.api.bringup import bringup
+    from tool0.api.robot import Robot
 
 __all__ = [
     "GoalRejectedError",
@@ -31,10 +31,10 @@ _HOMES = {
     "GoalResult": "tool0.control.goal",
     "GoalStatus": "tool0.control.goal",
     "GripperResult": "tool0.control.goal",
-    "Robot": "tool0.runtime.robot",
+    "Robot": "tool0.api.robot",
     "Tool0Error": "tool0.errors",
     "TrajectoryPoint": "tool0.control.trajectory",
-    "bringup": "tool0.runtime.bringup",
+    "bringup": "tool0.api.bringup",
 }
 
 

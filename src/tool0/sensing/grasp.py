@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, final
 
 from tool0.description.model import ParallelGripper
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 GripperMotion = Literal[
     "moving", "at_target", "holding_inside", "holding_outside", "idle"

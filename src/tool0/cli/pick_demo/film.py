@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, final
 
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from tool0.runtime.robot import Robot

@@ -17,7 +17,7 @@ from tool0.cli.pick_demo.report import DemoReport, PickReport
 from tool0.cli.pick_demo.witness import Witness
 from tool0.description.kinematics import to_transform
 from tool0.description.model import Pose
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from tool0.runtime.robot import Robot

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, final
 from tool0.description.kinematics import Transform, transforms
 from tool0.description.model import Vector3
 from tool0.errors import ControlError, EngineError
-from tool0.runtime.bus import SNAPSHOT_PERIOD, Snapshot
+from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 from tool0.runtime.scene import object_pose
 from tool0.sensing.pads import pad_links
 

@@ -11,7 +11,7 @@ from tool0.interfaces.panel.source import Happening
 from tool0.runtime.bus import Event, Faulted, GoalFinished, Overran, WasReset
 
 if TYPE_CHECKING:
-    from tool0.runtime.bus import Snapshot
+    from tool0.sensing.snapshot import Snapshot
     from tool0.runtime.robot import Robot
 
 MOST_AT_ONCE: Final = 20

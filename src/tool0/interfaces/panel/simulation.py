@@ -20,7 +20,7 @@ from tool0.sensing.grasp import GraspDetector
 
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
-    from tool0.runtime.bus import Snapshot
+    from tool0.sensing.snapshot import Snapshot
     from tool0.runtime.gripper import Gripper
     from tool0.runtime.robot import Robot
 

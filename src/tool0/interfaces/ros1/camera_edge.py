@@ -13,7 +13,7 @@ from tool0.description.camera import Camera
 from tool0.errors import Tool0Error
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.node import RosNode, Worker
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.robot import Robot
 from tool0.sensing.cameras import CameraHandle, CameraImage
 

@@ -23,7 +23,8 @@ from tool0.interfaces.ros1.options import Ros1Options
 from tool0.interfaces.ros1.parameters import upload
 from tool0.interfaces.ros1.rosout import forward_to_rosout
 from tool0.interfaces.ros1.transforms import transforms_of
-from tool0.runtime.bus import Snapshot, WasReset
+from tool0.runtime.bus import WasReset
+from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.robot import Robot
 
 logger = logging.getLogger(__name__)

@@ -12,7 +12,7 @@ from tool0.description.motion import FrameMotion, from_quaternion, link_motions
 from tool0.description.rigid_model import RigidModel
 from tool0.description.scene import SceneObject
 from tool0.errors import ControlError
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.robot import Robot
 
 ROBOT = "robot"
