@@ -17,7 +17,7 @@ from tool0.description.scene import (
     STILL_RGBA,
     SceneObject,
 )
-from tool0.errors import ControlError, nearest_name
+from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.engine import ObjectState
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Snapshot
@@ -179,5 +179,5 @@ def object_pose(snapshot: Snapshot, name: str) -> Transform:
 
 def _unknown(name: str, names: list[str]) -> ControlError:
     return ControlError(
-        f"there is no object '{name}' in the scene{nearest_name(name, names)}"
+        f"there is no object '{name}' in the scene{did_you_mean(name, names)}"
     )
