@@ -14,7 +14,7 @@ from tool0.api.gripper import Gripper
 from tool0.api.scene import SceneHandle
 from tool0.api.sensors import CameraHandle, ForceTorque
 from tool0.control.controller_types import TYPES
-from tool0.errors import ControlError, RenderError, nearest_name
+from tool0.errors import ControlError, RenderError, did_you_mean
 from tool0.requests.arm import ListArms
 from tool0.requests.controllers import (
     ListControllers,
@@ -169,7 +169,7 @@ class Robot:
         names = [status.name for status in self.controllers()]
         if name not in names:
             raise ControlError(
-                f"no controller '{name}' is loaded{nearest_name(name, names)}"
+                f"no controller '{name}' is loaded{did_you_mean(name, names)}"
             )
         return ControllerHandle(name, self.channel)
 
@@ -322,7 +322,7 @@ class Robot:
     def camera(self, name: str) -> CameraHandle:
         """Return a camera, or raise RenderError; ``image()`` of it takes a picture."""
         if name not in self.cameras:
-            hint = nearest_name(name, list(self.cameras))
+            hint = did_you_mean(name, list(self.cameras))
             raise RenderError(f"no camera '{name}'{hint}")
         return self.cameras[name]
 

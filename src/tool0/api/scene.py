@@ -12,7 +12,7 @@ from tool0.description.mesh_files import mesh
 from tool0.description.model import Geometry
 from tool0.description.motion import from_quaternion
 from tool0.description.scene import DEFAULT_FRICTION, RGBA, SceneObject
-from tool0.errors import ControlError, nearest_name
+from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.engine import ObjectState
 from tool0.requests.objects import AddObject, PlaceObject, RemoveObject, shape_of
 from tool0.sensing.snapshot import Snapshot
@@ -174,5 +174,5 @@ def object_pose(snapshot: Snapshot, name: str) -> Transform:
 
 def _unknown(name: str, names: list[str]) -> ControlError:
     return ControlError(
-        f"there is no object '{name}' in the scene{nearest_name(name, names)}"
+        f"there is no object '{name}' in the scene{did_you_mean(name, names)}"
     )

@@ -23,7 +23,7 @@ from tool0.errors import (
     RequestError,
     Tool0Error,
     TransportError,
-    nearest_name,
+    did_you_mean,
 )
 from tool0.hardware.engine import ObjectState
 from tool0.requests.objects import ObjectInfo, info_of, object_of
@@ -314,7 +314,7 @@ def decode_request(text: bytes | str) -> tuple[int | str | None, Request[Any]]:
     method = envelope.method
     entry = entries().get(method)
     if entry is None or entry.is_local:
-        near = nearest_name(method[:_SHOWN], set(entries()))
+        near = did_you_mean(method[:_SHOWN], set(entries()))
         problem = f"unknown method '{method[:_SHOWN]}'{near}"
         raise RequestReadError(envelope.id, TransportError(problem))
     try:
@@ -382,6 +382,6 @@ def _explained(entry: Entry, params: Raw, error: Exception) -> Tool0Error:
     valid = set(entry.request.__struct_fields__)
     for field in given if isinstance(given, dict) else ():
         if field not in valid:
-            near = nearest_name(field[:_SHOWN], valid)
+            near = did_you_mean(field[:_SHOWN], valid)
             return RequestError(entry.name, f"no field '{field[:_SHOWN]}'{near}")
     return RequestError(entry.name, str(error))

@@ -11,7 +11,7 @@ from tool0.description.camera import Camera
 from tool0.description.catalogue import RobotDescription
 from tool0.description.finding import Finding
 from tool0.description.model import JointLimits, ParallelGripper
-from tool0.errors import ControlError, nearest_name
+from tool0.errors import ControlError, did_you_mean
 from tool0.runtime.bus import Bus, Subscription
 from tool0.runtime.core import Core
 from tool0.runtime.goals import GoalRegistry
@@ -134,7 +134,7 @@ class Simulation:
                 )
             return next(iter(grippers.values()))
         if name not in grippers:
-            hint = nearest_name(name, set(grippers))
+            hint = did_you_mean(name, set(grippers))
             raise ControlError(f"unknown gripper '{name}'{hint}")
         return grippers[name]
 
@@ -152,7 +152,7 @@ class Simulation:
         arms = self.arms
         if name is not None:
             if name not in arms:
-                raise ControlError(f"no arm '{name}'{nearest_name(name, set(arms))}")
+                raise ControlError(f"no arm '{name}'{did_you_mean(name, set(arms))}")
             return arms[name]
         if len(arms) == 1:
             return next(iter(arms.values()))

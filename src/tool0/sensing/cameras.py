@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, final
 from tool0.description.camera import Camera
 from tool0.description.kinematics import Transform
 from tool0.description.model import RobotModel
-from tool0.errors import RenderError, nearest_name
+from tool0.errors import RenderError, did_you_mean
 from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ class Cameras(Mapping[str, Camera]):
     def __getitem__(self, name: str) -> Camera:
         """Return a camera, or raise RenderError."""
         if name not in self._cameras:
-            hint = nearest_name(name, list(self._cameras))
+            hint = did_you_mean(name, list(self._cameras))
             raise RenderError(f"no camera '{name}'{hint}")
         return self._cameras[name]
 
