@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from tool0.control.trajectory import TrajectoryPoint
     from tool0.errors import GoalRejectedError, Tool0Error
     from tool0.api.bringup import bringup
+    from tool0.api.connect import connect
     from tool0.api.robot import Robot
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "Tool0Error",
     "TrajectoryPoint",
     "bringup",
+    "connect",
 ]
 
 _HOMES = {
@@ -35,6 +37,7 @@ _HOMES = {
     "Tool0Error": "tool0.errors",
     "TrajectoryPoint": "tool0.control.trajectory",
     "bringup": "tool0.api.bringup",
+    "connect": "tool0.api.connect",
 }
 
 

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol, TypeVar, final
 
-from tool0.control.goal import Goal, GoalStatus, Result
+from tool0.control.goal import Goal
 from tool0.errors import ControlError
 from tool0.requests.motion import GoalStarted
 from tool0.requests.table import Request, answer, checked
@@ -23,22 +23,6 @@ R = TypeVar("R")
 
 POLL_PERIOD = 0.05
 """Longest wall time between checks whether the simulation still runs [s]."""
-
-
-class GoalProgress(Protocol):
-    """A goal as its handle follows it."""
-
-    @property
-    def controller(self) -> str: ...
-
-    @property
-    def status(self) -> GoalStatus: ...
-
-    @property
-    def result(self) -> Result | None: ...
-
-    def wait(self, timeout: float | None) -> bool:
-        """Block for at most ``timeout`` wall seconds; return whether it ended."""
 
 
 class Channel(Protocol):
@@ -58,13 +42,8 @@ class Channel(Protocol):
     def call(self, request: Request[R]) -> R:
         """Return the response, or raise what the handler raised."""
 
-    def goal(self, started: GoalStarted) -> GoalProgress:
+    def goal(self, started: GoalStarted) -> Goal:
         """Return a goal that a request of this channel has just started."""
-
-    def when_finished(
-        self, goal: GoalProgress, callback: Callable[[GoalProgress], None]
-    ) -> None:
-        """Call ``callback`` once when the goal ends, or now if it has ended."""
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
         """Let time pass until ``is_over()``; return whether it was in time.
@@ -80,7 +59,7 @@ class Channel(Protocol):
             TransportError: If the other process has ended.
         """
 
-    def wait_for_goal(self, goal: GoalProgress, timeout: float | None) -> bool:
+    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
         """Let time pass until ``goal`` ends, as ``wait_until`` does."""
 
     def subscribe(self, rate: float | None = None) -> Subscription:
@@ -120,12 +99,6 @@ class LocalChannel:
     def goal(self, started: GoalStarted) -> Goal:
         return self.simulation.goals.find(started.goal)
 
-    def when_finished(
-        self, goal: GoalProgress, callback: Callable[[GoalProgress], None]
-    ) -> None:
-        if isinstance(goal, Goal):
-            goal.when_finished(callback)
-
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
         loop, bus = self._loop, self.simulation.bus
         limit = math.inf if timeout is None else timeout
@@ -147,7 +120,7 @@ class LocalChannel:
                 loop.run(max(loop.control_period, min(SNAPSHOT_PERIOD, left)))
         return True
 
-    def wait_for_goal(self, goal: GoalProgress, timeout: float | None) -> bool:
+    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
         if goal.result is not None:
             return True
         limit = math.inf if timeout is None else timeout

@@ -75,7 +75,7 @@ class GoalHandle:
 
         It runs in a thread of the simulation, which waits for it: keep it short.
         """
-        self._channel.when_finished(self._goal, lambda _: callback(self))
+        self._goal.when_finished(lambda _: callback(self))
 
     def __repr__(self) -> str:
         return f"GoalHandle({self.controller!r}, {self.status!r})"

@@ -147,6 +147,7 @@ _MODULES = (
     "poses",
     "sensors",
     "state",
+    "streams",
     "time",
 )
 

@@ -138,6 +138,10 @@ class Bus:
         return subscription
 
     @property
+    def has_subscribers(self) -> bool:
+        return bool(self._subscriptions)
+
+    @property
     def shortest_period(self) -> float:
         """The shortest snapshot period that a subscriber asks for [s]."""
         periods = (subscription.period for subscription in self._subscriptions)

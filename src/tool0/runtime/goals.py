@@ -33,6 +33,12 @@ class GoalRegistry:
                     del self._goals[oldest]
             return self._last
 
+    def number(self, goal: Goal) -> int | None:
+        """Return a goal's number; None if no request started it, or it is old."""
+        with self._lock:
+            found = (number for number, item in self._goals.items() if item is goal)
+            return next(found, None)
+
     def find(self, number: int) -> Goal:
         """Return the goal, or raise ControlError if there is none or it is old."""
         with self._lock:
