@@ -109,12 +109,7 @@ class SocketChannel:
         )
         self._reader.start()
         try:
-            self.hello = self._awaited(self._hello, ANSWER_TIMEOUT, "hello")
-            if self.hello.protocol != PROTOCOL:
-                raise TransportError(
-                    f"this bring-up speaks protocol {self.hello.protocol}, the client "
-                    f"{PROTOCOL}; run both from the same version of tool0"
-                )
+            self.hello = self._greeted()
         except BaseException:
             self.close()
             raise
@@ -208,6 +203,15 @@ class SocketChannel:
             self._reader.join()
         self._peer.close()
 
+    def _greeted(self) -> Hello:
+        hello = self._awaited(self._hello, ANSWER_TIMEOUT, "hello")
+        if hello.protocol != PROTOCOL:
+            raise TransportError(
+                f"this bring-up speaks protocol {hello.protocol}, the client "
+                f"{PROTOCOL}; run both from the same version of tool0"
+            )
+        return hello
+
     def _unsubscribe(self) -> None:
         if not self._bus.has_subscribers and self._failure is None:
             self.call(Unsubscribe())
@@ -283,7 +287,8 @@ class SocketChannel:
         with self._lock:
             self._failure = self._failure or failure
             pending, self._pending = list(self._pending.values()), {}
-        for future in (*pending, self._hello):
+        futures: list[Future[Any]] = [*pending, self._hello]
+        for future in futures:
             if not future.done():
                 future.set_exception(failure)
 

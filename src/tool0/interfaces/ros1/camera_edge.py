@@ -13,9 +13,9 @@ from tool0.description.camera import Camera
 from tool0.errors import Tool0Error
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.node import RosNode, Worker
-from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.robot import Robot
 from tool0.sensing.cameras import CameraHandle, CameraImage
+from tool0.sensing.snapshot import Snapshot
 
 
 def frame_of(camera: Camera, node: RosNode, robot: Robot) -> str:

@@ -24,8 +24,8 @@ from tool0.interfaces.ros1.parameters import upload
 from tool0.interfaces.ros1.rosout import forward_to_rosout
 from tool0.interfaces.ros1.transforms import transforms_of
 from tool0.runtime.bus import WasReset
-from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.robot import Robot
+from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 

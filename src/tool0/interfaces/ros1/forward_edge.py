@@ -6,8 +6,8 @@ from typing import final
 
 from tool0.control.forward_command import ForwardCommandSpec
 from tool0.interfaces.ros1.node import RosNode
-from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.handles import ControllerHandle
+from tool0.sensing.snapshot import Snapshot
 
 
 @final

@@ -10,8 +10,8 @@ from tool0.errors import Tool0Error
 from tool0.interfaces.ros1.actions import ActionEdge
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.node import RosNode
-from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.handles import ControllerHandle, GoalHandle
+from tool0.sensing.snapshot import Snapshot
 
 
 @final

@@ -12,8 +12,8 @@ from tool0.errors import ControlError, GoalRejectedError, Tool0Error
 from tool0.interfaces.ros1.actions import ActionEdge
 from tool0.interfaces.ros1.conversions import Message, Trajectories
 from tool0.interfaces.ros1.node import RosNode
-from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.handles import ControllerHandle
+from tool0.sensing.snapshot import Snapshot
 
 
 @final

@@ -14,8 +14,8 @@ from tool0.installation.ros1.child import Child
 from tool0.installation.ros1.packages import find_node
 from tool0.interfaces.ros1.camera_edge import camera_transforms
 from tool0.interfaces.ros1.node import Part, RosNode
-from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.robot import Robot
+from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 

@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any, Final, final
 
 from tool0.control.goal import Goal
-from tool0.errors import Tool0Error
+from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.server.backend import Backend
 from tool0.interfaces.server.session import Ident, Session, Transport, is_urgent
 from tool0.interfaces.server.setpoint_streams import SetpointStreams, StreamedSetpoint
@@ -136,14 +136,14 @@ class Hub:
         ident: Ident,
         request: Subscribe | Unsubscribe | SubscribeView,
     ) -> None:
-        try:
-            if isinstance(request, SubscribeView):
-                if self.attach_view is None:
-                    raise Tool0Error("this bring-up has no panel (--headless)")
-            elif self._snapshots is None:
-                raise Tool0Error("a robot without physics has no snapshots")
-        except Tool0Error as error:
-            session.tell(encode_error(ident, error))
+        refusal = None
+        if isinstance(request, SubscribeView):
+            if self.attach_view is None:
+                refusal = "this bring-up has no panel (--headless)"
+        elif self._snapshots is None:
+            refusal = "a robot without physics has no snapshots"
+        if refusal is not None:
+            session.tell(encode_error(ident, ControlError(refusal)))
             return
         session.tell(encode_reply(ident, request, None))
         if isinstance(request, SubscribeView):

@@ -12,8 +12,8 @@ from tool0.description.motion import FrameMotion, from_quaternion, link_motions
 from tool0.description.rigid_model import RigidModel
 from tool0.description.scene import SceneObject
 from tool0.errors import ControlError
-from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.robot import Robot
+from tool0.sensing.snapshot import Snapshot
 
 ROBOT = "robot"
 """What the launch files of ur_gazebo call the robot's model."""

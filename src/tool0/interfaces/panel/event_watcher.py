@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Final, final
 
 from tool0.control.goal import Goal, GoalResult, GoalStatus, GripperResult
 from tool0.interfaces.panel.protocol import NoticeCode, Severity
-from tool0.interfaces.panel.source import Happening
+from tool0.interfaces.panel.source import Notification
 from tool0.runtime.bus import Event, Faulted, GoalFinished, Overran, WasReset
 
 if TYPE_CHECKING:
+    from tool0.runtime.simulation import Simulation
     from tool0.sensing.snapshot import Snapshot
-    from tool0.runtime.robot import Robot
 
-MOST_AT_ONCE: Final = 20
-"""Happenings that are told one by one; a script can end thousands of goals a second."""
-_GRAVITY: Final[dict[Severity, int]] = {"info": 0, "warning": 1, "error": 2}
+MAX_AT_ONCE: Final = 20
+"""Notifications that are shown one by one: a script can end thousands of goals."""
+_SEVERITY_ORDER: Final[dict[Severity, int]] = {"info": 0, "warning": 1, "error": 2}
 _GOAL_CODES: Final[dict[GoalStatus, tuple[Severity, NoticeCode]]] = {
     GoalStatus.SUCCEEDED: ("info", "goal_succeeded"),
     GoalStatus.PREEMPTED: ("info", "goal_preempted"),
@@ -25,32 +25,32 @@ _GOAL_CODES: Final[dict[GoalStatus, tuple[Severity, NoticeCode]]] = {
 
 
 @final
-class Watcher:
+class EventWatcher:
     """Notices what happened between two looks."""
 
-    def __init__(self, robot: Robot) -> None:
-        self._robot = robot
-        self._subscription = robot.subscribe()
-        self._before = robot.snapshot
-        self._told: set[str] = set()
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._subscription = simulation.subscribe()
+        self._before = simulation.snapshot
+        self._reported: set[str] = set()
         self._waiting = [
-            Happening(severity="warning", code="lint", text=str(warning))
-            for warning in robot.warnings
+            Notification(severity="warning", code="lint", text=str(warning))
+            for warning in simulation.warnings
         ]
 
-    def tell_once(self, severity: Severity, code: NoticeCode, text: str) -> None:
+    def report_once(self, severity: Severity, code: NoticeCode, text: str) -> None:
         """Tell it at the next look, unless the same was told before."""
-        if text not in self._told:
-            self._told.add(text)
-            self._waiting.append(Happening(severity=severity, code=code, text=text))
+        if text not in self._reported:
+            self._reported.add(text)
+            self._waiting.append(Notification(severity=severity, code=code, text=text))
 
-    def happenings(self) -> Sequence[Happening]:
+    def notifications(self) -> Sequence[Notification]:
         """Return what happened since the last call."""
         found, self._waiting = self._waiting, []
-        snapshot = self._robot.snapshot
+        snapshot = self._simulation.snapshot
         events = self._subscription.events
         while events:
-            found.append(_in_words(events.popleft(), snapshot.time))
+            found.append(_described(events.popleft(), snapshot.time))
         if snapshot is not self._before:
             found += _changes(self._before, snapshot)
             self._before = snapshot
@@ -60,33 +60,35 @@ class Watcher:
         self._subscription.close()
 
 
-def _shortened(found: list[Happening]) -> list[Happening]:
-    """Return at most MOST_AT_ONCE, the grave ones rather than the others."""
-    if len(found) <= MOST_AT_ONCE:
+def _shortened(found: list[Notification]) -> list[Notification]:
+    """Return at most MAX_AT_ONCE, the grave ones rather than the others."""
+    if len(found) <= MAX_AT_ONCE:
         return found
-    by_gravity = sorted(found, key=lambda item: -_GRAVITY[item.severity])
-    kept = {id(item) for item in by_gravity[:MOST_AT_ONCE]}
-    text = f"… and {len(found) - MOST_AT_ONCE} more"
-    more = Happening(severity="info", code="log", text=text, time=found[-1].time)
+    by_severity = sorted(found, key=lambda item: -_SEVERITY_ORDER[item.severity])
+    kept = {id(item) for item in by_severity[:MAX_AT_ONCE]}
+    text = f"… and {len(found) - MAX_AT_ONCE} more"
+    more = Notification(severity="info", code="log", text=text, time=found[-1].time)
     return [*(item for item in found if id(item) in kept), more]
 
 
-def _in_words(event: Event, now: float) -> Happening:
+def _described(event: Event, now: float) -> Notification:
     match event:
         case GoalFinished(goal):
             severity, code = _GOAL_CODES[goal.status]
-            return Happening(
+            return Notification(
                 severity=severity, code=code, text=_outcome(goal), time=now
             )
         case Overran(count, time):
             ticks = "1 tick" if count == 1 else f"{count} ticks"
             text = f"{ticks} began late within a second"
-            return Happening(severity="warning", code="overrun", text=text, time=time)
+            return Notification(
+                severity="warning", code="overrun", text=text, time=time
+            )
         case Faulted(message, time):
-            return Happening(severity="error", code="fault", text=message, time=time)
+            return Notification(severity="error", code="fault", text=message, time=time)
         case WasReset(time):
             text = "the simulation was reset"
-            return Happening(severity="info", code="reset", text=text, time=time)
+            return Notification(severity="info", code="reset", text=text, time=time)
 
 
 def _outcome(goal: Goal) -> str:
@@ -99,11 +101,11 @@ def _outcome(goal: Goal) -> str:
     return text
 
 
-def _changes(before: Snapshot, now: Snapshot) -> list[Happening]:
+def _changes(before: Snapshot, now: Snapshot) -> list[Notification]:
     found = []
     if now.is_stopped != before.is_stopped:
         found.append(
-            Happening(
+            Notification(
                 severity="warning" if now.is_stopped else "info",
                 code="emergency_stop",
                 text=f"emergency stop {'engaged' if now.is_stopped else 'released'}",
@@ -121,6 +123,8 @@ def _changes(before: Snapshot, now: Snapshot) -> list[Happening]:
         if changed:
             text = ", ".join(changed)
             found.append(
-                Happening(severity="info", code="controllers", text=text, time=now.time)
+                Notification(
+                    severity="info", code="controllers", text=text, time=now.time
+                )
             )
     return found
