@@ -24,7 +24,7 @@ POLL_PERIOD: Final = 0.004
 
 
 @final
-class _Reader:
+class _RateStream:
     """One rate's subscription and its sessions."""
 
     def __init__(self, subscription: Subscription, rate: float) -> None:
@@ -63,7 +63,7 @@ class SnapshotStreams:
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._readers: dict[float, _Reader] = {}
+        self._readers: dict[float, _RateStream] = {}
         self._task: asyncio.Task[None] | None = None
 
     def add(self, session: Session, rate: float) -> None:
@@ -72,7 +72,7 @@ class SnapshotStreams:
             subscription = self._simulation.bus.subscribe(
                 1.0 / rate, self._simulation.update_snapshot_period
             )
-            self._readers[rate] = _Reader(subscription, rate)
+            self._readers[rate] = _RateStream(subscription, rate)
             self._in_background(self._simulation.update_snapshot_period)
         self._readers[rate].sessions[session] = False
         if self._task is None:
@@ -107,7 +107,7 @@ class SnapshotStreams:
             await asyncio.sleep(POLL_PERIOD)
         self._task = None
 
-    def _send_new(self, reader: _Reader) -> None:
+    def _send_new(self, reader: _RateStream) -> None:
         for snapshot in reader.subscription.pending():
             reader.send(snapshot)
         events = reader.subscription.events
