@@ -3,7 +3,7 @@ import { effect, signal } from "@preact/signals";
 import type { Signal } from "@preact/signals";
 import { connection } from "./connection";
 import { frames } from "./frames";
-import type { ControllerInfo, Problem, Status } from "./protocol";
+import type { ControllerInfo, ErrorInfo, Status } from "./protocol";
 import { connectionState, jointIndex, status } from "./store";
 
 /** Why driving ended without being asked to. */
@@ -88,19 +88,19 @@ export function adopt(positions: Readonly<Record<string, number>>): void {
 }
 
 /** Stop the controller where it is. */
-export function holdStill(): Promise<Problem | null> {
+export function holdStill(): Promise<ErrorInfo | null> {
   const controller = controllerOf(status.value);
   if (!controller) return Promise.resolve(null);
   connection.dropStreams();
   settlesUntil = performance.now() + SETTLES_WITHIN_MS;
-  return connection.request({ type: "hold_still", controller: controller.name });
+  return connection.request("command_trajectory", { controller: controller.name });
 }
 
 function sendGoals(): void {
   const controller = chosenController.value;
   if (controller === null) return;
   const positions = Object.fromEntries(wanted());
-  connection.stream({ type: "steer", controller, positions, speed: speedScale.value });
+  connection.stream("steer_joints", { controller, positions, speed: speedScale.value });
   expect(positions);
 }
 

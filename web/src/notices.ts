@@ -73,7 +73,7 @@ function keep(notice: Notice): void {
 }
 
 /** Tell something that this page found out itself; its number in the log is 0. */
-export function tell(severity: Severity, text: string): void {
+export function report(severity: Severity, text: string): void {
   keep({
     type: "notice",
     number: 0,
@@ -99,13 +99,13 @@ function isLoud(notice: Notice): boolean {
 }
 
 /** Tell what the server said; what merely went well is in the log only. */
-export function tellNotice(notice: Notice): void {
+export function showNotice(notice: Notice): void {
   keep(notice);
   if (isLoud(notice)) show(notice.severity, notice.text);
 }
 
 /** Begin with what the server remembers, and say it in one sentence. */
-export function forgetNotices(known: readonly Notice[]): void {
+export function replaceNotices(known: readonly Notice[]): void {
   for (const toast of toasts.value) dismiss(toast.key);
   notices.value = known;
   const count = known.filter(isLoud).length;

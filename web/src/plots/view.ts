@@ -77,7 +77,7 @@ export class View {
     const setup = { ...this.setup, frozen: this.setup.frozen !== null };
     return new Chart(this.host, setup, (index) => {
       this.cursor = index;
-      this.tell();
+      this.report();
     });
   }
 
@@ -93,11 +93,11 @@ export class View {
 
   private draw(): void {
     this.chart.update(this.setup.frozen ?? this.setup.recording);
-    this.tell();
+    this.report();
   }
 
   /** Write the values under the cursor, or the newest, beside the names. */
-  private tell(): void {
+  private report(): void {
     const { lines } = this.setup;
     const values = this.chart.valuesAt(this.cursor ?? this.chart.length - 1);
     const told: string[] = [];
