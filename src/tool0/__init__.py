@@ -9,12 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from tool0.control.goal import GoalResult, GoalStatus, GripperResult
-    from tool0.control.trajectory import TrajectoryPoint
-    from tool0.errors import GoalRejectedError, Tool0Error
     from tool0.api.bringup import bringup
     from tool0.api.connect import connect
     from tool0.api.robot import Robot
+    from tool0.control.goal import GoalResult, GoalStatus, GripperResult
+    from tool0.control.trajectory import TrajectoryPoint
+    from tool0.errors import GoalRejectedError, Tool0Error
 
 __all__ = [
     "GoalRejectedError",

@@ -99,7 +99,6 @@ class MoveTo(Request[GoalStarted], frozen=True):
     The tool's path is a curve; the nearest posture is taken.
     """
 
-    supersedes_streams = True
     unchecked = ("pose", "tool")
 
     pose: AnyPose
@@ -119,7 +118,6 @@ class MoveLinear(Request[GoalStarted], frozen=True):
     velocity or acceleration.  The whole line is checked before anything moves.
     """
 
-    supersedes_streams = True
     unchecked = ("pose", "tool")
 
     pose: AnyPose

@@ -31,8 +31,6 @@ class Grip(Request[GoalStarted], frozen=True):
     another goal moves its joint.
     """
 
-    supersedes_streams = True
-
     gripper: Name | None = None
     """The robot's only one, if left out."""
     opening: float | None = None

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from msgspec import Struct, field
+from typing import Annotated
+
+from msgspec import Meta, Struct, field
 
 from tool0.control.goal import Goal, GoalStatus
 from tool0.control.tolerances import ToleranceOverride
@@ -72,10 +74,11 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
     where they are going.
     """
 
-    supersedes_streams = True
-
     positions: JointPositions
     speed: SpeedScale = 0.5
+    duration: Annotated[float, Meta(gt=0.0)] | None = None
+    """Instead of a speed: how long the motion of one controller takes [s].  It is a
+    cubic, and the controller's other joints keep their setpoints."""
     controller: Name | None = None
     """The controller whose joints they are; those that claim them, if left out."""
 
@@ -112,8 +115,6 @@ class CommandJoints(Request[None], frozen=True):
 
 class CancelGoal(Request[None], frozen=True):
     """Stop a goal's motion as ROS does: ramp down; the goal is PREEMPTED."""
-
-    supersedes_streams = True
 
     goal: int
 
@@ -166,7 +167,14 @@ def _command(simulation: Simulation, request: CommandTrajectory) -> None:
 @handles(MoveJoints)
 def _move(simulation: Simulation, request: MoveJoints) -> tuple[GoalStarted, ...]:
     import_planner()  # slow the first time: not in the thread of the tick
-    core = simulation.core
+    core, duration = simulation.core, request.duration
+    if duration is not None:
+        goal = simulation.loop.call(
+            lambda: core.move_joints_within(
+                request.positions, duration, request.controller
+            )
+        )
+        return (started(simulation, goal),)
     goals = simulation.loop.call(
         lambda: core.move_joints(request.positions, request.speed, request.controller)
     )

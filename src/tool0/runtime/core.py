@@ -11,10 +11,10 @@ from tool0.control.goal import Goal
 from tool0.control.gripper_action import GripperActionController
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
-from tool0.control.trajectory import TrajectoryGoal
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
-from tool0.errors import ConfigError, ControlError
+from tool0.errors import ConfigError, ControlError, did_you_mean
 from tool0.hardware.drive_bounds import DriveBounds
 from tool0.hardware.engine import Engine
 from tool0.hardware.joint_state import JointState
@@ -147,6 +147,44 @@ class Core:
             self._started(trajectory.follow_plan(plan, self.time))
             for trajectory, plan in planned
         )
+
+    def move_joints_within(
+        self, positions: Mapping[str, float], duration: float, controller: str | None
+    ) -> Goal:
+        """Start a motion of one controller that takes ``duration`` simulated seconds.
+
+        It is a cubic that ends at rest; the controller's other joints keep their
+        setpoints.
+
+        Args:
+            positions: Joint → target [rad | m].
+            duration: [s]
+            controller: The controller of the joints; None for the one that claims them.
+        """
+        name = controller
+        if name is None:
+            moves = joints_by_controller(self.manager, positions)
+            if len(moves) != 1:
+                raise ControlError(
+                    f"no single controller claims {', '.join(positions)}; "
+                    "move them one after another"
+                )
+            name = next(iter(moves))
+        trajectory = self._drivable(name, JointTrajectoryController)
+        joints = trajectory.spec.joints
+        for joint in positions:
+            if joint not in joints:
+                raise ControlError(
+                    f"joint '{joint}' is not one of '{name}'"
+                    + did_you_mean(joint, joints)
+                )
+        held = trajectory.query_state(self.time).positions
+        point = TrajectoryPoint(
+            [positions.get(j, q) for j, q in zip(joints, held, strict=True)],
+            [0.0] * len(joints),
+            time_from_start=duration,
+        )
+        return self.follow(name, TrajectoryGoal(points=[point], joint_names=joints))
 
     def steer(
         self, controller: str, positions: Mapping[str, float], speed: float

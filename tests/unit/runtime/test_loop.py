@@ -17,7 +17,7 @@ from tool0.runtime.bus import Bus, Faulted, GoalFinished, Overran, WasReset
 from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.clock import SpeedMeter
 from tool0.runtime.core import Core
-from tool0.runtime.handles import GoalHandle
+from tool0.api.controller import GoalHandle
 from tool0.runtime.loop import Loop
 from tool0.runtime.mailbox import Mailbox
 

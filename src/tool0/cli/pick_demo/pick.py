@@ -13,7 +13,7 @@ from tool0.errors import ControlError, ModelError
 from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
-    from tool0.runtime.robot import Robot
+    from tool0.api.robot import Robot
 
 
 def pick_and_place(

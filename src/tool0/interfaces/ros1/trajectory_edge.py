@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, final
 
+from tool0.api.controller import ControllerHandle
 from tool0.control.goal import GoalResult, Result
 from tool0.control.joint_trajectory_spec import JointTrajectorySpec
 from tool0.control.publish_rate import PublishRate
@@ -12,7 +13,6 @@ from tool0.errors import ControlError, GoalRejectedError, Tool0Error
 from tool0.interfaces.ros1.actions import ActionEdge
 from tool0.interfaces.ros1.conversions import Message, Trajectories
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.handles import ControllerHandle
 from tool0.sensing.snapshot import Snapshot
 
 
