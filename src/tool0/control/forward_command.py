@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import enum
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-from tool0.control.intent import PositionIntent
-from tool0.control.joint_servo import JointServo, Quantity
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     Robot,
@@ -16,12 +15,21 @@ from tool0.control.parameters import (
     read_gains,
     single_joint,
 )
-from tool0.control.pid import Gains
-from tool0.description.model import Interface, Joint
+from tool0.control.pid import Gains, Pid
+from tool0.control.segment import shortest_turn
+from tool0.control.setpoint import PositionSetpoint
+from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ControlError
-from tool0.hardware.joint_state import JointState
-from tool0.hardware.pick import picker
+from tool0.hardware.joint_state import JointState, joint_selector
+
+
+class Quantity(enum.Enum):
+    """What a command to a joint prescribes."""
+
+    EFFORT = "effort"
+    POSITION = "position"
+    VELOCITY = "velocity"
 
 
 @final
@@ -69,7 +77,7 @@ class ForwardCommandController:
         self.spec = spec
         self._command: Sequence[float] = [0.0] * len(indices)
         self._was_commanded = False
-        self._pick = picker(indices)
+        self._select = joint_selector(indices)
         self._state = state
         self._servo: JointServo | None = None
         if spec.gains:
@@ -77,7 +85,7 @@ class ForwardCommandController:
                 spec.quantity, spec.joint_models, spec.gains, indices
             )
         if spec.quantity is Quantity.POSITION:
-            self._command = list(self._pick(state.position))
+            self._command = list(self._select(state.position))
             if self._servo is not None:
                 self._command = self._servo.within_limits(self._command)
 
@@ -115,16 +123,66 @@ class ForwardCommandController:
             command if self._servo is None else self._servo.within_limits(command)
         )
 
-    def intent(self) -> PositionIntent | None:
+    def setpoint(self) -> PositionSetpoint | None:
         """Return the positions that were commanded, if positions were."""
         if self.spec.quantity is not Quantity.POSITION or not self._was_commanded:
             return None
-        return PositionIntent(
-            self.spec.joint_models, tuple(self._command), self._pick, self._state
+        return PositionSetpoint(
+            self.spec.joint_models, tuple(self._command), self._select, self._state
         )
 
     def stop(self) -> None:
         """Do nothing: there is no goal to end."""
+
+
+@final
+class JointServo:
+    """Follow positions or velocities, with the rate from the last two errors.
+
+    The error of a continuous joint goes the shortest way round.  That of a revolute
+    joint is the plain difference: positions are continuous, and a way that leaves the
+    limits is none.
+    """
+
+    def __init__(
+        self,
+        quantity: Quantity,
+        joints: Sequence[Joint],
+        gains: Sequence[Gains],
+        indices: Sequence[int],
+    ) -> None:
+        self._follows_position = quantity is Quantity.POSITION
+        self._joints = tuple(joints)
+        self._pids = [Pid(item) for item in gains]
+        self._select = joint_selector(indices)
+
+    def within_limits(self, command: Sequence[float]) -> list[float]:
+        """Return the allowed command nearest to ``command``."""
+        if not self._follows_position:
+            return list(command)
+        return [
+            value if joint.type is JointType.CONTINUOUS else joint.limits.clamp(value)
+            for joint, value in zip(self._joints, command, strict=True)
+        ]
+
+    def update(
+        self, command: Sequence[float], state: JointState, period: float
+    ) -> list[float]:
+        """Return an output per joint."""
+        measured = self._select(
+            state.position if self._follows_position else state.velocity
+        )
+        return [
+            pid.update_from_error(self._error(joint, wanted, actual), period)
+            for pid, joint, wanted, actual in zip(
+                self._pids, self._joints, command, measured, strict=True
+            )
+        ]
+
+    def _error(self, joint: Joint, wanted: float, actual: float) -> float:
+        if self._follows_position and joint.type is JointType.CONTINUOUS:
+            return shortest_turn(actual, wanted)
+        return wanted - actual
 
 
 def parse(parameters: Namespace, robot: Robot) -> ForwardCommandSpec:

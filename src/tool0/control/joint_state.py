@@ -97,7 +97,7 @@ class JointStateController:
         """Return no command."""
         return ()
 
-    def intent(self) -> None:
+    def setpoint(self) -> None:
         """Return None: it wants nothing of the joints."""
 
     def stop(self) -> None:

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from typing import final
 
 from tool0.control.goal import Goal
-from tool0.control.intent import Intent
 from tool0.control.manager import ControllerStatus
+from tool0.control.setpoint import Setpoint
 from tool0.description.scene import SceneObject
 from tool0.hardware.engine import ObjectState
 
@@ -57,7 +57,7 @@ class Snapshot:
     speed: float | None = None
     """Simulated seconds per wall second that were asked for; None runs only when
     asked to, as fast as possible."""
-    intents: Mapping[str, Intent] = field(default_factory=dict)
+    setpoints: Mapping[str, Setpoint] = field(default_factory=dict)
     """What each running controller wants of its joints, of those that want anything."""
     scene: tuple[SceneObject, ...] = ()
     """What is around the robot: the same tuple until something comes or goes."""

@@ -11,7 +11,7 @@ from tool0.control.goal import Goal
 from tool0.control.manager import Strictness
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.scene import SceneObject
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.engine import ObjectState
 from tool0.sensing.force_torque_sensor import ForceTorqueSensor
 
@@ -45,7 +45,7 @@ class FollowTrajectory:
 
     controller: str
     goal: TrajectoryGoal
-    bounds: Mapping[str, DriveBounds] = field(default_factory=dict)
+    bounds: Mapping[str, DriveLimits] = field(default_factory=dict)
     """Joint → what bounds its drive until the joint's next goal."""
 
 
@@ -91,7 +91,7 @@ class CommandGripper:
     """[rad | m]"""
     max_effort: float | None = None
     """[N·m | N]; None takes the controller's own."""
-    bounds: DriveBounds | None = None
+    bounds: DriveLimits | None = None
     """What bounds the joint's drive until its next goal."""
 
 

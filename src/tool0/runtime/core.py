@@ -14,7 +14,7 @@ from tool0.control.manager import ControllerManager
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.engine import Engine
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
@@ -233,7 +233,7 @@ class Core:
         self,
         controller: str,
         joints: Collection[str] | None = None,
-        bounds: Mapping[str, DriveBounds | None] | None = None,
+        bounds: Mapping[str, DriveLimits | None] | None = None,
     ) -> None:
         """Bound the drives that a goal moves as it says, and lift what others said.
 
@@ -245,7 +245,7 @@ class Core:
         for _, claimed in self.manager.status(controller).claimed:
             for joint in claimed:
                 if joints is None or joint in joints:
-                    self.hardware.bind(joint, (bounds or {}).get(joint))
+                    self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))
 
     def _note_commanded(self, controller: str) -> None:
         for _, joints in self.manager.status(controller).claimed:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, final
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError, GoalTimeoutError
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.runtime.bus import SNAPSHOT_PERIOD
 from tool0.runtime.gripper_motion import opening_motion
 from tool0.sensing.grasp import GraspState, judge, wanted_openings
@@ -117,7 +117,7 @@ class Gripper:
         geometry, robot = self.geometry, self._robot
         target, joint = geometry.position(opening), geometry.joint
         speed = geometry.speed[1] if speed is None else speed
-        bounds = DriveBounds(
+        bounds = DriveLimits(
             gripper=geometry,
             speed=speed,
             force=geometry.force[1] if force is None and effort is None else force,

@@ -10,7 +10,7 @@ from tool0.control.goal import Goal, GoalStatus, Result
 from tool0.control.tolerances import ToleranceOverride
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint, TrajectoryState
 from tool0.errors import GoalTimeoutError
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.runtime import commands as ask
 from tool0.runtime.joint_motion import import_planner
 from tool0.runtime.loop import Loop
@@ -94,7 +94,7 @@ class ControllerHandle:
         path_tolerance: Mapping[str, ToleranceOverride] | None = None,
         goal_tolerance: Mapping[str, ToleranceOverride] | None = None,
         goal_time_tolerance: float | None = None,
-        bounds: Mapping[str, DriveBounds] | None = None,
+        bounds: Mapping[str, DriveLimits] | None = None,
     ) -> GoalHandle:
         """Send a trajectory as a goal; no points stop the motion.
 
@@ -177,7 +177,7 @@ class ControllerHandle:
         position: float,
         max_effort: float | None = None,
         *,
-        bounds: DriveBounds | None = None,
+        bounds: DriveLimits | None = None,
     ) -> GoalHandle:
         """Send a gripper goal, in joint units: [rad | m] and [N·m | N].
 

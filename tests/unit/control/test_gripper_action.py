@@ -6,7 +6,7 @@ from toy_robot import DT, ToyRobot
 from tool0.control.goal import GoalStatus
 from tool0.description.model import Interface, ParallelGripper
 from tool0.errors import GoalRejectedError
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 
 GRIPPER = """
 hand:
@@ -186,7 +186,7 @@ JAWS = ParallelGripper(
 def test_at_a_bounded_speed_an_integral_does_not_wind_up() -> None:
     gains = "{p: 400, d: 40, i: 100, i_clamp: 100}"
     robot, controller = hand(GRIPPER.replace("{p: 400, d: 40}", gains))
-    slow = DriveBounds(gripper=JAWS, speed=0.2)
+    slow = DriveLimits(gripper=JAWS, speed=0.2)
     goal = controller.command(0.5, None, robot.time, slow)
     start = robot.time
     while goal.result is None:
@@ -203,7 +203,7 @@ def test_at_a_bounded_speed_an_integral_does_not_wind_up() -> None:
 def test_a_firmer_squeeze_does_not_let_go_and_opening_does() -> None:
     robot, controller = hand()
     robot.blocked = {"hip"}
-    slow = DriveBounds(gripper=JAWS, speed=0.1)
+    slow = DriveLimits(gripper=JAWS, speed=0.1)
     controller.command(0.5, None, robot.time)
     robot.tick()
     assert robot.hardware.command[1] == 8.0

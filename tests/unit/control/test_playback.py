@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tool0.control.angles import shortest_turn, wrap_offset
+from tool0.control.segment import shortest_turn, wrap_offset
 from tool0.control.playback import (
     Playback,
     Track,

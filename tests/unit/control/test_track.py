@@ -148,7 +148,7 @@ class Pair:
         now = self.robots[0].time
         lazy, eager = self.controllers
         for ours, theirs in zip(
-            lazy.intent().tracks, eager.intent().tracks, strict=True
+            lazy.setpoint().tracks, eager.setpoint().tracks, strict=True
         ):
             assert not isinstance(theirs, LongTrack)
             assert rows(ours, lazy.active_goal) == rows(theirs, eager.active_goal)
@@ -161,7 +161,7 @@ class Pair:
         for time in times:
             later = max(time, now) + 1e-4
             assert lazy.query_state(later) == eager.query_state(later)
-        assert lazy.intent().target() == eager.intent().target()
+        assert lazy.setpoint().target() == eager.setpoint().target()
         assert lazy.state() == eager.state()
 
     def run(self, n_ticks: int) -> None:
@@ -224,14 +224,14 @@ def test_goals_that_start_later_keep_long_ways_before_them() -> None:
         assert pair.follow(request) == ""
         pair.compare()
         pair.run(10)
-    long = pair.controllers[0].intent().tracks[2]
+    long = pair.controllers[0].setpoint().tracks[2]
     assert isinstance(long, LongTrack)
     assert len(long.parts) == 4
     pair.run(700)
     pair.compare()
     assert pair.follow(plain(2, None)) == ""
     pair.compare()
-    tracks = pair.controllers[0].intent().tracks
+    tracks = pair.controllers[0].setpoint().tracks
     assert all(isinstance(track, tuple) for track in tracks), "and nothing is left"
 
 
@@ -251,7 +251,7 @@ def test_one_wrong_point_of_many_is_found(fault: str, victim: int) -> None:
 def test_a_long_track_is_a_sequence(index: int) -> None:
     pair = Pair()
     pair.follow(plain(2000, None))
-    long, short = (each.intent().tracks[0] for each in pair.controllers)
+    long, short = (each.setpoint().tracks[0] for each in pair.controllers)
     assert len(long) == len(short) == 2001
     assert row(long[index], None)[0] == row(short[index], None)[0]
     for end in (index + 1, index + 49, index + 300, -3):

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from tool0.description.catalogue import assemble
 from tool0.description.model import JointLimits, SafetyController
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.limits import (
     STOP_TOLERANCE,
@@ -68,12 +68,12 @@ def test_bounds_bind_and_are_lifted(armature: float) -> None:
         return efforts[0]
 
     for effort, expected in ((3.0, 3.0), (30.0, 10.0)):
-        limiter.bind(0, DriveBounds(gripper=GRIPPER, effort=effort))
+        limiter.bind(0, DriveLimits(gripper=GRIPPER, effort=effort))
         assert given() == expected
         assert list(limiter.bounds) == [0]
     limiter.bind(0, None)
     assert given() == 10.0
-    limiter.bind(0, DriveBounds(gripper=GRIPPER, effort=1.0))
+    limiter.bind(0, DriveLimits(gripper=GRIPPER, effort=1.0))
     limiter.restart()
     assert (given(), dict(limiter.bounds)) == (10.0, {})
 

@@ -9,7 +9,7 @@ import pytest
 
 from tool0.description.catalogue import assemble
 from tool0.description.model import JointLimits
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.regulated_drive import EASE, RegulatedDrive
 
 (GRIPPER,) = assemble("ur5", "2f85").model.grippers
@@ -44,7 +44,7 @@ def turn(
 
 def bounded(**settings: float) -> RegulatedDrive:
     drive = RegulatedDrive(HARD, armature=ARMATURE, dt=DT)
-    drive.bounds = DriveBounds(gripper=GRIPPER, **settings)
+    drive.bounds = DriveLimits(gripper=GRIPPER, **settings)
     return drive
 
 
@@ -86,7 +86,7 @@ def test_a_weaker_setting_is_reached_step_by_step(sign: float) -> None:
 
     for k in range(60):
         if k == 5:
-            drive.bounds = DriveBounds(gripper=GRIPPER, force=20.0)
+            drive.bounds = DriveLimits(gripper=GRIPPER, force=20.0)
         applied = press(sign * 26.8)
         efforts.append(sign * applied)
     firm, *eased = efforts[4:]
@@ -143,7 +143,7 @@ def test_without_settings_it_keeps_to_the_joint_s_limits() -> None:
 
 def test_without_a_rotor_s_inertia_it_lets_go_above_the_speed() -> None:
     drive = RegulatedDrive(HARD, armature=0.0, dt=DT)
-    drive.bounds = DriveBounds(gripper=GRIPPER, speed=0.1, force=50.0)
+    drive.bounds = DriveLimits(gripper=GRIPPER, speed=0.1, force=50.0)
     for velocity, wanted, expected in (
         (0.0, 20.0, 50.0 * LEVER),
         (1.1 * 0.1 / LEVER, 20.0, 0.0),

@@ -104,9 +104,9 @@ class SimulationSource:
             poses=self._poses(),
             targets={
                 joint: _rounded(target)
-                for intent in snapshot.intents.values()
+                for setpoint in snapshot.setpoints.values()
                 for joint, target in zip(
-                    intent.joint_names, intent.target(), strict=True
+                    setpoint.joint_names, setpoint.target(), strict=True
                 )
             },
         )
@@ -222,9 +222,9 @@ class SimulationSource:
 
 def _frame_of(snapshot: Snapshot, scene: int) -> Frame:
     desired: dict[str, float] = {}
-    for intent in snapshot.intents.values():
-        positions = intent.state().desired.positions
-        desired.update(zip(intent.joint_names, positions, strict=True))
+    for setpoint in snapshot.setpoints.values():
+        positions = setpoint.state().desired.positions
+        desired.update(zip(setpoint.joint_names, positions, strict=True))
     return Frame(
         time=_rounded(snapshot.time),
         position=[_rounded(value) for value in snapshot.position],
