@@ -72,6 +72,11 @@ class SplineSection(NamedTuple):
             key=self.start.__add__,
         )
 
+    def between(self, begin: float, end: float) -> SplineSection:
+        """Return the section with the segments that are active in that time [s]."""
+        span = range(self.active_number(begin), self.active_number(end) + 1)
+        return self if span == self.span else self._replace(span=span)
+
     def segment(self, number: int) -> Segment:
         """Return one segment."""
         made = self.made.get(number)
@@ -177,28 +182,26 @@ class JointSpline(NamedTuple):
         leave = max(now, start)
         origin = leave, Motion(*self.sample(leave))
         made: dict[int, Segment] = {}
+        last, (time, motion) = first - 1, origin
+        for number in (first, *suspects):
+            if number != last + 1:
+                time, motion = start + knots.times[number - 1], knots.motion(number - 1)
+            end, target = start + knots.times[number], knots.motion(number)
+            made[number] = segment = Segment(time, motion, end, target)
+            if not segment.is_bounded():
+                raise GoalRejectedError(
+                    f"no joint can move from {motion} at {time:.6g} s "
+                    f"to {target} at {end:.6g} s"
+                )
+            last, time, motion = number, end, target
         span = range(first, len(knots.times))
         section = SplineSection(
             start, knots, first, origin, span, goal, tolerances, made
         )
-        for number in (first, *suspects):
-            made[number] = segment = section.segment(number)
-            if not segment.is_bounded():
-                before = knots.motion(number - 1) if number > first else origin[1]
-                raise GoalRejectedError(
-                    f"no joint can move from {before} at {segment.start:.6g} s "
-                    f"to {knots.motion(number)} at {segment.end:.6g} s"
-                )
-        return JointSpline((*self._between(now, leave), section))
-
-    def _between(self, begin: float, end: float) -> list[SplineSection]:
-        """Return the sections with the segments that are active in that time."""
-        first, last = self._active_section(begin), self._active_section(end)
-        kept = list(self.sections[first : last + 1])
-        begin_at, end_at = kept[0].active_number(begin), kept[-1].active_number(end)
-        kept[-1] = kept[-1]._replace(span=range(kept[-1].span[0], end_at + 1))
-        kept[0] = kept[0]._replace(span=range(begin_at, kept[0].span[-1] + 1))
-        return kept
+        kept = self.sections[
+            self._active_section(now) : self._active_section(leave) + 1
+        ]
+        return JointSpline((*(each.between(now, leave) for each in kept), section))
 
 
 def point_to_point(
