@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 from tool0.control.goal import Goal, GoalStatus, GripperResult
 from tool0.control.goal_check import check_position
@@ -47,10 +47,7 @@ class GripperActionSpec:
     action_monitor_rate: float = 20.0
     """[Hz], for the edges."""
 
-    @property
-    def waits_for_command(self) -> bool:
-        """It holds by itself."""
-        return False
+    waits_for_command: ClassVar[bool] = False
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -86,7 +83,7 @@ class GripperActionController:
         self._index = index
         self._select = joint_selector((index,))
         self._state = state
-        self._pid = None if spec.gains is None else Pid(spec.gains)
+        self._pid = None if spec.gains is None else Pid([spec.gains])
         self._target = state.position[index]
         self._position = self._target
         self._setpoint = self._target
@@ -98,16 +95,6 @@ class GripperActionController:
         self._stall_since = state.time
         self._stall_range = spec.stall_velocity_threshold * spec.stall_timeout
 
-    @property
-    def active_goal(self) -> Goal | None:
-        """The goal that is being pursued."""
-        return self._goal
-
-    @property
-    def target(self) -> float:
-        """The commanded position [rad | m]."""
-        return self._target
-
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return the joint's command: its position, or an effort towards it."""
         self._state = state
@@ -118,7 +105,7 @@ class GripperActionController:
             self._effort = self._max_effort
             return (self._target,)
         error = self._advance_setpoint(period) - position
-        effort = self._pid.update(error, -state.velocity[self._index], period)
+        (effort,) = self._pid.update([error], [-state.velocity[self._index]], period)
         bound = self._max_effort
         self._effort = -bound if effort < -bound else min(effort, bound)
         return (self._effort,)
@@ -203,29 +190,20 @@ class GripperActionController:
         """End an active goal as PREEMPTED; the controller is dropped after that."""
         self._finish(GoalStatus.PREEMPTED)
 
-    def result(self) -> GripperResult:
-        """Return what an edge may publish as feedback."""
-        return self._result(GoalStatus.ACTIVE)
-
     def _finish(
         self, status: GoalStatus, *, stalled: bool = False, reached_goal: bool = False
     ) -> None:
         goal, self._goal = self._goal, None
         if goal is not None:
             goal.finish(
-                self._result(status, stalled=stalled, reached_goal=reached_goal)
+                GripperResult(
+                    status=status,
+                    position=self._position,
+                    effort=self._effort,
+                    stalled=stalled,
+                    reached_goal=reached_goal,
+                )
             )
-
-    def _result(
-        self, status: GoalStatus, *, stalled: bool = False, reached_goal: bool = False
-    ) -> GripperResult:
-        return GripperResult(
-            status=status,
-            position=self._position,
-            effort=self._effort,
-            stalled=stalled,
-            reached_goal=reached_goal,
-        )
 
 
 def parse(parameters: Namespace, robot: Robot) -> GripperActionSpec:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 from tool0.control import goal_check, replacement
 from tool0.control.goal import Goal, GoalResult, GoalStatus
@@ -15,7 +15,7 @@ from tool0.control.parameters import (
     controlled_joints,
     read_gains,
 )
-from tool0.control.pid import Gains, PidBank
+from tool0.control.pid import Gains, Pid
 from tool0.control.sampler import TrajectorySampler
 from tool0.control.segment import MotionPlan, shortest_turn
 from tool0.control.setpoint import TrajectorySetpoint, joints_motion
@@ -57,10 +57,7 @@ class JointTrajectorySpec:
     action_monitor_rate: float = 20.0
     """[Hz], for the edges that publish feedback."""
 
-    @property
-    def waits_for_command(self) -> bool:
-        """It holds by itself."""
-        return False
+    waits_for_command: ClassVar[bool] = False
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -104,7 +101,7 @@ class JointTrajectoryController:
             for k, joint in enumerate(spec.joint_models)
             if joint.type is JointType.CONTINUOUS
         ]
-        self._law = PidBank(spec.gains) if spec.gains else None
+        self._law = Pid(spec.gains) if spec.gains else None
         self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
         self._monitor: GoalMonitor | None = None
         self._state = state
