@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from tool0.control import goal_check, replacement
 from tool0.control.goal import Goal, GoalResult, GoalStatus
+from tool0.control.goal_check import check_names
 from tool0.control.goal_monitor import GoalMonitor
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
@@ -16,6 +16,7 @@ from tool0.control.parameters import (
     read_gains,
 )
 from tool0.control.pid import Gains, Pid
+from tool0.control.replacement import TrajectoryReplacement
 from tool0.control.sampler import TrajectorySampler
 from tool0.control.segment import MotionPlan, shortest_turn
 from tool0.control.setpoint import TrajectorySetpoint, joints_motion
@@ -101,6 +102,9 @@ class JointTrajectoryController:
             for k, joint in enumerate(spec.joint_models)
             if joint.type is JointType.CONTINUOUS
         ]
+        self._replacement = TrajectoryReplacement(
+            spec.joint_models, spec.tolerances, spec.stop_trajectory_duration
+        )
         self._law = Pid(spec.gains) if spec.gains else None
         self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
         self._monitor: GoalMonitor | None = None
@@ -199,32 +203,19 @@ class JointTrajectoryController:
 
     def _accept(self, goal: TrajectoryGoal, now: float, handle: Goal | None) -> None:
         spec = self.spec
-        names = goal_check.check_names(
+        names = check_names(
             goal, spec.joints, allow_partial=spec.allow_partial_joints_goal
         )
         if goal.points:
-            splines = replacement.follow_goal(
-                self._sampler.splines,
-                spec.joint_models,
-                spec.tolerances,
-                goal,
-                names,
-                now=now,
-                handle=handle,
-            )
+            running = self._sampler.splines
+            splines = self._replacement.by_goal(running, goal, names, now, handle)
         else:
             splines = self._stop_splines(now, handle)
         self._replace(splines, now, handle, goal.goal_time_tolerance)
 
     def _accept_plan(self, plan: MotionPlan, now: float, handle: Goal | None) -> None:
-        splines = replacement.follow_plan(
-            self._sampler.splines,
-            self.spec.joint_models,
-            self.spec.tolerances,
-            plan,
-            now=now,
-            handle=handle,
-        )
+        running = self._sampler.splines
+        splines = self._replacement.by_plan(running, plan, now, handle)
         self._replace(splines, now, handle, None)
 
     def _replace(
@@ -242,14 +233,8 @@ class JointTrajectoryController:
             self._monitor.watch(self._sampler, now)
 
     def _stop_splines(self, now: float, handle: Goal | None) -> list[JointSpline]:
-        return replacement.stop(
-            self._sampler.splines,
-            self.spec.joint_models,
-            self.spec.stop_trajectory_duration,
-            self._select(self._state.position),
-            now=now,
-            handle=handle,
-        )
+        measured = self._select(self._state.position)
+        return self._replacement.by_stop(self._sampler.splines, measured, now, handle)
 
     # ---- desired and measured motion ----------------------------------------------
 
