@@ -47,15 +47,14 @@ class EffortLimits:
 class EffortLimiter:
     """Saturates the effort of every driven joint, each step."""
 
-    def __init__(
-        self, indices: Sequence[int], drives: Sequence[EffortLimits], dt: float
-    ) -> None:
+    def __init__(self, drives: Mapping[int, EffortLimits], dt: float) -> None:
+        """Take the limits of the driven joints, by index, and the step [s]."""
+        self._drives = drives
         self._soft = [
             (i, drive.hard, drive.soft)
-            for i, drive in zip(indices, drives, strict=True)
+            for i, drive in drives.items()
             if drive.soft is not None and drive.soft.k_velocity > 0.0
         ]
-        self._drives = dict(zip(indices, drives, strict=True))
         self._dt = dt
         self._drive_limits: dict[int, DriveLimits] = {}
         self.restart()

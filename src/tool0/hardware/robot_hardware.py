@@ -61,35 +61,24 @@ class RobotHardware:
             for name in self.joint_names
             if name in model.transmission_by_joint
         }
-        self.limits = {
-            name: overrides.get(name, model.joint_by_name[name].limits)
+        self._drives = {
+            name: EffortLimits(
+                hard=overrides.get(name, model.joint_by_name[name].limits),
+                soft=model.joint_by_name[name].safety,
+                armature=model.transmission_by_joint[name].armature,
+            )
             for name in self.interfaces
         }
+        self.limits = {name: drive.hard for name, drive in self._drives.items()}
         self.command = [0.0] * len(self.joint_names)
         """What the claiming controllers want, in the unit of their interface."""
         self._dt = dt
         self._dynamics = JointDynamics(model, gravity)
-        movable = [self.index[joint.name] for joint in model.movable_joints]
-        self._to_model = movable
+        self._to_model = [self.index[joint.name] for joint in model.movable_joints]
         """Engine index of each of the model's movable joints."""
-        self._soft = {n: model.joint_by_name[n].safety for n in self.interfaces}
         self._limiter = EffortLimiter(
-            [self.index[name] for name in self.interfaces],
-            [
-                EffortLimits(
-                    hard=self.limits[name],
-                    soft=self._soft[name],
-                    armature=model.transmission_by_joint[name].armature,
-                )
-                for name in self.interfaces
-            ],
-            dt,
+            {self.index[name]: drive for name, drive in self._drives.items()}, dt
         )
-        self._with_rotor = {
-            name
-            for name in self.interfaces
-            if model.transmission_by_joint[name].armature > 0.0
-        }
         self._is_stopped = False
         self._steps = 0
         self._masses: list[tuple[int, list[float]]] = []
@@ -120,24 +109,22 @@ class RobotHardware:
         """Forget what servos and brakes learnt, and hold ``state`` from now on."""
         self._steps = 0
         self._limiter.restart()
-        for name, interface in self.interfaces.items():
-            i = self.index[name]
-            if interface is Interface.POSITION:
-                self.command[i] = state.position[i]
-            else:
-                self.command[i] = 0.0
-            self._select_servo(name, state.position[i])
+        for name in self.interfaces:
+            self._hold(name, state)
 
     def claim(self, joints: Sequence[str], state: JointState) -> None:
         """Hand ``joints`` to a controller, holding still until its first command."""
         for name in joints:
-            i, interface = self.index[name], self.interfaces[name]
             self._claimed.add(name)
-            self._limiter.set_drive_limits(i, None)
-            self.command[i] = (
-                state.position[i] if interface is Interface.POSITION else 0.0
-            )
-            self._select_servo(name, state.position[i])
+            self._limiter.set_drive_limits(self.index[name], None)
+            self._hold(name, state)
+
+    def _hold(self, name: str, state: JointState) -> None:
+        """Command the joint to stay as it is, or no effort."""
+        i, interface = self.index[name], self.interfaces[name]
+        holds_position = interface is Interface.POSITION
+        self.command[i] = state.position[i] if holds_position else 0.0
+        self._select_servo(name, state.position[i])
 
     def release(self, joints: Sequence[str], state: JointState) -> None:
         """Take ``joints`` back: the brakes hold them."""
@@ -181,6 +168,7 @@ class RobotHardware:
     def _select_servo(self, name: str, position: float) -> None:
         """Give the joint the servo, or brake, that its claim and interface call for."""
         i, interface = self.index[name], self.interfaces[name]
+        drive = self._drives[name]
         self._servos.pop(i, None)
         self._masses, self._compensation = [], []
         self._gravity_effort[i] = 0.0
@@ -188,13 +176,10 @@ class RobotHardware:
             self._servos[i] = Brake()
         elif interface is Interface.POSITION:
             self._servos[i] = PositionServo(
-                position,
-                self.limits[name],
-                self._soft[name],
-                is_stiff=name in self._with_rotor,
+                position, drive.hard, drive.soft, is_stiff=drive.armature > 0.0
             )
         elif interface is Interface.VELOCITY:
-            self._servos[i] = VelocityServo(self.limits[name], self._soft[name])
+            self._servos[i] = VelocityServo(drive.hard, drive.soft)
 
     def _add_gravity_compensation(self, effort: list[float], state: JointState) -> None:
         """Add gravity compensation to the efforts of the drives that have it."""

@@ -23,7 +23,7 @@ finite = st.floats(-100.0, 100.0)
 
 
 def saturate(effort: float, position: float, velocity: float, **drive: object) -> float:
-    limiter = EffortLimiter([0], [EffortLimits(hard=HARD, **drive)], 0.001)  # type: ignore[arg-type]
+    limiter = EffortLimiter({0: EffortLimits(hard=HARD, **drive)}, 0.001)  # type: ignore[arg-type]
     efforts = [effort]
     limiter.saturate(efforts, JointState(0.0, [position], [velocity], [0.0]), [0.0])
     return efforts[0]
@@ -58,8 +58,8 @@ def test_effort_ends_where_ros_control_ends_it(
 
 
 @pytest.mark.parametrize("armature", [0.0, 0.01])
-def test_bounds_bind_and_are_lifted(armature: float) -> None:
-    limiter = EffortLimiter([0], [EffortLimits(hard=HARD, armature=armature)], 0.001)
+def test_drive_limits_hold_and_are_lifted(armature: float) -> None:
+    limiter = EffortLimiter({0: EffortLimits(hard=HARD, armature=armature)}, 0.001)
     still = JointState(0.0, [0.0], [0.0], [0.0])
 
     def given() -> float:
