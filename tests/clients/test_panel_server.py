@@ -235,8 +235,8 @@ def test_a_request_overtakes_no_steering_that_was_sent_before(
         still = page.see("status", lambda s: s["targets"]["elbow_joint"] > 1.4)
         for _ in range(30):  # half a second: five turns of a stream
             page.next("frame")
-        assert robot.snapshot.intents[ARM].target()[
-            robot.snapshot.intents[ARM].joint_names.index("elbow_joint")
+        assert robot.snapshot.setpoints[ARM].target()[
+            robot.snapshot.setpoints[ARM].joint_names.index("elbow_joint")
         ] == pytest.approx(still["targets"]["elbow_joint"], abs=0.01)
 
 

@@ -16,14 +16,12 @@ _FORWARD = "tool0.control.forward_command"
 
 _MODULES = {
     "joint_state_controller/JointStateController": "tool0.control.joint_state",
-    "effort_controllers/JointTrajectoryController": (
-        "tool0.control.joint_trajectory_spec"
-    ),
+    "effort_controllers/JointTrajectoryController": ("tool0.control.joint_trajectory"),
     "position_controllers/JointTrajectoryController": (
-        "tool0.control.joint_trajectory_spec"
+        "tool0.control.joint_trajectory"
     ),
     "velocity_controllers/JointTrajectoryController": (
-        "tool0.control.joint_trajectory_spec"
+        "tool0.control.joint_trajectory"
     ),
     "effort_controllers/GripperActionController": "tool0.control.gripper_action",
     "position_controllers/GripperActionController": "tool0.control.gripper_action",

@@ -9,13 +9,12 @@ from typing import final
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import Controller, ControllerSpec
-from tool0.control.hardware_port import HardwarePort
-from tool0.control.intent import Intent
 from tool0.control.parameters import Robot
+from tool0.control.setpoint import Setpoint
 from tool0.description.model import Joint
 from tool0.errors import ClaimError, ControlError, GoalRejectedError, did_you_mean
-from tool0.hardware.joint_state import JointState
-from tool0.hardware.pick import as_slice
+from tool0.hardware.joint_state import JointState, as_slice
+from tool0.hardware.robot_hardware import RobotHardware
 
 
 class Strictness(enum.Enum):
@@ -66,7 +65,7 @@ class ControllerManager:
 
     def __init__(
         self,
-        hardware: HardwarePort,
+        hardware: RobotHardware,
         config: ControllerConfig,
         joints: Mapping[str, Joint],
     ) -> None:
@@ -318,12 +317,12 @@ class ControllerManager:
         """Return every loaded controller, in load order."""
         return self._statuses
 
-    def intents(self) -> Mapping[str, Intent]:
-        """Return what the running controllers want, of those that want a position."""
+    def setpoints(self) -> Mapping[str, Setpoint]:
+        """Return the setpoints of the running controllers that command a position."""
         return {
-            name: intent
+            name: setpoint
             for name, controller in self._running
-            if (intent := controller.intent()) is not None
+            if (setpoint := controller.setpoint()) is not None
         }
 
     def spec(self, name: str) -> ControllerSpec:

@@ -9,7 +9,7 @@ from msgspec import Meta, Struct, field
 from tool0.control.goal import Goal, GoalStatus
 from tool0.control.tolerances import ToleranceOverride
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.requests.fields import JointPositions, Name, SpeedScale
 from tool0.requests.table import Request, handles
 from tool0.runtime.joint_motion import import_planner
@@ -134,7 +134,7 @@ def follow(
     simulation: Simulation,
     controller: str,
     goal: TrajectoryGoal,
-    bounds: dict[str, DriveBounds] | None = None,
+    bounds: dict[str, DriveLimits] | None = None,
 ) -> GoalStarted:
     """Start a trajectory goal between two ticks; from the thread that asks."""
     core = simulation.core

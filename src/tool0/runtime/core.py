@@ -15,7 +15,7 @@ from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, did_you_mean
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.engine import Engine
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
@@ -100,7 +100,7 @@ class Core:
         self,
         controller: str,
         goal: TrajectoryGoal,
-        bounds: Mapping[str, DriveBounds] | None = None,
+        bounds: Mapping[str, DriveLimits] | None = None,
     ) -> Goal:
         """Start a trajectory goal, as ROS's action does.
 
@@ -201,7 +201,7 @@ class Core:
         controller: str,
         position: float,
         max_effort: float | None = None,
-        bounds: DriveBounds | None = None,
+        bounds: DriveLimits | None = None,
     ) -> Goal:
         """Start a gripper goal in joint units: [rad | m] and [N·m | N]."""
         gripper = self._drivable(controller, GripperActionController)
@@ -307,7 +307,7 @@ class Core:
         self,
         controller: str,
         joints: Collection[str] | None = None,
-        bounds: Mapping[str, DriveBounds | None] | None = None,
+        bounds: Mapping[str, DriveLimits | None] | None = None,
     ) -> None:
         """Limit the drives that a goal moves, and lift the limits of earlier goals.
 
@@ -319,7 +319,7 @@ class Core:
         for _, claimed in self.manager.status(controller).claimed:
             for joint in claimed:
                 if joints is None or joint in joints:
-                    self.hardware.bind(joint, (bounds or {}).get(joint))
+                    self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))
 
     def _note_commanded(self, controller: str) -> None:
         for _, joints in self.manager.status(controller).claimed:

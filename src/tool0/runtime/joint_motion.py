@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from tool0.control.angles import shortest_turn
 from tool0.control.goal_check import ROUNDING
-from tool0.control.segment import Motion, MotionPlan
+from tool0.control.segment import Motion, MotionPlan, shortest_turn
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
 from tool0.errors import ControlError

@@ -7,7 +7,7 @@ from toy_robot import ARM, JOINTS
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES, parser_of
 from tool0.control.gripper_action import GripperActionSpec
-from tool0.control.joint_trajectory_spec import JointTrajectorySpec
+from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.control.parameters import Robot
 from tool0.control.pid import Gains
 from tool0.description.model import Interface, Joint, JointLimits, JointType

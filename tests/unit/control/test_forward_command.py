@@ -35,19 +35,16 @@ def test_a_single_joint_takes_a_single_number(interface: Interface) -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "text"),
-    [
-        ([1.0], r"Dimension of command \(1\) does not match number of joints \(2\)"),
-        ([1.0, 2.0, 3.0], r"command \(3\)"),
-        ([1.0, math.nan], "nan for joint 'hip'"),
-    ],
+    ("values", "shown"),
+    [([1.0], "(1)"), ([1.0, 2.0, 3.0], "(3)"), ([1.0, math.nan], "'hip'")],
 )
-def test_a_bad_command_changes_nothing(values: list[float], text: str) -> None:
+def test_a_bad_command_changes_nothing(values: list[float], shown: str) -> None:
     robot = ToyRobot(GROUP.format("effort", "Effort"))
     controller = robot.start("c")
     controller.command([3.0, 4.0])
-    with pytest.raises(ControlError, match=text):
+    with pytest.raises(ControlError) as error:
         controller.command(values)
+    assert shown in str(error.value)
     robot.tick()
     assert robot.hardware.command == [0.0, 4.0, 0.0, 3.0]
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from arm_rig import calibration, ur5
 
-from tool0.control.playback import hold_track, sample_track, splice
 from tool0.control.segment import Motion
-from tool0.control.tolerances import NO_TOLERANCES
+from tool0.control.spline import Knots, hold
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.kinematics import to_transform
 from tool0.description.model import Pose
@@ -64,9 +63,9 @@ def played(start: Array, points: list[TrajectoryPoint], times: Array) -> Array:
             )
             for point in points
         ]
-        rest = hold_track(0.0, float(start[k]))
-        track = splice(rest, 0.0, 0.0, way, goal=None, tolerances=NO_TOLERANCES)
-        joints.append([sample_track(track, time) for time in times.tolist()])
+        rest = hold(0.0, float(start[k]))
+        spline = rest.spliced(0.0, 0.0, Knots.of(way), suspects=range(1, len(way)))
+        joints.append([spline.sample(time) for time in times.tolist()])
     return np.array(joints).transpose(1, 0, 2)
 
 

@@ -119,7 +119,7 @@ def test_it_is_told_while_a_slow_motion_still_goes_on(watching) -> None:
     watch = watching(box("box", (0.06, 0.06, 0.04)))
     watch.robot.controller(GRIPPER).move({"finger_joint": 0.8}, speed=0.05)
     assert watch.run(6.0) == ["moving", "holding_inside"]
-    finger = watch.robot.snapshot.intents[GRIPPER].state().desired.positions[0]
+    finger = watch.robot.snapshot.setpoints[GRIPPER].state().desired.positions[0]
     assert finger < 0.6, "the motion is under way"
 
 

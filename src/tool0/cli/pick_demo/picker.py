@@ -13,7 +13,7 @@ from tool0.control.goal import GoalStatus
 from tool0.description.kinematics import Transform
 from tool0.description.model import Vector3
 from tool0.errors import ModelError, Tool0Error
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.runtime.joint_motion import require_speed
 from tool0.sensing.pads import grasp_frame
 
@@ -74,7 +74,7 @@ class Picker:
                 the gripper has no such force or speed.
         """
         geometry = robot.gripper.geometry
-        DriveBounds(gripper=geometry, speed=options.pad_speed, force=options.force)
+        DriveLimits(gripper=geometry, speed=options.pad_speed, force=options.force)
         self._robot = robot
         self._options = options
         self._witness = witness

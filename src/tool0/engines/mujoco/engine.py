@@ -31,8 +31,7 @@ from tool0.engines.mujoco.objects import add_objects, compile_with, object_of
 from tool0.engines.mujoco.succession import carry_over, read_meshes
 from tool0.errors import ConfigError, DivergenceError, EngineError, ModelError
 from tool0.hardware.engine import Contact, ObjectState
-from tool0.hardware.joint_state import JointState
-from tool0.hardware.pick import picker
+from tool0.hardware.joint_state import JointState, joint_selector
 
 logger = logging.getLogger(__name__)
 
@@ -81,7 +80,7 @@ class MujocoEngine:
             raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")
         # Packing plain floats costs a third of what assigning to the array does.
         self._pack = struct.Struct(f"{self.model.nu}d").pack_into
-        self._motors = picker(
+        self._motors = joint_selector(
             [
                 self._joint_names.index(self.model.actuator(i).name)
                 for i in range(self.model.nu)

@@ -10,7 +10,7 @@ from tool0.api.robot import Robot
 from tool0.control.forward_command import ForwardCommandSpec
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_state import JointStateSpec
-from tool0.control.joint_trajectory_spec import JointTrajectorySpec
+from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.errors import ControlError
 from tool0.interfaces.ros1.forward_edge import ForwardEdge
 from tool0.interfaces.ros1.gripper_edge import GripperEdge

@@ -33,12 +33,12 @@ def to(*positions: float, time: float = 1.0) -> TrajectoryGoal:
 def test_a_trajectory_controller_tells_where_its_trajectory_ends() -> None:
     robot = ToyRobot(ARM)
     controller = robot.start("arm")
-    assert controller.intent().joint_names == ("hip", "slide", "wheel")
-    assert controller.intent().target() == (0.0, 0.0, 0.0)
+    assert controller.setpoint().joint_names == ("hip", "slide", "wheel")
+    assert controller.setpoint().target() == (0.0, 0.0, 0.0)
     controller.follow(to(1.0, 0.5, -0.2), robot.time)
-    assert controller.intent().target() == pytest.approx((1.0, 0.5, -0.2))
+    assert controller.setpoint().target() == pytest.approx((1.0, 0.5, -0.2))
     robot.run(2.0)
-    assert controller.intent().target() == pytest.approx((1.0, 0.5, -0.2))
+    assert controller.setpoint().target() == pytest.approx((1.0, 0.5, -0.2))
 
 
 def test_a_cancelled_goal_ends_where_the_ramp_does() -> None:
@@ -47,7 +47,7 @@ def test_a_cancelled_goal_ends_where_the_ramp_does() -> None:
     goal = controller.follow(to(1.0, 0.5, -0.2), robot.time)
     robot.run(0.5)
     controller.cancel(goal, robot.time)
-    target = controller.intent().target()
+    target = controller.setpoint().target()
     robot.run(2.0)
     assert robot.position[1:] == pytest.approx(target, abs=1e-3)
     assert target[0] > 1.05, "ROS's ramp is longer than what was left of the way"
@@ -59,7 +59,7 @@ def test_it_says_what_the_controller_says() -> None:
     controller.follow(to(1.0, 0.5, -0.2), robot.time)
     for _ in range(40):
         robot.run(0.05)
-        assert controller.intent().state() == controller.state()
+        assert controller.setpoint().state() == controller.state()
 
 
 def test_of_one_joint_it_says_the_same_as_of_all() -> None:
@@ -69,11 +69,11 @@ def test_of_one_joint_it_says_the_same_as_of_all() -> None:
     other = ToyRobot(OTHERS)
     other.start("servo").command([3.0, 1.0])
     for manager in (robot.manager, other.manager):
-        (intent,) = manager.intents().values()
-        now, end = intent.state().desired.positions, intent.target()
-        for k, name in enumerate(intent.joint_names):
-            assert intent.wanted(name) == (now[k], end[k])
-        assert intent.wanted("nobody") is None
+        (setpoint,) = manager.setpoints().values()
+        now, end = setpoint.state().desired.positions, setpoint.target()
+        for k, name in enumerate(setpoint.joint_names):
+            assert setpoint.desired_and_target(name) == (now[k], end[k])
+        assert setpoint.desired_and_target("nobody") is None
 
 
 def test_what_it_says_stays_while_the_controller_goes_on() -> None:
@@ -81,14 +81,14 @@ def test_what_it_says_stays_while_the_controller_goes_on() -> None:
     controller = robot.start("arm")
     controller.follow(to(1.0, 0.5, -0.2), robot.time)
     robot.run(0.4)
-    intent = controller.intent()
-    said = pickle.dumps((intent.state(), intent.target()))
+    setpoint = controller.setpoint()
+    said = pickle.dumps((setpoint.state(), setpoint.target()))
     answers: list[bytes] = []
     ended = threading.Event()
 
     def ask() -> None:
         while not ended.is_set():
-            answers.append(pickle.dumps((intent.state(), intent.target())))
+            answers.append(pickle.dumps((setpoint.state(), setpoint.target())))
 
     asking = threading.Thread(target=ask)
     asking.start()
@@ -106,12 +106,12 @@ def test_a_gripper_wants_its_command_from_the_start() -> None:
     robot = ToyRobot(OTHERS)
     robot.position[1] = 0.2
     controller = robot.start("hand")
-    assert controller.intent().target() == (0.2,)
+    assert controller.setpoint().target() == (0.2,)
     controller.command(0.5, None, robot.time)
     robot.tick()
-    state = controller.intent().state()
+    state = controller.setpoint().state()
     assert state.joint_names == ("hip",)
-    assert state.desired.positions == controller.intent().target() == (0.5,)
+    assert state.desired.positions == controller.setpoint().target() == (0.5,)
     assert state.error.positions == pytest.approx((0.3,))
     assert state.desired.velocities == (0.0,)
 
@@ -119,13 +119,13 @@ def test_a_gripper_wants_its_command_from_the_start() -> None:
 def test_a_position_forwarder_wants_nothing_before_its_first_command() -> None:
     robot = ToyRobot(OTHERS)
     controller = robot.start("servo")
-    assert controller.intent() is None
+    assert controller.setpoint() is None
     controller.command([3.0, 100.0])
     robot.position = [0.0, 5.0, 0.0, -3.0]
     robot.tick()
-    assert controller.intent().joint_names == ("wheel", "hip")
-    assert controller.intent().target() == (3.0, 6.0), "within the limits"
-    errors = controller.intent().state().error.positions
+    assert controller.setpoint().joint_names == ("wheel", "hip")
+    assert controller.setpoint().target() == (3.0, 6.0), "within the limits"
+    errors = controller.setpoint().state().error.positions
     assert errors == pytest.approx((6.0 - 6.283185307, 1.0)), "the shortest way round"
 
 
@@ -133,7 +133,7 @@ def test_the_manager_tells_of_those_that_run_and_want_a_position() -> None:
     robot = ToyRobot(ARM + OTHERS)
     robot.start("arm", "js")
     robot.manager.load("hand")
-    assert list(robot.manager.intents()) == ["arm"]
+    assert list(robot.manager.setpoints()) == ["arm"]
 
 
 @pytest.mark.parametrize("name", ["effort", "velocity"])
@@ -141,4 +141,4 @@ def test_raw_efforts_and_velocities_want_no_position(name: str) -> None:
     robot = ToyRobot(OTHERS, Interface[name.upper()])
     robot.start(name).command(1.0)
     robot.tick()
-    assert robot.manager.intents() == {}
+    assert robot.manager.setpoints() == {}

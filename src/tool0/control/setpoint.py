@@ -1,23 +1,22 @@
-"""What a controller wants of its joints, as a frozen value that any thread may ask."""
+"""The setpoint of a controller, as a frozen value that any thread may read."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
-from tool0.control.angles import shortest_turn
-from tool0.control.track import Track, active_piece, sample_track
+from tool0.control.segment import Sample, shortest_turn
+from tool0.control.spline import JointSpline
 from tool0.control.trajectory import JointsMotion, TrajectoryState
 from tool0.description.model import Joint, JointType
-from tool0.hardware.joint_state import JointState
-from tool0.hardware.pick import Picker
+from tool0.hardware.joint_state import JointSelector, JointState
 
 
-class Intent(Protocol):
-    """What one controller wanted at one instant.
+class Setpoint(Protocol):
+    """Where one controller wants its joints: at one instant, and in the end.
 
-    Taking it costs the tick next to nothing: what it says is worked out when it is
-    asked, in the thread that asks.
+    The tick only makes the value, at next to no cost.  The numbers are worked out when
+    they are read, in the thread that reads them.
     """
 
     @property
@@ -30,23 +29,23 @@ class Intent(Protocol):
     def target(self) -> tuple[float, ...]:
         """Return where the joints are to end up [rad | m]."""
 
-    def wanted(self, joint: str) -> tuple[float, float] | None:
-        """Return where one joint is wanted then and in the end [rad | m].
+    def desired_and_target(self, joint: str) -> tuple[float, float] | None:
+        """Return the desired position of one joint then and in the end [rad | m].
 
         None if it is none of these; much cheaper than ``state`` and ``target``.
         """
 
 
-class TrajectoryIntent(NamedTuple):
-    """To move along tracks.  Nothing in it changes: a new goal makes new tracks.
+class TrajectorySetpoint(NamedTuple):
+    """To move along splines.  Nothing in it changes: a new goal makes new splines.
 
     A named tuple, since the loop makes one a hundred times a second.
     """
 
     joint_models: tuple[Joint, ...]
-    tracks: tuple[Track, ...]
+    splines: tuple[JointSpline, ...]
     """One per joint."""
-    pick: Picker
+    select: JointSelector
     """Takes the joints out of the lists of ``measured``."""
     measured: JointState
 
@@ -55,45 +54,38 @@ class TrajectoryIntent(NamedTuple):
         return _names(self.joint_models)
 
     def target(self) -> tuple[float, ...]:
-        """Return the positions at the end of each track."""
-        ends = [track[-1].segment for track in self.tracks]
-        return tuple(segment.sample(segment.end).position for segment in ends)
+        """Return the positions at the end of each spline."""
+        return tuple(spline.target for spline in self.splines)
 
-    def wanted(self, joint: str) -> tuple[float, float] | None:
-        """Return where one joint is wanted then, and at the end of its track."""
-        for model, track in zip(self.joint_models, self.tracks, strict=True):
+    def desired_and_target(self, joint: str) -> tuple[float, float] | None:
+        """Return the position of one joint on its spline then, and at the end."""
+        for model, spline in zip(self.joint_models, self.splines, strict=True):
             if model.name == joint:
-                last = track[-1].segment
-                now = sample_track(track, self.measured.time)
-                return now.position, last.sample(last.end).position
+                return spline.sample(self.measured.time).position, spline.target
         return None
 
     def state(self) -> TrajectoryState:
         """Return desired, actual and error at the time of ``measured``."""
         time = self.measured.time
-        motions = [sample_track(track, time) for track in self.tracks]
-        piece, _ = active_piece(self.tracks[0], time)
+        samples = [spline.sample(time) for spline in self.splines]
+        section, segment, _ = self.splines[0].active(time)
+        segment_start = segment.start - section.start
         return _state(
             self.joint_models,
-            self.pick,
+            self.select,
             self.measured,
-            JointsMotion(
-                positions=tuple(motion.position for motion in motions),
-                velocities=tuple(motion.velocity for motion in motions),
-                accelerations=tuple(motion.acceleration for motion in motions),
-                time_from_start=piece.time_from_start,
-            ),
-            since=piece.time_from_start + time - piece.segment.start,
+            joints_motion(samples, time_from_start=segment_start),
+            since=segment_start + time - segment.start,
         )
 
 
-class PositionIntent(NamedTuple):
+class PositionSetpoint(NamedTuple):
     """To go somewhere at once and stay there."""
 
     joint_models: tuple[Joint, ...]
     positions: tuple[float, ...]
     """Where to [rad | m]."""
-    pick: Picker
+    select: JointSelector
     """Takes the joints out of the lists of ``measured``."""
     measured: JointState
 
@@ -104,7 +96,7 @@ class PositionIntent(NamedTuple):
     def target(self) -> tuple[float, ...]:
         return self.positions
 
-    def wanted(self, joint: str) -> tuple[float, float] | None:
+    def desired_and_target(self, joint: str) -> tuple[float, float] | None:
         """Return where one joint is to go, twice."""
         for model, position in zip(self.joint_models, self.positions, strict=True):
             if model.name == joint:
@@ -117,7 +109,19 @@ class PositionIntent(NamedTuple):
         desired = JointsMotion(
             positions=self.positions, velocities=rest, accelerations=rest
         )
-        return _state(self.joint_models, self.pick, self.measured, desired, since=0.0)
+        return _state(self.joint_models, self.select, self.measured, desired, since=0.0)
+
+
+def joints_motion(
+    samples: Sequence[Sample], *, time_from_start: float = 0.0
+) -> JointsMotion:
+    """Return the samples of several joints as one motion."""
+    return JointsMotion(
+        positions=tuple(sample.position for sample in samples),
+        velocities=tuple(sample.velocity for sample in samples),
+        accelerations=tuple(sample.acceleration for sample in samples),
+        time_from_start=time_from_start,
+    )
 
 
 def _names(joints: Sequence[Joint]) -> tuple[str, ...]:
@@ -126,7 +130,7 @@ def _names(joints: Sequence[Joint]) -> tuple[str, ...]:
 
 def _state(
     joints: Sequence[Joint],
-    pick: Picker,
+    select: JointSelector,
     measured: JointState,
     desired: JointsMotion,
     *,
@@ -136,12 +140,12 @@ def _state(
 
     Args:
         joints: The joints of ``desired``.
-        pick: Takes them out of ``measured``.
+        select: Takes them out of ``measured``.
         measured: Every joint.
-        desired: What is wanted at that instant.
+        desired: Desired motion at that instant.
         since: Time since the start of the trajectory [s].
     """
-    actual, speed = tuple(pick(measured.position)), tuple(pick(measured.velocity))
+    actual, speed = tuple(select(measured.position)), tuple(select(measured.velocity))
     return TrajectoryState(
         joint_names=_names(joints),
         time=measured.time,
@@ -149,16 +153,16 @@ def _state(
         actual=JointsMotion(positions=actual, velocities=speed, time_from_start=since),
         error=JointsMotion(
             positions=tuple(
-                shortest_turn(q, wanted)
+                shortest_turn(q, q_des)
                 if joint.type is JointType.CONTINUOUS
-                else wanted - q
-                for joint, wanted, q in zip(
+                else q_des - q
+                for joint, q_des, q in zip(
                     joints, desired.positions, actual, strict=True
                 )
             ),
             velocities=tuple(
-                wanted - qd
-                for wanted, qd in zip(desired.velocities, speed, strict=True)
+                qd_des - qd
+                for qd_des, qd in zip(desired.velocities, speed, strict=True)
             ),
             time_from_start=desired.time_from_start - since,
         ),
