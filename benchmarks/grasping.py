@@ -15,7 +15,7 @@ from tool0.cli.pick_demo.picker import Picker, PickFailure, PickOptions
 from tool0.cli.pick_demo.report import DemoReport
 from tool0.cli.pick_demo.trials import TABLE, random_poses, run_trials
 from tool0.cli.pick_demo.witness import Witness
-from tool0.description.kinematics import transforms
+from tool0.description.forward_kinematics import link_poses
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
 from tool0.sensing.pads import pad_links
 
@@ -220,7 +220,7 @@ def _shake(
     while not goal.status.is_terminal:
         robot.run(robot.control_period)
         position = dict(zip(engine.joint_names, engine.read().position, strict=True))
-        places.append(transforms(model, position)[pad].position)
+        places.append(link_poses(model, position)[pad].position)
     velocity = np.diff(places, axis=0) / robot.control_period
     steps = np.diff(velocity, axis=0) / robot.control_period
     accelerations.extend(np.linalg.norm(steps, axis=1).tolist())

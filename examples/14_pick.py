@@ -3,7 +3,7 @@
 import tool0
 from tool0.cli.pick_demo.bin import find_bin
 from tool0.cli.pick_demo.pick import pick_and_place
-from tool0.description.model import Pose
+from tool0.description.transform import Pose
 
 with tool0.bringup(scene="table_and_bin", realtime=False) as robot:
     # As one task, with what it measured:

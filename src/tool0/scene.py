@@ -9,12 +9,10 @@ For ``robot.scene`` and ``tool0.bringup(scene=…)``::
 
 from __future__ import annotations
 
-from tool0.description.bins import bin_walls
-from tool0.description.mesh_files import mesh
-from tool0.description.model import Box, Cylinder, Mesh, Pose, Sphere
-from tool0.description.scene import Scene, SceneObject
-from tool0.description.scene_file import load_scene
-from tool0.description.shipped_scenes import shipped_scenes
+from tool0.description.scene import Scene, SceneObject, bin_walls
+from tool0.description.scene_file import load_scene, shipped_scenes
+from tool0.description.shapes import Box, Cylinder, Mesh, Sphere, mesh
+from tool0.description.transform import Pose
 
 __all__ = [
     "Box",

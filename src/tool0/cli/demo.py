@@ -18,14 +18,14 @@ from tool0.cli.bringup_text import finite, panel_line
 from tool0.cli.options import PanelOptions
 from tool0.cli.progress import Progress
 from tool0.errors import ConfigError
-from tool0.runtime.writable import require_writable
+from tool0.user_data import require_writable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from tool0.cli.pick_demo.report import DemoReport, PickReport
-    from tool0.description.model import Pose
     from tool0.description.scene import Scene
+    from tool0.description.transform import Pose
     from tool0.runtime.robot import Robot
 
 _GLANCE = 10.0
@@ -134,8 +134,8 @@ def _bring_up(arguments: PickArguments) -> Robot:
 
 def _scene(arguments: PickArguments) -> Scene:
     """Return the scene with the cube that was asked for."""
-    from tool0.description.model import Box
     from tool0.description.scene_file import load_scene
+    from tool0.description.shapes import Box
 
     shipped = load_scene("table_and_bin")
     cube = next(item for item in shipped.objects if item.name == ITEM)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from tool0.cli.connection import Bringup, see_through
 from tool0.cli.options import joint_values
 from tool0.cli.parsing import parse
-from tool0.description.model import Pose
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError, ControlError, nearest_name
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from tool0.cli.parsing import parse
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
-    from tool0.description.model import Vector3
+    from tool0.description.transform import Vector3
     from tool0.interfaces.socket.remote_force_torque import RemoteForceTorque
     from tool0.sensing.wrench import WrenchReading
 

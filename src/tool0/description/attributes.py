@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from xml.dom.minidom import Element
 
-from tool0.description.model import Pose, Vector3
+from tool0.description.transform import Pose, Vector3
 from tool0.description.xml_source import children, locate
 from tool0.errors import DescriptionError, nearest_name
 

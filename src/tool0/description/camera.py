@@ -8,9 +8,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, final
 
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import Pose, RobotModel, Vector3
-from tool0.description.motion import cross, to_pose
+from tool0.description.model import RobotModel
+from tool0.description.transform import (
+    Pose,
+    Transform,
+    Vector3,
+    cross,
+    to_pose,
+    to_transform,
+)
 from tool0.errors import ConfigError, ModelError, SourceLocation
 
 if TYPE_CHECKING:

@@ -10,25 +10,20 @@ import enum
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import final
 
+from tool0.description.shapes import Geometry
+from tool0.description.transform import Pose, Vector3
 from tool0.errors import LimitsError, ModelError, SourceLocation, nearest_name
-
-Vector3 = tuple[float, float, float]
 
 FLANGE = "tool0"
 """How the link at the end of an arm is called, after a prefix (REP-199)."""
 
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pose:
-    """A frame in its parent, as URDF's ``<origin>`` writes it."""
-
-    xyz: Vector3 = (0.0, 0.0, 0.0)
-    rpy: Vector3 = (0.0, 0.0, 0.0)
-    """Fixed-axis roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+DEFAULT_TURN_VELOCITY = 1.0
+"""Velocity of turning joints without a velocity limit [rad/s]; chosen to be slow."""
+DEFAULT_SLIDE_VELOCITY = 0.25
+"""The same of prismatic joints [m/s]."""
 
 
 @final
@@ -45,41 +40,6 @@ class Inertial:
     iyy: float
     iyz: float = 0.0
     izz: float
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Box:
-    size: Vector3
-    """Full edge lengths."""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cylinder:
-    """A cylinder about z, centred at its origin."""
-
-    radius: float
-    length: float
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sphere:
-    radius: float
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mesh:
-    uri: str
-    """As written: ``package://…``, ``file://…`` or a path."""
-    path: Path
-    """The file it resolves to; it exists."""
-    scale: Vector3 = (1.0, 1.0, 1.0)
-
-
-Geometry = Box | Cylinder | Sphere | Mesh
 
 
 @final
@@ -218,6 +178,15 @@ class Joint:
     @property
     def is_movable(self) -> bool:
         return self.type is not JointType.FIXED
+
+    @property
+    def max_velocity(self) -> float:
+        """Its velocity limit [rad/s | m/s]; a modest default where there is none."""
+        if math.isfinite(self.limits.velocity):
+            return self.limits.velocity
+        if self.type is JointType.PRISMATIC:
+            return DEFAULT_SLIDE_VELOCITY
+        return DEFAULT_TURN_VELOCITY
 
 
 class Interface(enum.Enum):

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import final
 
-from tool0.description.kinematics import Transform
-from tool0.description.model import Geometry
-from tool0.description.motion import to_pose
 from tool0.description.scene import DEFAULT_FRICTION, RGBA, SceneObject
+from tool0.description.shapes import Geometry
+from tool0.description.transform import Transform, to_pose
 
 UNPAINTED: RGBA = (0.7, 0.7, 0.7, 1.0)
 """Grey, as Gazebo shows what names no colour."""

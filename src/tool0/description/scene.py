@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import final
 
 from tool0.description.camera import Camera
-from tool0.description.model import (
-    Box,
-    Cylinder,
-    Geometry,
-    Mesh,
-    Pose,
-    RobotModel,
-    Sphere,
-)
+from tool0.description.model import RobotModel
+from tool0.description.shapes import Box, Geometry, check_geometry
+from tool0.description.transform import Pose, Vector3, to_transform
 from tool0.errors import ConfigError, SourceLocation
 
 RGBA = tuple[float, float, float, float]
@@ -41,6 +35,9 @@ PALETTE: tuple[RGBA, ...] = (
 )
 """Of movable objects that name no colour, in turn: told apart by colour-blind people
 too (Okabe and Ito, https://jfly.uni-koeln.de/color/)."""
+
+DEFAULT_WALL = 0.004
+"""Thickness of floor and walls [m]: of a common plastic box."""
 
 _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 
@@ -132,26 +129,52 @@ class Scene:
                 )
 
 
-def check_geometry(geometry: Geometry, of: str) -> None:
-    """Raise ConfigError unless there can be such a shape; ``of`` says whose it is."""
-    match geometry:
-        case Box(size=size):
-            if len(size) != 3:
-                raise ConfigError(f"the box {of} has three edges, got {len(size)}")
-            _check_sizes("each edge of the box", of, size)
-        case Cylinder(radius=radius, length=length):
-            _check_sizes("radius and length of the cylinder", of, (radius, length))
-        case Sphere(radius=radius):
-            _check_sizes("the radius of the sphere", of, (radius,))
-        case Mesh(scale=scale):
-            if not all(math.isfinite(part) and part for part in scale):
-                raise ConfigError(
-                    f"the scale of the mesh {of} must be finite and never 0, "
-                    f"got {scale}"
-                )
+def bin_walls(
+    name: str,
+    *,
+    size: Sequence[float],
+    wall: float = DEFAULT_WALL,
+    pose: Pose | None = None,
+    friction: float = DEFAULT_FRICTION,
+    rgba: RGBA = STILL_RGBA,
+) -> tuple[SceneObject, ...]:
+    """Return floor and walls of a bin that is open above.
 
+    Args:
+        name: They are called ``name.floor``, ``.front`` (+x), ``.back``, ``.left``
+            (+y) and ``.right``.
+        size: Outer edges x, y, z [m].
+        wall: Thickness of floor and walls [m].
+        pose: Of the centre of the outer box, in the robot's root.
+        friction: Of each of the five.
+        rgba: Of each of the five.
 
-def _check_sizes(what: str, of: str, sizes: Iterable[float]) -> None:
-    if not all(0.0 < size < math.inf for size in sizes):
-        got = ", ".join(f"{size:g}" for size in sizes)
-        raise ConfigError(f"{what} {of} must be above 0 m and finite, got {got}")
+    Raises:
+        ConfigError: If the walls leave no room inside, or a value cannot be.
+    """
+    x, y, z = size
+    if not 0.0 < 2 * wall < min(x, y) or not wall < z:
+        raise ConfigError(
+            f"the walls of bin '{name}' must be above 0 m and leave room inside, "
+            f"got wall {wall:g} for size {x:g}, {y:g}, {z:g}"
+        )
+    high, up = z - wall, wall / 2
+    parts: dict[str, tuple[Vector3, Vector3]] = {
+        "floor": ((x, y, wall), (0.0, 0.0, -high / 2)),
+        "front": ((wall, y, high), ((x - wall) / 2, 0.0, up)),
+        "back": ((wall, y, high), ((wall - x) / 2, 0.0, up)),
+        "left": ((x - 2 * wall, wall, high), (0.0, (y - wall) / 2, up)),
+        "right": ((x - 2 * wall, wall, high), (0.0, (wall - y) / 2, up)),
+    }
+    pose = pose or Pose()
+    T_root_bin = to_transform(pose)
+    return tuple(
+        SceneObject(
+            name=f"{name}.{part}",
+            geometry=Box(size=edges),
+            pose=Pose(xyz=T_root_bin.apply(centre), rpy=pose.rpy),
+            friction=friction,
+            rgba=rgba,
+        )
+        for part, (edges, centre) in parts.items()
+    )

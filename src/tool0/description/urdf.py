@@ -13,11 +13,12 @@ from tool0.description.urdf_extensions import (
     read_grippers,
     read_transmissions,
 )
-from tool0.description.urdf_joints import check_mimics, read_joint
-from tool0.description.urdf_linkages import (
+from tool0.description.urdf_joints import (
     apply_springs,
     check_loops,
+    check_mimics,
     mark_passive,
+    read_joint,
     read_loops,
 )
 from tool0.description.urdf_links import read_link, read_materials

@@ -8,7 +8,8 @@ from typing import final
 
 import numpy as np
 
-from tool0.description.model import Inertial, Joint, JointType, Pose, RobotModel
+from tool0.description.model import Inertial, Joint, JointType, RobotModel
+from tool0.description.transform import Pose
 from tool0.errors import ModelError
 
 Matrix = np.ndarray

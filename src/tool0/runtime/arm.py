@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from tool0.control.trajectory import TrajectoryPoint
-from tool0.description.kinematics import Transform, transforms
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.transform import AnyPose, Transform, as_matrix, from_matrix
 from tool0.errors import ControlError
-from tool0.kinematics.branch import Branch, Solution
 from tool0.kinematics.chain import ArmChain, Array, fixed_transform
-from tool0.kinematics.inverse import InverseKinematics
-from tool0.kinematics.line import Line
-from tool0.kinematics.pose_matrix import AnyPose, as_matrix, as_transform
+from tool0.kinematics.inverse import Branch, InverseKinematics, Solution
+from tool0.kinematics.line import LinePath
 from tool0.runtime.linear_motion import LinearLimits, LinearMotion
 
 if TYPE_CHECKING:
@@ -78,8 +77,8 @@ class Arm:
     ) -> Transform:
         """Return where the tool is, as measured."""
         model = self._robot.description.model
-        found = transforms(model, self._robot.joint_state.position)
-        T_root_tool = found[self.chain.tip] @ as_transform(self._tool(tip, tool))
+        found = link_poses(model, self._robot.joint_state.position)
+        T_root_tool = found[self.chain.tip] @ from_matrix(self._tool(tip, tool))
         if relative_to is None:
             return T_root_tool
         return found[model.link(relative_to).name].inverse() @ T_root_tool
@@ -204,9 +203,9 @@ class Arm:
         T_base_tip = self.chain.forward(start[None]).T_base_tip[0]
         everywhere = {**self._robot.joint_state.position, **standing}
         end = self._in_base(pose, relative_to, everywhere)
-        found = transforms(self._robot.description.model, everywhere)
+        found = link_poses(self._robot.description.model, everywhere)
         T_root_base = found[self.chain.base].matrix
-        line = Line(T_base_tip @ T_tip_tool, end, T_tip_tool, T_root_base)
+        line = LinePath(T_base_tip @ T_tip_tool, end, T_tip_tool, T_root_base)
         points = LinearMotion(self.kinematics, line, start, limits).points()
         if self._at_rest(controller) != standing:
             raise ControlError("the arm was moved while its line was planned")
@@ -287,7 +286,7 @@ class Arm:
     ) -> Array:
         """Return a pose in the link that carries the arm, shape (4, 4)."""
         model = self._robot.description.model
-        found = transforms(model, position)
+        found = link_poses(model, position)
         T = as_matrix(pose)
         if relative_to is not None:
             T = found[model.link(relative_to).name].matrix @ T

@@ -12,7 +12,6 @@ from tool0.control.segment import Motion, MotionPlan
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
 from tool0.errors import ControlError
-from tool0.kinematics.speeds import largest_velocity
 
 if TYPE_CHECKING:
     import ruckig
@@ -115,7 +114,7 @@ def _solve(
 ) -> ruckig.Trajectory:
     import ruckig  # without annotations: its values are Any
 
-    velocities = [largest_velocity(joint) for joint in joints]
+    velocities = [joint.max_velocity for joint in joints]
     wanted = ruckig.InputParameter(len(joints))
     wanted.current_position = list(start.positions)
     wanted.current_velocity = list(start.velocities)

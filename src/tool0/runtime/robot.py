@@ -15,8 +15,9 @@ from tool0.control.manager import ControllerStatus, Strictness
 from tool0.description.camera import Camera
 from tool0.description.catalogue import RobotDescription
 from tool0.description.finding import Finding
-from tool0.description.kinematics import Transform, link_pose
+from tool0.description.forward_kinematics import link_pose
 from tool0.description.model import JointLimits
+from tool0.description.transform import Transform
 from tool0.errors import ControlError, nearest_name
 from tool0.hardware.engine import Contact, Engine
 from tool0.runtime import commands as ask

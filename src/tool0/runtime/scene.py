@@ -6,10 +6,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import final, overload
 
-from tool0.description.kinematics import Transform
-from tool0.description.mesh_files import mesh
-from tool0.description.model import Geometry, Pose
-from tool0.description.motion import from_quaternion
 from tool0.description.scene import (
     DEFAULT_FRICTION,
     PALETTE,
@@ -17,12 +13,14 @@ from tool0.description.scene import (
     STILL_RGBA,
     SceneObject,
 )
+from tool0.description.shapes import Geometry, mesh
+from tool0.description.transform import Pose, Transform, from_quaternion
 from tool0.errors import ControlError, nearest_name
 from tool0.hardware.engine import ObjectState
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Snapshot
 from tool0.runtime.loop import Loop
-from tool0.runtime.surroundings import object_state, three_numbers
+from tool0.runtime.scene_objects import object_state, three_numbers
 
 
 @final

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from typing import final
 
 from tool0.description.catalogue import RobotDescription
-from tool0.description.model import FLANGE, RobotModel, Vector3
+from tool0.description.model import FLANGE, RobotModel
+from tool0.description.transform import Vector3
 from tool0.errors import ControlError
 from tool0.hardware.low_pass import LowPass
 from tool0.runtime import commands as ask

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-from tool0.description.model import Vector3
+from tool0.description.transform import Vector3
 
 
 @final

@@ -7,9 +7,9 @@ import math
 
 import pytest
 
-from tool0.description.bins import bin_walls
-from tool0.description.model import Box, Pose
-from tool0.description.scene import SceneObject
+from tool0.description.scene import SceneObject, bin_walls
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError
 
 SIZE = (0.3, 0.2, 0.1)

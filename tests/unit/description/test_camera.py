@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from tool0.description.camera import Camera, default_cameras, looking, merged
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import to_transform
-from tool0.description.model import Pose, RobotModel
+from tool0.description.model import RobotModel
+from tool0.description.transform import Pose, to_transform
 from tool0.errors import ConfigError
 
 COORDINATE = st.floats(-5.0, 5.0)

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from tool0.description.camera import Camera, looking
-from tool0.description.model import Pose
 from tool0.description.scene_file import load_scene
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError
 
 FULL = """

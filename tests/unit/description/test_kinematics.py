@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import Transform, link_pose, to_transform, transforms
-from tool0.description.model import Pose, RobotModel
+from tool0.description.forward_kinematics import link_pose, link_poses
+from tool0.description.model import RobotModel
+from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ModelError
 
 ARM = (
@@ -91,7 +92,7 @@ def test_poses_between_links_invert_each_other(model: RobotModel) -> None:
     back = link_pose(model, position, "forearm_link", relative_to="tool0")
     assert_same(there @ back, Transform())
     assert_same(link_pose(model, position, "tool0", relative_to="tool0"), Transform())
-    assert link_pose(model, position, "tool0") == transforms(model, position)["tool0"]
+    assert link_pose(model, position, "tool0") == link_poses(model, position)["tool0"]
 
 
 @pytest.mark.parametrize("q", [0.0, 0.1, 0.35, 0.6, 0.8, 0.8133])
@@ -119,14 +120,14 @@ def test_a_mimic_joint_follows_unless_it_is_given(model: RobotModel) -> None:
         "left_inner_finger_joint": -0.5,
         "right_inner_finger_joint": -0.5,
     }
-    assert transforms(model, follows) == transforms(model, spelled_out)
+    assert link_poses(model, follows) == link_poses(model, spelled_out)
     broken = {**follows, "right_finger_joint": 0.0}
-    assert transforms(model, follows) != transforms(model, broken)
+    assert link_poses(model, follows) != link_poses(model, broken)
 
 
 def test_unknown_names_are_refused(model: RobotModel) -> None:
     with pytest.raises(ModelError, match="'elbow'; did you mean 'elbow_joint'"):
-        transforms(model, {"elbow": 1.0})
+        link_poses(model, {"elbow": 1.0})
     with pytest.raises(ModelError, match="unknown link 'tool1'; did you mean 'tool0'"):
         link_pose(model, {}, "tool1")
     with pytest.raises(ModelError, match="unknown link 'bse'"):

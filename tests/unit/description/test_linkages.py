@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import transforms
+from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import JointType, RobotModel, Spring
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
@@ -105,7 +105,7 @@ def test_the_fingers_loops_close_at_every_opening(prefix: str) -> None:
     model = assemble(gripper_model="linkage", prefix=prefix).model
     assert len(model.loops) == 2
     for position in (0.0, 0.3, 0.8133):
-        frames = transforms(model, {f"{prefix}finger_joint": position})
+        frames = link_poses(model, {f"{prefix}finger_joint": position})
         for found in model.loops:
             ends = zip(found.links, found.points, strict=True)
             first, second = (frames[link].apply(point) for link, point in ends)

@@ -5,13 +5,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import Transform, to_transform, transforms
-from tool0.description.model import Joint, JointType, Link, Mimic, Pose, RobotModel
-from tool0.description.motion import (
-    FrameMotion,
+from tool0.description.forward_kinematics import FrameMotion, link_motions, link_poses
+from tool0.description.model import Joint, JointType, Link, Mimic, RobotModel
+from tool0.description.transform import (
+    Pose,
+    Transform,
     from_quaternion,
-    link_motions,
     to_pose,
+    to_transform,
 )
 
 H = 1e-6  # [s]; central differences err by O(h^2)
@@ -53,7 +54,7 @@ def assert_is_derivative(
     model: RobotModel, position: Mapping[str, float], velocity: Mapping[str, float]
 ) -> None:
     def poses(time: float) -> dict[str, Transform]:
-        return transforms(
+        return link_poses(
             model, {name: q + velocity[name] * time for name, q in position.items()}
         )
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
-from tool0.description.rigid_text import MAX_LENGTH, ROUGHEST, read_rigid_model
+from tool0.description.rigid_model_xml import MAX_FRICTION, MAX_LENGTH, read_rigid_model
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ConfigError, DescriptionError, Tool0Error
 
 BOX = '<geometry><box size="0.1 0.2 0.3"/></geometry>'
@@ -208,7 +208,7 @@ def test_friction_beyond_reason_is_what_is_rough() -> None:
     text = sdf_link(
         f"{SDF_BOX}<surface><friction><ode><mu>1e15</mu></ode></friction></surface>"
     )
-    assert read_rigid_model(text).friction == ROUGHEST
+    assert read_rigid_model(text).friction == MAX_FRICTION
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,10 @@ from typing import Any
 
 import pytest
 
-from tool0.description.model import Box, Cylinder, Mesh, Pose, RobotModel, Sphere
+from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError
 
 BOX = Box(size=(0.1, 0.1, 0.1))

@@ -3,9 +3,10 @@ from pathlib import Path
 
 import pytest
 
-from tool0.description.model import Box, Cylinder, Mesh, Pose, Sphere
 from tool0.description.scene import PALETTE, STILL_RGBA, Scene, SceneObject
 from tool0.description.scene_file import load_scene
+from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError
 
 FULL = """

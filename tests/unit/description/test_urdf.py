@@ -3,7 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from tool0.description.model import Box, Cylinder, JointType, Mesh, RobotModel, Sphere
+from tool0.description.model import JointType, RobotModel
+from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
 from tool0.description.urdf import read_model
 from tool0.description.urdf_links import principal_moments
 from tool0.description.xml_source import parse_text

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tool0.description.model import Pose
+from tool0.description.transform import Pose
 from tool0.engines.gazebo.connection import (
     VERSION,
     Connection,

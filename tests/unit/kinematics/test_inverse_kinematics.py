@@ -6,14 +6,11 @@ import numpy as np
 import pytest
 from arm_rig import calibration, old_model, only_chain, ur5
 
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import Pose
+from tool0.description.transform import Pose, Transform, as_matrix, to_transform
 from tool0.errors import ControlError, ModelError, UnreachableError
-from tool0.kinematics.branch import Branch
 from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import ArmGeometry
-from tool0.kinematics.inverse import InverseKinematics
-from tool0.kinematics.pose_matrix import as_matrix
+from tool0.kinematics.inverse import Branch, InverseKinematics
 
 N_POSES = 200
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])

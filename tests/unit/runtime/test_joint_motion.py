@@ -11,9 +11,14 @@ from tool0.control.playback import Piece, Track, sample_track, splice
 from tool0.control.segment import Motion, MotionPlan, Segment
 from tool0.control.tolerances import NO_TOLERANCES
 from tool0.control.trajectory import JointsMotion
-from tool0.description.model import Joint, JointLimits, JointType
+from tool0.description.model import (
+    DEFAULT_SLIDE_VELOCITY,
+    DEFAULT_TURN_VELOCITY,
+    Joint,
+    JointLimits,
+    JointType,
+)
 from tool0.errors import ControlError
-from tool0.kinematics.speeds import UNLIMITED, UNLIMITED_TURN
 from tool0.runtime.joint_motion import (
     SPACING,
     TIME_TO_FULL_SPEED,
@@ -180,8 +185,8 @@ def test_a_continuous_joint_goes_the_shortest_way_round() -> None:
 @pytest.mark.parametrize(
     ("kind", "fastest"),
     [
-        (JointType.REVOLUTE, UNLIMITED_TURN),
-        (JointType.PRISMATIC, UNLIMITED[JointType.PRISMATIC]),
+        (JointType.REVOLUTE, DEFAULT_TURN_VELOCITY),
+        (JointType.PRISMATIC, DEFAULT_SLIDE_VELOCITY),
     ],
 )
 def test_joints_without_a_velocity_get_a_modest_one(

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tool0.runtime.line_timing import Stretch, Timing
+from tool0.kinematics.line import PathSegment, PathTiming
 
-EVEN = Stretch(1.0, 0.5, 2.0, 20.0)
+EVEN = PathSegment(1.0, 0.5, 2.0, 20.0)
 SLOW = [
     EVEN._replace(end=0.4),
     EVEN._replace(end=0.6, speed=0.1),
@@ -18,14 +18,14 @@ CREEPING = [
 WAYS = {"even": [EVEN], "slow": SLOW, "creeping": CREEPING}
 
 
-def sampled(timing: Timing) -> tuple[np.ndarray, np.ndarray]:
+def sampled(timing: PathTiming) -> tuple[np.ndarray, np.ndarray]:
     times = np.linspace(0.0, timing.duration, 5001)
     return times, timing.at(times)
 
 
 @pytest.mark.parametrize("way", WAYS.values(), ids=WAYS.keys())
-def test_it_goes_from_rest_to_rest_within_the_limits(way: list[Stretch]) -> None:
-    timing = Timing(way)
+def test_it_goes_from_rest_to_rest_within_the_limits(way: list[PathSegment]) -> None:
+    timing = PathTiming(way)
     times, motion = sampled(timing)
     s, sd, sdd = motion.T
     np.testing.assert_allclose(motion[0], [0.0, 0.0, 0.0], atol=1e-9)
@@ -43,7 +43,7 @@ def test_it_goes_from_rest_to_rest_within_the_limits(way: list[Stretch]) -> None
 
 
 def test_only_the_slow_stretch_is_slow() -> None:
-    even, slow = Timing([EVEN]), Timing(SLOW)
+    even, slow = PathTiming([EVEN]), PathTiming(SLOW)
     extra = slow.duration - even.duration
     assert 0.2 / 0.1 - 0.2 / 0.5 < extra < 0.2 / 0.1 - 0.2 / 0.5 + 1.0
     _, motion = sampled(slow)
@@ -52,4 +52,4 @@ def test_only_the_slow_stretch_is_slow() -> None:
 
 def test_it_takes_no_longer_than_it_must() -> None:
     """Ramps of constant acceleration alone would take 1/0.5 + 0.5/2 s."""
-    assert Timing([EVEN]).duration == pytest.approx(2.25 + 2.0 / 20.0, abs=1e-9)
+    assert PathTiming([EVEN]).duration == pytest.approx(2.25 + 2.0 / 20.0, abs=1e-9)

@@ -10,13 +10,11 @@ from tool0.control.playback import hold_track, sample_track, splice
 from tool0.control.segment import Motion
 from tool0.control.tolerances import NO_TOLERANCES
 from tool0.control.trajectory import TrajectoryPoint
-from tool0.description.kinematics import to_transform
-from tool0.description.model import Pose
+from tool0.description.transform import Pose, as_matrix, to_transform
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import Array
 from tool0.kinematics.inverse import InverseKinematics
-from tool0.kinematics.line import Line
-from tool0.kinematics.pose_matrix import as_matrix
+from tool0.kinematics.line import LinePath
 from tool0.runtime.joint_motion import TIME_TO_FULL_SPEED
 from tool0.runtime.linear_motion import PERIOD, LinearLimits, LinearMotion
 
@@ -43,9 +41,9 @@ def arm() -> InverseKinematics:
 
 def planned(
     arm: InverseKinematics, end: Pose, limits: LinearLimits, start: Array = HOME
-) -> tuple[Line, list[TrajectoryPoint]]:
+) -> tuple[LinePath, list[TrajectoryPoint]]:
     begin = arm.chain.forward(start[None]).T_base_tip[0] @ PAD
-    line = Line(begin, begin @ as_matrix(end), PAD)
+    line = LinePath(begin, begin @ as_matrix(end), PAD)
     return line, LinearMotion(arm, line, start, limits).points()
 
 
@@ -161,7 +159,7 @@ def test_a_line_through_a_singularity_says_where(arm: InverseKinematics) -> None
     begin = arm.chain.forward(start[None]).T_base_tip[0]
     through = start * [1, 1, 1, 1, -1, 1]  # the wrist goes through 0
     end = arm.chain.forward(through[None]).T_base_tip[0]
-    line = Line(begin, end, np.eye(4))
+    line = LinePath(begin, end, np.eye(4))
     with pytest.raises(UnreachableError, match=r"singularity.*at \d+% of the line"):
         LinearMotion(arm, line, start, USUAL)
 
@@ -200,6 +198,6 @@ def test_limits_are_above_zero(name: str, value: float) -> None:
 
 def test_half_a_turn_is_a_line_too() -> None:
     end = to_transform(Pose(rpy=(0.0, 0.0, np.pi))).matrix
-    line = Line(np.eye(4), end, np.eye(4))
+    line = LinePath(np.eye(4), end, np.eye(4))
     assert line.angle == pytest.approx(np.pi)
     np.testing.assert_allclose(line.tool(np.array([1.0]))[0], end, atol=1e-9)

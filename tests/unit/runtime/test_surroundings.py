@@ -11,8 +11,9 @@ import pytest
 from skew_rig import build_core, build_loop, follow
 
 import tool0
-from tool0.description.model import Box, Pose
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError, ControlError, EngineError
 from tool0.hardware.engine import ObjectState
 from tool0.runtime import commands as ask

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import Box, Vector3
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Transform, Vector3, to_transform
 from tool0.errors import ControlError
 
 

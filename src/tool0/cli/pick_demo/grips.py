@@ -8,16 +8,10 @@ from dataclasses import dataclass
 from typing import final
 
 from tool0.cli.pick_demo.bin import box_corners
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import (
-    Box,
-    Cylinder,
-    ParallelGripper,
-    Pose,
-    RobotModel,
-    Sphere,
-)
+from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Sphere
+from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ControlError
 from tool0.sensing.pads import grasp_frame, pad_links
 

@@ -10,8 +10,7 @@ from tool0.cli.pick_demo.bin import Bin
 from tool0.cli.pick_demo.grips import CLEARANCE, Grip, grips, half_height, reach_below
 from tool0.cli.pick_demo.witness import Witness
 from tool0.control.goal import GoalStatus
-from tool0.description.kinematics import Transform
-from tool0.description.model import Vector3
+from tool0.description.transform import Transform, Vector3
 from tool0.errors import ModelError, Tool0Error
 from tool0.hardware.drive_bounds import DriveBounds
 from tool0.runtime.joint_motion import require_speed

@@ -15,8 +15,7 @@ from tool0.cli.pick_demo.pick import pick_and_place
 from tool0.cli.pick_demo.picker import PickOptions
 from tool0.cli.pick_demo.report import DemoReport, PickReport
 from tool0.cli.pick_demo.witness import Witness
-from tool0.description.kinematics import to_transform
-from tool0.description.model import Pose
+from tool0.description.transform import Pose, to_transform
 from tool0.runtime.bus import Snapshot
 
 if TYPE_CHECKING:

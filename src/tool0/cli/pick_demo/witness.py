@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, final
 
-from tool0.description.kinematics import Transform, transforms
-from tool0.description.model import Vector3
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.transform import Transform, Vector3
 from tool0.errors import ControlError, EngineError
 from tool0.runtime.bus import SNAPSHOT_PERIOD, Snapshot
 from tool0.runtime.scene import object_pose
@@ -146,7 +146,7 @@ class Witness:
     def _held_at(self, snapshot: Snapshot) -> Vector3:
         """Return where the object is from midway between the pads, in the gripper."""
         position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
-        found = transforms(self._robot.description.model, position)
+        found = link_poses(self._robot.description.model, position)
         (ax, ay, az), (bx, by, bz) = (found[pad].position for pad in self._pads)
         middle = Transform(
             position=((ax + bx) / 2.0, (ay + by) / 2.0, (az + bz) / 2.0),

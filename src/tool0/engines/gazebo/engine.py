@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import final
 
 from tool0.description.catalogue import RobotDescription
-from tool0.description.model import Pose, Vector3
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.transform import Pose, Vector3
 from tool0.engines.gazebo.connection import (
     Connection,
     Kind,

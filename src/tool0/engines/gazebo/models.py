@@ -8,8 +8,9 @@ import struct
 from pathlib import Path
 from typing import final
 
-from tool0.description.model import Pose, RobotModel, Transmission, Vector3
+from tool0.description.model import RobotModel, Transmission
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.transform import Pose, Vector3
 from tool0.engines.gazebo.connection import (
     Connection,
     Kind,

@@ -16,21 +16,17 @@ import mujoco
 import numpy as np
 
 from tool0.description.model import (
-    Box,
     Collision,
-    Cylinder,
-    Geometry,
     Joint,
     JointType,
     Link,
     LoopJoint,
-    Mesh,
     RobotModel,
-    Sphere,
     Surface,
     Visual,
 )
 from tool0.description.scene import GROUND
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.errors import ModelError
 from tool0.hardware.bodies import (
     Matrix,

@@ -12,8 +12,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from tool0.description.model import Collision, Cylinder, Mesh, RobotModel, Sphere
+from tool0.description.model import Collision, RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Cylinder, Mesh, Sphere
 from tool0.engines.mujoco.model import (
     GRIP_CONDIM,
     GRIP_SOLIMP,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tool0.description.kinematics import to_transform
-from tool0.description.model import Box, Cylinder, Geometry, Pose, Sphere
+from tool0.description.shapes import Box, Cylinder, Geometry, Sphere
+from tool0.description.transform import Pose, to_transform
 from tool0.errors import ConfigError
 from tool0.interfaces.panel.protocol import (
     AddedShape,

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from tool0.description.kinematics import Transform
-from tool0.description.model import Pose
+from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError, nearest_name
 from tool0.interfaces.socket.params import Params
 from tool0.interfaces.socket.served_robot import ServedArm, ServedGoal, ServedRobot

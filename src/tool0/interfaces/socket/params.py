@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NoReturn, final
 
-from tool0.description.model import Vector3
+from tool0.description.transform import Vector3
 from tool0.errors import TransportError, nearest_name
 
 

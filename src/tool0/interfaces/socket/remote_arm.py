@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import final
 
-from tool0.description.kinematics import Transform
-from tool0.description.model import Pose
-from tool0.description.motion import from_quaternion
+from tool0.description.transform import Pose, Transform, from_quaternion
 from tool0.interfaces.socket.requests import Call, RemoteGoal, Start
 from tool0.interfaces.socket.wire import Json
 

@@ -7,8 +7,7 @@ import zlib
 from typing import TYPE_CHECKING, Any, final
 
 from tool0.description.camera import Camera
-from tool0.description.kinematics import Transform
-from tool0.description.model import Pose
+from tool0.description.transform import Pose, Transform
 from tool0.errors import Tool0Error, TransportError
 from tool0.interfaces.socket.requests import Call
 from tool0.interfaces.socket.wire import Json

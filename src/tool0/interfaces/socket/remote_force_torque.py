@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final, final
 
-from tool0.description.model import Vector3
+from tool0.description.transform import Vector3
 from tool0.interfaces.socket.requests import Call
 from tool0.sensing.wrench import WrenchReading
 

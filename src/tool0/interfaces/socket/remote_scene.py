@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-from tool0.description.model import Geometry, Vector3
 from tool0.description.scene import DEFAULT_FRICTION, RGBA
+from tool0.description.shapes import Geometry
+from tool0.description.transform import Vector3
 from tool0.hardware.engine import ObjectState
 from tool0.interfaces.socket.params import Params
 from tool0.interfaces.socket.requests import Call

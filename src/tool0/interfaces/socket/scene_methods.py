@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from tool0.description.kinematics import to_transform
-from tool0.description.mesh_files import mesh
-from tool0.description.model import Mesh, Pose
 from tool0.description.scene import DEFAULT_FRICTION, RGBA
+from tool0.description.shapes import Mesh, mesh
+from tool0.description.transform import Pose, to_transform
 from tool0.errors import TransportError
 from tool0.interfaces.socket.params import Params
 from tool0.interfaces.socket.served_robot import ServedRobot

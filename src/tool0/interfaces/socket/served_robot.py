@@ -8,9 +8,9 @@ from typing import Protocol
 from tool0.control.goal import GoalStatus, Result
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.camera import Camera
-from tool0.description.kinematics import Transform
-from tool0.description.model import Geometry, Pose
 from tool0.description.scene import RGBA, SceneObject
+from tool0.description.shapes import Geometry
+from tool0.description.transform import Pose, Transform
 from tool0.hardware.engine import ObjectState
 from tool0.sensing.cameras import CameraImage
 from tool0.sensing.wrench import WrenchReading

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.errors import TransportError, nearest_name
 from tool0.interfaces.socket.params import Params
 from tool0.interfaces.socket.wire import Json

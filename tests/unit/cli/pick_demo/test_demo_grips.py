@@ -10,9 +10,9 @@ import pytest
 
 from tool0.cli.pick_demo.grips import grips, half_height, reach_below
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ControlError
 
 LARGEST = 0.085
