@@ -129,6 +129,11 @@ def to_transform(pose: Pose) -> Transform:
     )
 
 
+def pose_matrix(pose: Pose) -> NDArray[np.float64]:
+    """Return ``pose`` as a homogeneous matrix, shape (4, 4)."""
+    return to_transform(pose).matrix
+
+
 def to_pose(transform: Transform) -> Pose:
     """Return ``transform`` as URDF's ``<origin>`` would write it."""
     (xx, _, _), (yx, yy, yz), (zx, zy, zz) = transform.rotation
