@@ -12,10 +12,12 @@ if TYPE_CHECKING:
     from tool0.control.goal import GoalResult, GoalStatus, GripperResult
     from tool0.control.trajectory import TrajectoryPoint
     from tool0.errors import GoalRejectedError, Tool0Error
+    from tool0.kinematics.inverse import Branch
     from tool0.runtime.bringup import bringup
     from tool0.runtime.robot import Robot
 
 __all__ = [
+    "Branch",
     "GoalRejectedError",
     "GoalResult",
     "GoalStatus",
@@ -27,6 +29,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Branch": "tool0.kinematics.inverse",
     "GoalRejectedError": "tool0.errors",
     "GoalResult": "tool0.control.goal",
     "GoalStatus": "tool0.control.goal",

@@ -23,7 +23,8 @@ from tool0.user_data import require_writable
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from tool0.cli.pick_demo.report import DemoReport, PickReport
+    from tool0.cli.pick_demo.picker import PickReport
+    from tool0.cli.pick_demo.trials import DemoReport
     from tool0.description.scene import Scene
     from tool0.description.transform import Pose
     from tool0.runtime.robot import Robot
@@ -177,12 +178,12 @@ def _linger() -> None:
 
 
 def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
-    from tool0.cli.pick_demo.bin import find_bin
-    from tool0.cli.pick_demo.film import Film
+    from tool0.cli.pick_demo.grasps import find_bin
+    from tool0.cli.pick_demo.monitor import FrameRecorder
     from tool0.cli.pick_demo.picker import PickOptions
     from tool0.cli.pick_demo.trials import run_trials
 
-    film = Film()
+    recorder = FrameRecorder()
     report = run_trials(
         robot,
         ITEM,
@@ -190,13 +191,13 @@ def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
         _poses(arguments),
         arguments.n,
         options=PickOptions(force=arguments.force, speed=arguments.speed),
-        on_snapshot=film.take if arguments.video else lambda snapshot: None,
+        on_snapshot=recorder.record if arguments.video else lambda snapshot: None,
         on_pick=_tell if arguments.format == "text" else lambda pick: None,
     )
     if arguments.video is None:
         return report
     with Progress() as progress:
-        film.write(arguments.video, robot, arguments.camera, progress)
+        recorder.write(arguments.video, robot, arguments.camera, progress)
     return replace(report, video=str(arguments.video))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tool0.cli.pick_demo.bin import find_bin
+from tool0.cli.pick_demo.grasps import find_bin
 from tool0.description.scene_file import load_scene
 from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError

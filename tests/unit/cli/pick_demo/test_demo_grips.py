@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tool0.cli.pick_demo.grips import grips, half_height, reach_below
+from tool0.cli.pick_demo.grasps import find_grasps, finger_reach, half_height
 from tool0.description.catalogue import assemble
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
@@ -23,7 +23,7 @@ def thing(geometry: Geometry, **pose: tuple[float, float, float]) -> SceneObject
 
 
 def ways(item: SceneObject) -> list[tuple[Transform, float]]:
-    found = grips(item, to_transform(item.pose), LARGEST)
+    found = find_grasps(item, to_transform(item.pose), LARGEST)
     return [(grip.pose, grip.width) for grip in found]
 
 
@@ -88,7 +88,7 @@ def test_a_mesh_is_refused(tmp_path: object) -> None:
 
 def test_the_fingers_reach_as_far_as_their_pads() -> None:
     model = assemble(mount_rpy=(0.0, 0.0, 0.7)).model
-    assert reach_below(model, model.grippers[0]) == pytest.approx(0.0375 / 2.0)
+    assert finger_reach(model, model.grippers[0]) == pytest.approx(0.0375 / 2.0)
 
 
 def test_pads_without_a_box_are_told() -> None:
@@ -97,4 +97,4 @@ def test_pads_without_a_box_are_told() -> None:
         model, links=tuple(replace(link, collisions=()) for link in model.links)
     )
     with pytest.raises(ControlError, match="collision box of 'left_inner_finger_pad'"):
-        reach_below(bare, bare.grippers[0])
+        finger_reach(bare, bare.grippers[0])
