@@ -16,7 +16,6 @@ from tool0.description.transform import (
     subtract,
     to_transform,
 )
-from tool0.errors import ModelError, nearest_name
 
 _ZERO: Vector3 = (0.0, 0.0, 0.0)
 
@@ -35,11 +34,8 @@ def link_poses(
         ModelError: If ``position`` names a joint that the robot lacks.
     """
     given = position or {}
-    unknown = given.keys() - model.joint_by_name.keys()
-    if unknown:
-        name = sorted(unknown)[0]
-        hint = nearest_name(name, list(model.joint_by_name))
-        raise ModelError(f"unknown joint '{name}'{hint}")
+    for name in sorted(given.keys() - model.joint_by_name.keys()):
+        model.joint(name)  # raises
     found = {model.root: Transform()}
     for joint in model.joints:
         found[joint.child] = found[joint.parent] @ joint_transform(joint, given)

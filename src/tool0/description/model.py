@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import enum
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import final
+from typing import TypeVar, final
 
 from tool0.description.shapes import Geometry
 from tool0.description.transform import Pose, Vector3
 from tool0.errors import LimitsError, ModelError, SourceLocation, nearest_name
+
+Item = TypeVar("Item")
 
 FLANGE = "tool0"
 """How the link at the end of an arm is called, after a prefix (REP-199)."""
@@ -340,16 +343,16 @@ class RobotModel:
 
     def joint(self, name: str) -> Joint:
         """Return the joint called ``name``, or raise ModelError."""
-        try:
-            return self.joint_by_name[name]
-        except KeyError:
-            hint = nearest_name(name, list(self.joint_by_name))
-            raise ModelError(f"unknown joint '{name}'{hint}") from None
+        return _find("joint", name, self.joint_by_name)
 
     def link(self, name: str) -> Link:
         """Return the link called ``name``, or raise ModelError."""
-        try:
-            return self.link_by_name[name]
-        except KeyError:
-            hint = nearest_name(name, list(self.link_by_name))
-            raise ModelError(f"unknown link '{name}'{hint}") from None
+        return _find("link", name, self.link_by_name)
+
+
+def _find(kind: str, name: str, items: Mapping[str, Item]) -> Item:
+    try:
+        return items[name]
+    except KeyError:
+        hint = nearest_name(name, list(items))
+        raise ModelError(f"unknown {kind} '{name}'{hint}") from None

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TypeVar
 from xml.dom.minidom import Document, Element
 
-from tool0.description.attributes import required
+from tool0.description.attributes import require_known, required
 from tool0.description.model import Joint, Link, RobotModel
 from tool0.description.urdf_extensions import (
     apply_gazebo,
@@ -23,7 +23,7 @@ from tool0.description.urdf_joints import (
 )
 from tool0.description.urdf_links import read_link, read_materials
 from tool0.description.xml_source import children, locate
-from tool0.errors import DescriptionError, ModelError, SourceLocation, nearest_name
+from tool0.errors import DescriptionError, ModelError, SourceLocation
 
 Item = TypeVar("Item", Link, Joint)
 _Locations = dict[str, SourceLocation]
@@ -101,12 +101,8 @@ def _order(
     for joint in joints.values():
         location = locations.get(f"joint:{joint.name}")
         for role, name in (("parent", joint.parent), ("child", joint.child)):
-            if name not in links:
-                hint = nearest_name(name, list(links))
-                raise ModelError(
-                    f"joint '{joint.name}' has the unknown {role} link '{name}'{hint}",
-                    location,
-                )
+            what = f"joint '{joint.name}' has the unknown {role} link"
+            require_known(name, links, what, location)
         if joint.child in above:
             raise ModelError(
                 f"link '{joint.child}' has two parents, by the joints "

@@ -18,6 +18,7 @@ from tool0.description.attributes import (
     number,
     only_child,
     origin,
+    require_known,
     required,
     required_child,
     vector,
@@ -40,7 +41,6 @@ from tool0.errors import (
     LimitsError,
     ModelError,
     SourceLocation,
-    nearest_name,
 )
 
 LOOP_GAP = 1e-5
@@ -162,14 +162,9 @@ def check_mimics(
         if joint.mimic is None:
             continue
         location = locations.get(f"joint:{joint.name}")
-        leader = joints.get(joint.mimic.joint)
-        if leader is None:
-            hint = nearest_name(joint.mimic.joint, list(joints))
-            raise ModelError(
-                f"joint '{joint.name}' mimics the unknown joint "
-                f"'{joint.mimic.joint}'{hint}",
-                location,
-            )
+        what = f"joint '{joint.name}' mimics the unknown joint"
+        require_known(joint.mimic.joint, joints, what, location)
+        leader = joints[joint.mimic.joint]
         if leader is joint or leader.mimic is not None:
             raise ModelError(
                 f"joint '{joint.name}' mimics '{leader.name}', which mimics "
@@ -210,12 +205,8 @@ def mark_passive(robot: Element, joints: Mapping[str, Joint]) -> dict[str, Joint
     changed = dict(joints)
     for element in children(robot, "passive_joint"):
         name = required(element, "name")
-        if name not in joints:
-            hint = nearest_name(name, list(joints))
-            raise ModelError(
-                f"<passive_joint> names the unknown joint '{name}'{hint}",
-                locate(element),
-            )
+        what = "<passive_joint> names the unknown joint"
+        require_known(name, joints, what, locate(element))
         if joints[name].mimic is None:
             raise ModelError(
                 f"passive joint '{name}' lacks <mimic>, which says where it rests",
@@ -241,12 +232,8 @@ def _read_loop(element: Element, links: Collection[str]) -> LoopJoint:
         )
     first, second = (required(end, "link") for end in ends)
     for link, end in zip((first, second), ends, strict=True):
-        if link not in links:
-            hint = nearest_name(link, list(links))
-            raise ModelError(
-                f"<loop_joint> '{name}' ends at the unknown link '{link}'{hint}",
-                locate(end),
-            )
+        what = f"<loop_joint> '{name}' ends at the unknown link"
+        require_known(link, links, what, locate(end))
     if first == second:
         raise ModelError(
             f"<loop_joint> '{name}' joins '{first}' to itself; name two links",
