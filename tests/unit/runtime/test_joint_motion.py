@@ -200,7 +200,7 @@ def test_joints_without_a_velocity_get_a_modest_one(
 
 @pytest.mark.parametrize("speed", [0.0, 0.009, 1.01, -1.0, math.nan, math.inf])
 def test_a_speed_out_of_range_is_refused(speed: float) -> None:
-    with pytest.raises(ControlError, match="speed must be in"):
+    with pytest.raises(ControlError):
         plan_motion(ARM, moving([0.0] * 4), [0.0] * 4, speed=speed)
 
 
