@@ -20,7 +20,7 @@ from tool0.errors import LimitsError, ModelError, SourceLocation, nearest_name
 Item = TypeVar("Item")
 
 FLANGE = "tool0"
-"""How the link at the end of an arm is called, after a prefix (REP-199)."""
+"""Name of the link at the end of an arm, after a prefix (REP-199)."""
 
 
 DEFAULT_TURN_VELOCITY = 1.0
@@ -63,7 +63,7 @@ class Collision:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surface:
-    """Contact of a link made for gripping, from ``<gazebo reference=…>``."""
+    """Contact parameters of a gripping link, from ``<gazebo reference=…>``."""
 
     mu1: float | None = None
     mu2: float | None = None
@@ -84,7 +84,7 @@ class Link:
     collisions: tuple[Collision, ...] = ()
     surface: Surface | None = None
     self_collide: bool | None = None
-    """``<gazebo reference><selfCollide>``; None if it says nothing."""
+    """``<gazebo reference><selfCollide>``; None if absent."""
 
 
 class JointType(enum.Enum):
@@ -174,7 +174,7 @@ class Joint:
     friction: float = 0.0
     mimic: Mimic | None = None
     passive: bool = False
-    """Whether nothing but a loop holds it: it mimics while nothing touches the loop."""
+    """Whether only a loop holds it: it mimics while nothing touches the loop."""
     spring: Spring | None = None
     safety: SafetyController | None = None
 
@@ -212,8 +212,8 @@ class Transmission:
     rotor_inertia: float = 0.0
     """Inertia of the motor's rotor, at the motor [kg·m²]."""
     gravity_compensation: bool = False
-    """Whether the drive itself carries the weight of what it moves, so that effort is
-    what is applied beyond it.  True of drives too firmly geared for it to matter."""
+    """Whether the drive compensates gravity by itself, so that effort acts in addition.
+    True of drives with so large a reduction that gravity hardly matters."""
 
     @property
     def armature(self) -> float:
@@ -253,7 +253,7 @@ class ParallelGripper:
     """Weakest and strongest grip, at each pad [N]."""
     passive: tuple[tuple[str, Mimic], ...] = ()
     """Joints of its linkage, and how they follow its joint while the pads are parallel:
-    fingers that wrap around something leave that."""
+    fingers that wrap around an object leave that relation."""
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [rad]."""
@@ -284,7 +284,7 @@ class ParallelGripper:
 @final
 @dataclass(frozen=True)
 class RobotModel:
-    """A tree of links and joints that was checked: it exists, so it is sound."""
+    """A checked tree of links and joints."""
 
     name: str
     root: str

@@ -1,4 +1,4 @@
-"""A simple model of URDF or SDF, as a value: one rigid body of one shape."""
+"""A simple model from URDF or SDF, as a value: one rigid body of one shape."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ def gazebo_colour(name: str) -> RGBA | None:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidModel:
-    """What an object was made of, with the frames that Gazebo knows of it."""
+    """The model of an object, with the frames that Gazebo has for it."""
 
     name: str
-    """As its text says."""
+    """As in its text."""
     geometry: Geometry
     link: str = "link"
     collision: str = "collision"

@@ -1,4 +1,4 @@
-"""Reading a simple model from the text of a URDF or SDF, which may come from anybody.
+"""Reading a simple model from the text of an untrusted URDF or SDF.
 
 A simple model is one rigid body with one collision shape.
 """
@@ -156,7 +156,7 @@ def _urdf_mass(model: RobotModel, extensions: list[Element]) -> float | None:
     mass = sum(link.inertial.mass for link in model.links if link.inertial is not None)
     if not mass:
         raise DescriptionError(
-            f"model '{model.name}' has no mass; give its link an <inertial>, or say "
+            f"model '{model.name}' has no mass; give its link an <inertial>, or write "
             "<gazebo><static>true</static></gazebo>"
         )
     return mass

@@ -1,4 +1,4 @@
-"""What stands and lies around the robot, as frozen values."""
+"""The objects around the robot, as frozen values."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ RGBA = tuple[float, float, float, float]
 
 DEFAULT_FRICTION = 1.0
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
-"""Orange: no part of the robots that tool0 brings has it."""
+"""Orange: no part of the bundled robots has it."""
 
 GROUND = "ground"
-"""What contacts and warnings call what everything stands on."""
+"""Name of the ground plane in contacts and warnings."""
 
 STILL_RGBA: RGBA = (0.78, 0.74, 0.66, 1.0)
-"""Of what stands still and names no colour: pale wood."""
+"""Of fixed objects without a colour: pale wood."""
 PALETTE: tuple[RGBA, ...] = (
     (0.90, 0.60, 0.00, 1.0),  # orange
     (0.00, 0.62, 0.45, 1.0),  # bluish green
@@ -33,7 +33,7 @@ PALETTE: tuple[RGBA, ...] = (
     (0.84, 0.37, 0.00, 1.0),  # vermilion
     (0.00, 0.45, 0.70, 1.0),  # blue
 )
-"""Of movable objects that name no colour, in turn: told apart by colour-blind people
+"""Of movable objects that name no colour, in turn: distinct for colour-blind people,
 too (Okabe and Ito, https://jfly.uni-koeln.de/color/)."""
 
 DEFAULT_WALL = 0.004
@@ -45,7 +45,7 @@ _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SceneObject:
-    """A rigid object of one shape, made of one stuff all through.
+    """A rigid object of one shape, of uniform density.
 
     The smaller friction of two objects that touch is what counts, as in ODE; the
     ground and the robot's links are rough, its pads have their own.
@@ -58,7 +58,7 @@ class SceneObject:
     pose: Pose = field(default_factory=Pose)
     """At the start and after a reset, in the robot's root."""
     mass: float | None = None
-    """[kg]; None stands still, whatever pushes it."""
+    """[kg]; None is a fixed object."""
     friction: float = DEFAULT_FRICTION
     """Coulomb's coefficient for sliding, as ``mu1`` of Gazebo."""
     rgba: RGBA = DEFAULT_RGBA
@@ -100,7 +100,7 @@ class Scene:
     )
     """Where the object of each name is written, for messages."""
     cameras: tuple[Camera, ...] = ()
-    """What looks at them, besides the cameras that every robot has."""
+    """In addition to the default cameras of every robot."""
 
     def __post_init__(self) -> None:
         seen: set[str] = set()
@@ -117,8 +117,8 @@ class Scene:
         for item in self.objects:
             if item.name == GROUND:
                 raise ConfigError(
-                    f"no object can be called '{GROUND}': so contacts call what all "
-                    "stands on; rename it",
+                    f"no object can be called '{GROUND}': that is the ground plane; "
+                    "rename it",
                     self.locations.get(item.name),
                 )
             if item.name in model.link_by_name:

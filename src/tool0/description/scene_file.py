@@ -120,7 +120,7 @@ def load_scene(path: Path | str) -> Scene:
 
 
 def _objects(entry: Entry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
-    """Return what an entry stands for: one object, or the walls of a bin."""
+    """Return the objects of an entry: one, or the walls of a bin."""
     values = Namespace.of(entry)
     values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
     mass = values.number("mass") if values.find("mass") is not None else None
@@ -163,7 +163,7 @@ def _objects(entry: Entry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
 
 
 def _shape(values: Namespace, name: str) -> tuple[str, Namespace]:
-    """Return the kind of an object's only shape, and what is said of it."""
+    """Return the kind of an object's only shape, and its values."""
     kinds = [kind for kind in _KINDS if values.find(kind) is not None]
     if len(kinds) != 1:
         raise ConfigError(
@@ -280,7 +280,7 @@ def _pose(values: Namespace, *other_keys: str) -> Pose:
 
 @contextmanager
 def _located(entry: Entry) -> Iterator[None]:
-    """Add where ``entry`` stands to an error that does not say where."""
+    """Add the location of ``entry`` to an error without one."""
     try:
         yield
     except ConfigError as error:

@@ -1,4 +1,4 @@
-"""Reading what a simulation needs beyond the tree of links and joints.
+"""Reading what a simulation needs besides the tree of links and joints.
 
 ``<transmission>`` as ros_control reads it, ``<gazebo reference=LINK>`` as Gazebo
 does, and ``<parallel_gripper>``, which is our own: other readers of URDF ignore

@@ -201,7 +201,7 @@ def apply_springs(robot: Element, joints: Mapping[str, Joint]) -> dict[str, Join
 
 
 def mark_passive(robot: Element, joints: Mapping[str, Joint]) -> dict[str, Joint]:
-    """Return ``joints`` with those marked that nothing but a loop holds."""
+    """Return ``joints`` with those marked that only a loop holds."""
     changed = dict(joints)
     for element in children(robot, "passive_joint"):
         name = required(element, "name")
@@ -209,7 +209,7 @@ def mark_passive(robot: Element, joints: Mapping[str, Joint]) -> dict[str, Joint
         require_known(name, joints, what, locate(element))
         if joints[name].mimic is None:
             raise ModelError(
-                f"passive joint '{name}' lacks <mimic>, which says where it rests",
+                f"passive joint '{name}' lacks <mimic>, which gives its rest position",
                 locate(element),
             )
         changed[name] = replace(changed[name], passive=True)
@@ -247,10 +247,10 @@ def _read_loop(element: Element, links: Collection[str]) -> LoopJoint:
 
 
 def check_loops(model: RobotModel) -> None:
-    """Raise ModelError unless every loop is closed wherever its joints rest.
+    """Raise ModelError unless every loop is closed in every rest position.
 
-    What ``<mimic>`` says of passive joints must keep the loop closed; both ends and
-    the middle of each master's range are tried.
+    The ``<mimic>`` of passive joints must keep the loop closed; both ends and the
+    middle of each master's range are tried.
     """
     if not model.loops:
         return

@@ -69,7 +69,7 @@ def _read_inertial(link: Element, name: str) -> Inertial | None:
     if not mass > 0:
         raise ModelError(
             f"link '{name}' has mass {mass:g} kg; give a mass above zero, "
-            "or leave <inertial> out for a mere frame",
+            "or leave <inertial> out for a frame without mass",
             locate(mass_element),
         )
     tensor = required_child(element, "inertia")

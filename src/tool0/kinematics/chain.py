@@ -18,7 +18,7 @@ N_JOINTS = 6
 
 
 class Posture(NamedTuple):
-    """What postures do to the flange, in the frame of the link that carries the arm."""
+    """Kinematics of n joint configurations, in the link that carries the arm."""
 
     T_base_tip: Array
     """Shape (n, 4, 4)."""
@@ -105,10 +105,10 @@ def rodrigues(K: Array, K_squared: Array, angle: Array) -> Array:
 
 
 def find_chains(model: RobotModel) -> dict[str, ArmChain]:
-    """Return the arms of a robot by name: what stands before ``tool0``, or ``arm``.
+    """Return the arms of a robot by name: the prefix of ``tool0``, or ``arm``.
 
-    An arm is six joints that turn, one after another, and a link below them whose name
-    ends in ``tool0``; whatever is fixed may be between them.
+    An arm is six turning joints in a row, and a link below them with a name that ends
+    in ``tool0``; fixed joints may be between them.
     """
     chains: dict[str, ArmChain] = {}
     for flange in model.flanges:

@@ -33,7 +33,7 @@ MAX_INEXACT = 0.1
 
 
 class Signs(NamedTuple):
-    """What tells the branches apart: each is zero where two of them meet."""
+    """Functions of a posture that are zero where two branches meet."""
 
     shoulder: Array
     """How far the wrist's centre is before the shoulder [m]; negative behind it."""

@@ -1,4 +1,4 @@
-"""Postures of an arm for a pose: every branch, within the limits, nearest first."""
+"""Inverse kinematics of an arm: every branch within the limits, nearest first."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class InverseKinematics:
             branch: Only postures of this kind.
 
         Raises:
-            UnreachableError: If there is none; it says why.
+            UnreachableError: If there is none, with the reason.
         """
         if not isinstance(branch, Branch | None):
             raise ControlError(
@@ -259,7 +259,7 @@ class InverseKinematics:
                 f"'{joint.name}' would be at {where} rad, outside "
                 f"[{joint.limits.lower:.3f}, {joint.limits.upper:.3f}]"
             )
-        return "the joints' limits are in the way: " + "; ".join(bad)
+        return "joint limits exclude every posture: " + "; ".join(bad)
 
 
 def _twist(T: Array, T_wanted: Array) -> Array:

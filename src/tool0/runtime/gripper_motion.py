@@ -8,8 +8,8 @@ from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
 
 RAMP = 0.005
-"""Distance over which the pads speed up and slow down, each [m]: a guess, no datasheet
-tells; it keeps the fingers from overshooting at full speed."""
+"""Distance over which the pads speed up and slow down, each [m]: a guess, for lack
+of a datasheet; it keeps the fingers from overshooting at full speed."""
 SPACING = 0.005
 """Distance between the points of a planned motion [m]."""
 

@@ -84,7 +84,7 @@ class LinearMotion:
             limits: How fast the tool may move.
 
         Raises:
-            UnreachableError: If it cannot follow; it says why, and where on the line.
+            UnreachableError: If the arm cannot follow it, with reason and place.
         """
         self._kinematics = kinematics
         self._line = line

@@ -11,7 +11,7 @@ from tool0.errors import ControlError
 
 
 def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
-    """Return the links of ``gripper`` whose surface is made for gripping.
+    """Return the links of ``gripper`` with a ``<gazebo>`` surface, its pads.
 
     Raises:
         ControlError: If there are not two of them.

@@ -167,7 +167,7 @@ class Bin:
 
 
 def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
-    """Return the bin whose parts are called ``NAME.part``.
+    """Return the bin with parts called ``NAME.part``.
 
     Raises:
         ControlError: If there is none.
@@ -188,7 +188,7 @@ def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
 
 
 def box_corners(box: Box, pose: Transform) -> list[Vector3]:
-    """Return the corners of a box, whose middle is at ``pose``, in the frame around."""
+    """Return the corners of a box with its middle at ``pose``, in the parent frame."""
     x, y, z = (edge / 2.0 for edge in box.size)
     return [
         pose.apply((i * x, j * y, k * z))

@@ -27,7 +27,7 @@ _TIME_ROUNDING = 1e-9  # [s]
 
 @final
 class GraspMonitor:
-    """Advances simulated time, and measures every snapshot meanwhile."""
+    """Advances simulated time, and measures from every snapshot."""
 
     def __init__(
         self,
@@ -39,7 +39,7 @@ class GraspMonitor:
         """Begin to measure what ``gripper`` does to the object ``item``.
 
         Args:
-            robot: Whose time passes.
+            robot: The robot.
             gripper: One of its grippers.
             item: The name of an object of its scene.
             on_snapshot: Called with each snapshot, for recording.
@@ -82,7 +82,7 @@ class GraspMonitor:
             timeout: Simulated [s].
 
         Raises:
-            ControlError: If the object is taken away meanwhile, or the robot is paused
+            ControlError: If the object is removed, or the robot is paused
                 and does not run in real time.
             EngineError: If the physics failed.
         """

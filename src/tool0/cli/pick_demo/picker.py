@@ -96,7 +96,7 @@ class Picker:
         """Of the middle of the pads, when they take it [m]."""
         self._tool = Transform()
         self.width: float | None = None
-        """Of what was gripped, as the gripper's joint tells [m]."""
+        """Of what was gripped, by the gripper's joint [m]."""
         self.force: float | None = None
         """That a pad exerts on it when it is lifted [N]."""
 
@@ -207,7 +207,7 @@ class PickReport:
     start: tuple[float, float, float]
     """Where it was, in the root [m]."""
     end: tuple[float, float, float] | None
-    """Where it is [m]; None if somebody took it away."""
+    """Where it is [m]; None if it was removed."""
     force: float
     """That each pad was to exert [N]."""
     grip_force: float | None = None
@@ -216,7 +216,7 @@ class PickReport:
     """The largest that a pad exerted, of samples at 125 Hz: pads that meet something
     rigid have to stop their drive's rotor, too [N]."""
     width: float | None = None
-    """Of what the gripper held, as its joint tells [m]."""
+    """Of what the gripper held, by its joint [m]."""
     slip: float | None = None
     """How far it moved between the pads while it was held, at most [m]."""
     duration: float
@@ -257,7 +257,7 @@ def pick_and_place(
         item: The name of an upright box, cylinder or sphere that can move.
         into: Where it goes.
         options: Force and speeds.
-        on_snapshot: Called with each snapshot meanwhile, for recording.
+        on_snapshot: Called with each snapshot, for recording.
 
     Raises:
         ControlError: If there is no such object, or it cannot be gripped at all.

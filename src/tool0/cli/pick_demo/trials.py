@@ -53,7 +53,7 @@ class DemoReport:
         """Return what all came to, for people."""
         lines = []
         if self.grasp_assist:
-            lines.append("grasp assist was on: a cheat, nothing here is grip alone")
+            lines.append("grasp assist was on: objects were fixed to the gripper")
         if self.video is not None:
             lines.append(f"video: {self.video}")
         ratio = self.sim_time / self.wall_time if self.wall_time > 0.0 else 0.0
