@@ -10,12 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 import tool0
-from tool0.cli.pick_demo.bin import find_bin
+from tool0.cli.pick_demo.grasps import find_bin
+from tool0.cli.pick_demo.monitor import GraspMonitor
 from tool0.cli.pick_demo.picker import Picker, PickFailure, PickOptions
-from tool0.cli.pick_demo.report import DemoReport
-from tool0.cli.pick_demo.trials import TABLE, random_poses, run_trials
-from tool0.cli.pick_demo.witness import Witness
-from tool0.description.kinematics import transforms
+from tool0.cli.pick_demo.trials import TABLE, DemoReport, random_poses, run_trials
+from tool0.description.forward_kinematics import link_poses
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
 from tool0.sensing.pads import pad_links
 
@@ -77,17 +76,17 @@ def hold_and_shake(
     with tool0.bringup(
         engine=engine, scene=scene, initial_pose="home", realtime=False, **options
     ) as robot:
-        witness = Witness(robot, robot.gripper, ITEM)
-        picker = Picker(robot, ITEM, PickOptions(force=force), witness)
+        monitor = GraspMonitor(robot, robot.gripper, ITEM)
+        picker = Picker(robot, ITEM, PickOptions(force=force), monitor)
         try:
             picker.take(LIFT)
-            slip = _slip(witness, picker, HOLD)
+            slip = _slip(monitor, picker, HOLD)
             if not shake:
                 return Held(None, slip)
             accelerations: list[float] = []
-            shaken = _shake(robot, witness, picker, shake, accelerations)
+            shaken = _shake(robot, monitor, picker, shake, accelerations)
         except PickFailure as failure:
-            return Held(f"{witness.phase}: {failure}")
+            return Held(f"{monitor.phase}: {failure}")
         return Held(None, slip, shaken, float(np.quantile(accelerations, 0.9)))
 
 
@@ -173,20 +172,20 @@ def _table_with(shape: Shape, mass: float) -> Scene:
     )
 
 
-def _slip(witness: Witness, picker: Picker, duration: float) -> float:
+def _slip(monitor: GraspMonitor, picker: Picker, duration: float) -> float:
     """Hold for some simulated seconds, and return how far it moved meanwhile [m]."""
-    witness.begin("holding")
-    witness.wait(0.5)  # the arm comes to rest
-    witness.hold()
-    witness.wait(duration)
+    monitor.begin("holding")
+    monitor.wait(0.5)  # the arm comes to rest
+    monitor.start_slip()
+    monitor.wait(duration)
     picker.check_hold()
-    assert witness.slip is not None
-    return witness.slip
+    assert monitor.slip is not None
+    return monitor.slip
 
 
 def _shake(
     robot: tool0.Robot,
-    witness: Witness,
+    monitor: GraspMonitor,
     picker: Picker,
     duration: float,
     accelerations: list[float],
@@ -195,8 +194,8 @@ def _shake(
 
     ``accelerations`` gets what the pads underwent, each millisecond [m/s²].
     """
-    witness.begin("shaking")
-    witness.hold()
+    monitor.begin("shaking")
+    monitor.start_slip()
     arm = robot.controller("eff_joint_traj_controller")
     names = robot.arm.joint_names
     start = dict(robot.arm.joints)
@@ -220,11 +219,11 @@ def _shake(
     while not goal.status.is_terminal:
         robot.run(robot.control_period)
         position = dict(zip(engine.joint_names, engine.read().position, strict=True))
-        places.append(transforms(model, position)[pad].position)
+        places.append(link_poses(model, position)[pad].position)
     velocity = np.diff(places, axis=0) / robot.control_period
     steps = np.diff(velocity, axis=0) / robot.control_period
     accelerations.extend(np.linalg.norm(steps, axis=1).tolist())
-    witness.wait(0.5)
+    monitor.wait(0.5)
     picker.check_hold()
-    assert witness.slip is not None
-    return witness.slip
+    assert monitor.slip is not None
+    return monitor.slip

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 import tool0
-from tool0.description.camera import Camera, looking
+from tool0.scene import Camera, looking
 from tool0.sensing.png import encode_png
 from tool0.sensing.video import VideoWriter
 

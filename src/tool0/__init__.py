@@ -15,8 +15,10 @@ if TYPE_CHECKING:
     from tool0.control.goal import GoalResult, GoalStatus, GripperResult
     from tool0.control.trajectory import TrajectoryPoint
     from tool0.errors import GoalRejectedError, Tool0Error
+    from tool0.kinematics.inverse import Branch
 
 __all__ = [
+    "Branch",
     "GoalRejectedError",
     "GoalResult",
     "GoalStatus",
@@ -29,6 +31,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Branch": "tool0.kinematics.inverse",
     "GoalRejectedError": "tool0.errors",
     "GoalResult": "tool0.control.goal",
     "GoalStatus": "tool0.control.goal",

@@ -12,7 +12,7 @@ from conftest import OpenTab
 from tool0.description.catalogue import assemble
 from tool0.interfaces.panel.robot_files import RobotFiles
 from tool0.interfaces.panel.server import STATIC, Panel
-from tool0.interfaces.panel.view import ViewSource
+from tool0.interfaces.panel.source import ViewSource
 
 READY = "[data-testid=scene][data-ready=true]"
 SEEN_READY_AT = """

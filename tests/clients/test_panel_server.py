@@ -15,8 +15,9 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import tool0
-from tool0.description.model import Box, Cylinder, Geometry, Pose, Sphere
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Sphere
+from tool0.description.transform import Pose
 from tool0.errors import TransportError
 from tool0.interfaces.panel import client as client_module
 from tool0.interfaces.panel import object_requests

@@ -9,8 +9,7 @@ from conformance_types import BringUp
 from ur5_rig import ARM_JOINTS, HOME
 
 import tool0
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import Pose
+from tool0.description.transform import Pose, Transform, to_transform
 from tool0.api.arm import Arm
 from tool0.api.controller import GoalHandle
 

@@ -8,9 +8,9 @@ from conformance_types import BringUp
 from ur5_rig import ARM, AWAY, HOME, point
 
 import tool0
-from tool0.description.kinematics import Transform
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose, Transform
 from tool0.errors import EngineError, ModelError
 from tool0.hardware.engine import ObjectState
 

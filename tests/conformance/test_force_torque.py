@@ -10,9 +10,11 @@ from conformance_types import BringUp
 from ur5_rig import ARM, HOME, point
 
 import tool0
-from tool0.description.kinematics import to_transform, transforms
-from tool0.description.model import Box, Pose, RobotModel
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose, to_transform
 
 EDGE = 0.04  # [m]
 BETWEEN_PADS = (0.5487, 0.1091, 0.003)
@@ -48,7 +50,7 @@ def mass_and_center(
     model: RobotModel, position: dict[str, float]
 ) -> tuple[float, np.ndarray]:
     """Return mass [kg] and centre of mass [m] of all beyond the flange, in the root."""
-    frames = transforms(model, position)
+    frames = link_poses(model, position)
     mass, moment = 0.0, np.zeros(3)
     for name in tool_links(model):
         inertial = model.link(name).inertial

@@ -11,8 +11,9 @@ from conformance_types import BringUp
 from ur5_rig import ARM, HOME, point
 
 import tool0
-from tool0.description.model import Box, Cylinder, Geometry, Pose, Sphere
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Sphere
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError
 
 EDGE = 0.04  # [m]

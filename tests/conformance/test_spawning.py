@@ -12,8 +12,9 @@ from ur5_rig import ARM, ARM_JOINTS, AWAY, HOME, point
 
 import tool0
 from tool0.control.goal import GoalStatus
-from tool0.description.model import Box, Geometry, Mesh, Pose, Sphere
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Geometry, Mesh, Sphere
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError, ControlError, EngineError, ModelError
 from tool0.hardware.engine import ObjectState
 

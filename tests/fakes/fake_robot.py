@@ -13,9 +13,10 @@ import numpy as np
 from tool0.control.goal import Goal, GoalResult, GoalStatus, GripperResult, Result
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.camera import Camera
-from tool0.description.kinematics import Transform
-from tool0.description.model import Box, Cylinder, Geometry, ParallelGripper, Pose
+from tool0.description.model import ParallelGripper
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry
+from tool0.description.transform import Pose, Transform
 from tool0.errors import (
     ControlError,
     EngineError,

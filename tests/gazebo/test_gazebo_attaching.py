@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 from in_gazebo import BringUp, gz
 
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 
 CUBE = SceneObject(
     name="cube",

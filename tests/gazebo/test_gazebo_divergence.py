@@ -9,8 +9,9 @@ import pytest
 from in_gazebo import BringUp
 
 import tool0
-from tool0.description.model import Box, Pose
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.engines.gazebo.engine import GazeboEngine
 from tool0.errors import DivergenceError
 from tool0.hardware.engine import ObjectState

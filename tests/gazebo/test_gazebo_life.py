@@ -10,8 +10,9 @@ from in_gazebo import PATIENCE, BringUp, process_with_a_robot
 from processes import Watch, children, listening, program
 
 import tool0
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.errors import EngineError, EngineUnavailableError
 
 TOLD_WITHIN = 2.0

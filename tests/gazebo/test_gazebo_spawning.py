@@ -11,8 +11,9 @@ import pytest
 from in_gazebo import BringUp, gz
 
 import tool0
-from tool0.description.model import Box, Geometry, Mesh, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Geometry, Mesh
+from tool0.description.transform import Pose
 from tool0.errors import EngineError, ModelError
 from tool0.hardware.engine import ObjectState
 

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from tool0.control.config import ControllerConfig
     from tool0.control.manager import ControllerStatus
     from tool0.description.catalogue import RobotDescription
-    from tool0.description.kinematics import Transform
+    from tool0.description.transform import Transform
     from tool0.hardware.engine import Contact, Engine
     from tool0.runtime.bus import Subscription
     from tool0.runtime.poses import NamedPose

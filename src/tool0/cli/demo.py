@@ -18,15 +18,16 @@ from tool0.cli.bringup_text import finite, panel_line
 from tool0.cli.options import PanelOptions
 from tool0.cli.progress import Progress
 from tool0.errors import ConfigError
-from tool0.runtime.writable import require_writable
+from tool0.user_data import require_writable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from tool0.api.robot import Robot
-    from tool0.cli.pick_demo.report import DemoReport, PickReport
-    from tool0.description.model import Pose
+    from tool0.cli.pick_demo.picker import PickReport
+    from tool0.cli.pick_demo.trials import DemoReport
     from tool0.description.scene import Scene
+    from tool0.description.transform import Pose
 
 _GLANCE = 10.0
 """Longest time between looks at the signals [wall s]; a signal wakes at once."""
@@ -134,8 +135,8 @@ def _bring_up(arguments: PickArguments) -> Robot:
 
 def _scene(arguments: PickArguments) -> Scene:
     """Return the scene with the cube that was asked for."""
-    from tool0.description.model import Box
     from tool0.description.scene_file import load_scene
+    from tool0.description.shapes import Box
 
     shipped = load_scene("table_and_bin")
     cube = next(item for item in shipped.objects if item.name == ITEM)
@@ -177,12 +178,12 @@ def _linger() -> None:
 
 
 def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
-    from tool0.cli.pick_demo.bin import find_bin
-    from tool0.cli.pick_demo.film import Film
+    from tool0.cli.pick_demo.grasps import find_bin
+    from tool0.cli.pick_demo.monitor import FrameRecorder
     from tool0.cli.pick_demo.picker import PickOptions
     from tool0.cli.pick_demo.trials import run_trials
 
-    film = Film()
+    recorder = FrameRecorder()
     report = run_trials(
         robot,
         ITEM,
@@ -190,13 +191,13 @@ def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
         _poses(arguments),
         arguments.n,
         options=PickOptions(force=arguments.force, speed=arguments.speed),
-        on_snapshot=film.take if arguments.video else lambda snapshot: None,
+        on_snapshot=recorder.record if arguments.video else lambda snapshot: None,
         on_pick=_tell if arguments.format == "text" else lambda pick: None,
     )
     if arguments.video is None:
         return report
     with Progress() as progress:
-        film.write(arguments.video, robot, arguments.camera, progress)
+        recorder.write(arguments.video, robot, arguments.camera, progress)
     return replace(report, video=str(arguments.video))
 
 

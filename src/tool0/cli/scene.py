@@ -12,11 +12,10 @@ import tyro
 
 from tool0.cli.connection import Bringup
 from tool0.cli.text import columns
-from tool0.description.kinematics import to_transform
-from tool0.description.mesh_files import mesh as mesh_in
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
-from tool0.description.motion import from_quaternion, to_pose
 from tool0.description.scene import DEFAULT_FRICTION
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import mesh as mesh_in
+from tool0.description.transform import Pose, from_quaternion, to_pose, to_transform
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:

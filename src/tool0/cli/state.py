@@ -12,12 +12,12 @@ from tool0.cli.connection import Bringup
 from tool0.cli.grip import described
 from tool0.cli.parsing import parse
 from tool0.cli.text import columns
-from tool0.description.motion import to_pose
+from tool0.description.transform import to_pose
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from tool0.description.model import Pose, Vector3
+    from tool0.description.transform import Pose, Vector3
     from tool0.sensing.grasp import GraspState
     from tool0.sensing.snapshot import Snapshot
 

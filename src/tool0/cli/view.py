@@ -32,7 +32,7 @@ def view(
         description: Which robot.
         panel: Where the page is.
     """
-    from tool0.interfaces.panel.view import ViewSource
+    from tool0.interfaces.panel.source import ViewSource
 
     with contextlib.ExitStack() as exits:
         door = door_of(panel)

@@ -1,4 +1,4 @@
-"""Reading what a simulation needs beyond the tree of links and joints.
+"""Reading what a simulation needs besides the tree of links and joints.
 
 ``<transmission>`` as ros_control reads it, ``<gazebo reference=LINK>`` as Gazebo
 does, and ``<parallel_gripper>``, which is our own: other readers of URDF ignore
@@ -18,6 +18,7 @@ from tool0.description.attributes import (
     number,
     only_child,
     positive,
+    require_known,
     required,
     required_child,
     text_of,
@@ -46,13 +47,8 @@ def read_transmissions(
     found: dict[str, Transmission] = {}
     for element in children(robot, "transmission"):
         transmission = _read_transmission(element)
-        if transmission.joint not in joints:
-            hint = did_you_mean(transmission.joint, list(joints))
-            raise ModelError(
-                f"transmission '{transmission.name}' drives the unknown joint "
-                f"'{transmission.joint}'{hint}",
-                locate(element),
-            )
+        what = f"transmission '{transmission.name}' drives the unknown joint"
+        require_known(transmission.joint, joints, what, locate(element))
         if transmission.joint in found:
             raise ModelError(
                 f"joint '{transmission.joint}' has two transmissions, "
@@ -185,13 +181,8 @@ def read_grippers(
     grippers = []
     for element in children(robot, "parallel_gripper"):
         gripper = _read_gripper(element)
-        if gripper.joint not in joints:
-            hint = did_you_mean(gripper.joint, list(joints))
-            raise ModelError(
-                f"gripper '{gripper.name}' is driven by the unknown joint "
-                f"'{gripper.joint}'{hint}",
-                locate(element),
-            )
+        what = f"gripper '{gripper.name}' is driven by the unknown joint"
+        require_known(gripper.joint, joints, what, locate(element))
         passive = tuple(
             (name, joint.mimic)
             for name, joint in joints.items()

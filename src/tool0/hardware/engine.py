@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, final
 
-from tool0.description.model import Vector3
 from tool0.description.scene import SceneObject
+from tool0.description.transform import Vector3
 from tool0.hardware.joint_state import JointState
 
 

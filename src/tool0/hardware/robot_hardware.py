@@ -11,7 +11,8 @@ from collections.abc import Mapping, Sequence
 from operator import mul, truediv
 from typing import final
 
-from tool0.description.model import Interface, JointLimits, RobotModel, Vector3
+from tool0.description.model import Interface, JointLimits, RobotModel
+from tool0.description.transform import Vector3
 from tool0.errors import ModelError, did_you_mean
 from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.joint_dynamics import STANDARD_GRAVITY, JointDynamics

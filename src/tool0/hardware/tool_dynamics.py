@@ -17,7 +17,8 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from tool0.description.model import JointType, RobotModel, Vector3
+from tool0.description.model import JointType, RobotModel
+from tool0.description.transform import Vector3
 from tool0.hardware.bodies import (
     BodyInertia,
     Matrix,

@@ -33,7 +33,7 @@ MAX_INEXACT = 0.1
 
 
 class Signs(NamedTuple):
-    """What tells the branches apart: each is zero where two of them meet."""
+    """Functions of a posture that are zero where two branches meet."""
 
     shoulder: Array
     """How far the wrist's centre is before the shoulder [m]; negative behind it."""
@@ -185,8 +185,8 @@ class ArmGeometry:
         known[:, 1:4] -= [self._upper_angle - np.pi / 2, 0.0, 0.0]
         with np.errstate(all="ignore"):
             found = self.solve(chain.forward(known).T_base_tip)
-            away = np.abs(wrapped(found - known[:, None])).max(axis=2)
-        worst = np.nan_to_num(away, nan=np.inf).min(axis=1).max()
+            error = np.abs(wrapped(found - known[:, None])).max(axis=2)
+        worst = np.nan_to_num(error, nan=np.inf).min(axis=1).max()
         if not worst < MAX_INEXACT:
             raise ControlError(
                 f"the arm that ends at '{chain.tip}' is not built like a UR (axes 2, 3 "
@@ -227,8 +227,8 @@ def _nearest(point: Array, along: Array, other: Array, other_along: Array) -> Ar
     square = float(n @ n)
     if square < 0.5:  # nearly parallel: no wrist; the check finds that
         return point
-    way = float(np.cross(other - point, other_along) @ n) / square
-    nearest: Array = point + along * way
+    distance = float(np.cross(other - point, other_along) @ n) / square
+    nearest: Array = point + along * distance
     return nearest
 
 

@@ -7,7 +7,8 @@ from typing import Any
 
 from msgspec import Struct
 
-from tool0.description.kinematics import Transform, link_pose
+from tool0.description.forward_kinematics import link_pose
+from tool0.description.transform import Transform
 from tool0.requests.fields import Name
 from tool0.requests.table import Request, handles
 from tool0.runtime.simulation import Simulation

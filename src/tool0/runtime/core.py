@@ -21,7 +21,7 @@ from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.initial_pose import joint_positions
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
-from tool0.runtime.surroundings import Surroundings
+from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque_sensor import ForceTorqueSensor
 from tool0.sensing.grasp_assist import GraspAssist
 
@@ -59,7 +59,7 @@ class Core:
         self.engine = engine
         self.hardware = hardware
         self.manager = manager
-        self.surroundings = Surroundings(model, engine, scene or Scene())
+        self.surroundings = SceneObjects(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from tool0.description.model import Joint, RobotModel
+from tool0.description.forward_kinematics import joint_position
+from tool0.description.model import RobotModel
 from tool0.errors import LimitsError, ModelError, did_you_mean
 
 
@@ -23,7 +24,6 @@ def joint_positions(
         LimitsError: For a position outside the joint's limits, or not a number.
     """
     joints = {joint.name: joint for joint in model.movable_joints}
-    position = dict(zip(joints, otherwise, strict=True))
     for name, value in given.items():
         if name not in joints:
             raise ModelError(f"unknown joint '{name}'{did_you_mean(name, set(joints))}")
@@ -37,14 +37,8 @@ def joint_positions(
                 f"position {value} of joint '{name}' is outside "
                 f"[{joint.limits.lower}, {joint.limits.upper}]"
             )
-        position[name] = value
-    return [_follow(joint, joints, position) for joint in joints.values()]
-
-
-def _follow(
-    joint: Joint, joints: Mapping[str, Joint], position: Mapping[str, float]
-) -> float:
-    if joint.mimic is None:
-        return position[joint.name]
-    master = _follow(joints[joint.mimic.joint], joints, position)
-    return joint.mimic.multiplier * master + joint.mimic.offset
+    positions = {**dict(zip(joints, otherwise, strict=True)), **given}
+    independent = {
+        name: positions[name] for name in joints if joints[name].mimic is None
+    }
+    return [joint_position(joint, independent) for joint in joints.values()]

@@ -14,8 +14,9 @@ from tool0.description.catalogue import (
     load_robot,
     named_poses,
 )
-from tool0.description.kinematics import link_pose
-from tool0.description.model import Inertial, Interface, Mesh, RobotModel
+from tool0.description.forward_kinematics import link_pose
+from tool0.description.model import Inertial, Interface, RobotModel
+from tool0.description.shapes import Mesh
 from tool0.description.urdf import read_model
 from tool0.description.urdf_links import principal_moments
 from tool0.description.xml_source import parse_text

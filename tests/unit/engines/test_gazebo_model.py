@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tool0.description.catalogue import assemble, load_robot
-from tool0.description.kinematics import transforms
+from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import JointType, RobotModel
 from tool0.engines.gazebo.connection import pose_bytes
 from tool0.engines.gazebo.couplings import Coupling, couplings
@@ -189,7 +189,7 @@ def test_bodies_are_placed_where_the_kinematics_say(seed: int) -> None:
     rng = np.random.default_rng(seed)
     position = rng.uniform(-3.0, 3.0, len(model.movable_joints)).tolist()
     names = [joint.name for joint in model.movable_joints]
-    expected = transforms(model, dict(zip(names, position, strict=True)))
+    expected = link_poses(model, dict(zip(names, position, strict=True)))
     bodies = moving_bodies(model)
     for body, pose in zip(bodies, body_poses(bodies, position), strict=True):
         frame = expected[body.joint.child]

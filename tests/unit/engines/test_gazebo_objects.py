@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.engines.gazebo.objects import object_sdf
 from tool0.engines.gazebo.solids import solid_of
 from tool0.errors import ModelError

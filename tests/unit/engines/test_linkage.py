@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from hand_rig import DOWN, LEVEL, ON_ITS_SIDE, SIDES, UP, Hand, hand_model
 
-from tool0.description.model import Box, Cylinder, Pose
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder
+from tool0.description.transform import Pose
 
 pytestmark = pytest.mark.slow
 

@@ -6,8 +6,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from tool0.description.model import Box, Pose, RobotModel
+from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import EngineError, ModelError
 from tool0.hardware.engine import ObjectState

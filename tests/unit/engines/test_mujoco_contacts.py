@@ -7,9 +7,11 @@ import pytest
 
 import tool0
 from tool0.description.catalogue import assemble, named_poses
-from tool0.description.kinematics import link_pose
-from tool0.description.model import Box, Cylinder, Pose, RobotModel
+from tool0.description.forward_kinematics import link_pose
+from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Cylinder
+from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.hardware.engine import Contact
 from tool0.sensing.pads import grasp_frame, pad_links

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tool0.description.catalogue import arms, assemble, grippers, load_robot
-from tool0.description.kinematics import transforms
+from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import (
     Collision,
     Inertial,
@@ -19,11 +19,10 @@ from tool0.description.model import (
     JointLimits,
     JointType,
     Link,
-    Mesh,
     RobotModel,
-    Sphere,
     Transmission,
 )
+from tool0.description.shapes import Mesh, Sphere
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.model import to_mjcf
 from tool0.errors import ModelError, SourceLocation
@@ -72,7 +71,7 @@ def test_every_link_is_where_our_kinematics_puts_it(
     robot: RobotModel, seed: int
 ) -> None:
     engine, position = placed(robot, seed)
-    for link, pose in transforms(robot, position).items():
+    for link, pose in link_poses(robot, position).items():
         site = engine.data.site(link)
         np.testing.assert_allclose(site.xpos, pose.position, atol=1e-9)
         np.testing.assert_allclose(
@@ -85,7 +84,7 @@ def test_merged_links_keep_mass_and_centre_of_mass(
     robot: RobotModel, seed: int
 ) -> None:
     engine, position = placed(robot, seed)
-    frames = transforms(robot, position)
+    frames = link_poses(robot, position)
     moving = {joint.child for joint in robot.movable_joints}
     mass, moment = 0.0, np.zeros(3)
     for link in robot.links:

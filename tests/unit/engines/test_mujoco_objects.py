@@ -11,16 +11,10 @@ import numpy as np
 import pytest
 
 from tool0.description.catalogue import assemble, named_poses
-from tool0.description.model import (
-    Box,
-    Cylinder,
-    Geometry,
-    Mesh,
-    Pose,
-    RobotModel,
-    Sphere,
-)
+from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import DivergenceError, ModelError
 

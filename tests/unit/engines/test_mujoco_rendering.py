@@ -15,22 +15,18 @@ from numpy.typing import NDArray
 from promised import require_gl
 
 from tool0.description.camera import Camera, looking
-from tool0.description.kinematics import Transform, link_pose, to_transform
+from tool0.description.forward_kinematics import link_pose
 from tool0.description.model import (
-    Box,
     Collision,
-    Cylinder,
     Joint,
     JointType,
     Link,
-    Mesh,
-    Pose,
     RobotModel,
-    Sphere,
     Visual,
 )
-from tool0.description.motion import to_pose
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
+from tool0.description.transform import Pose, Transform, to_pose, to_transform
 from tool0.engines.mujoco.drawable import drawable
 from tool0.engines.mujoco.rendering import Renderer
 from tool0.errors import RenderError

@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from tool0.description.catalogue import assemble, named_poses
-from tool0.description.model import Box, Mesh, Pose, RobotModel, Sphere
+from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Mesh, Sphere
+from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import EngineError, ModelError
 from tool0.hardware.engine import Engine, ObjectState

@@ -15,7 +15,7 @@ from tool0.errors import (
     LimitsError,
 )
 from tool0.hardware.drive_limits import DriveLimits
-from tool0.runtime import commands as ask
+from tool0.installation.ros1.apt import commands as ask
 from tool0.runtime.core import Core
 
 

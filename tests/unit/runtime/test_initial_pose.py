@@ -28,20 +28,20 @@ def test_the_limits_themselves_are_allowed(skew_model: RobotModel) -> None:
 def test_a_position_outside_the_limits_is_refused(
     skew_model: RobotModel, value: float
 ) -> None:
-    with pytest.raises(LimitsError, match=r"joint 'lift' is outside \[-2\.8, 2\.8\]"):
+    with pytest.raises(LimitsError) as caught:
         joint_positions(skew_model, {"lift": value}, OTHERWISE)
+    assert "'lift'" in str(caught.value)
+    assert "[-2.8, 2.8]" in str(caught.value)
 
 
-def test_an_unknown_joint_is_refused_with_the_nearest(skew_model: RobotModel) -> None:
-    with pytest.raises(ModelError, match="'lfit'; did you mean 'lift'"):
-        joint_positions(skew_model, {"lfit": 0.0}, OTHERWISE)
-
-
-def test_a_fixed_joint_cannot_be_placed(skew_model: RobotModel) -> None:
-    with pytest.raises(ModelError, match="unknown joint 'cap_joint'"):
-        joint_positions(skew_model, {"cap_joint": 0.0}, OTHERWISE)
-
-
-def test_a_mimic_joint_names_its_master(skew_model: RobotModel) -> None:
-    with pytest.raises(ModelError, match="'follower' mimics 'bend'; place that one"):
-        joint_positions(skew_model, {"follower": 0.0}, OTHERWISE)
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [("lfit", "'lift'"), ("cap_joint", "'cap_joint'"), ("follower", "'bend'")],
+    ids=["misspelt", "fixed", "a mimic"],
+)
+def test_other_joints_cannot_be_placed(
+    skew_model: RobotModel, wrong: str, named: str
+) -> None:
+    with pytest.raises(ModelError) as caught:
+        joint_positions(skew_model, {wrong: 0.0}, OTHERWISE)
+    assert named in str(caught.value)

@@ -11,8 +11,8 @@ from promised import require_gl
 
 import tool0
 from tool0.description.camera import Camera, looking
-from tool0.description.model import Box
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
 from tool0.errors import ConfigError, RenderError
 
 pytestmark = pytest.mark.slow

@@ -10,8 +10,9 @@ import pytest
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, POST, POST_GRIPPER
 
 import tool0
-from tool0.description.model import Box, Cylinder, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Cylinder
+from tool0.description.transform import Pose
 from tool0.sensing.grasp import WINDOW, GraspDetector, GraspState
 
 pytestmark = pytest.mark.slow

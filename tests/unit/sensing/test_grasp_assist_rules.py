@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 import tool0
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 
 EDGE = 0.04  # [m]
 TWO_HANDS = """<robot name="hands" xmlns:xacro="http://www.ros.org/wiki/xacro">

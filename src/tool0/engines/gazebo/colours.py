@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-from tool0.description.model import Mesh, RobotModel, Visual
+from tool0.description.model import RobotModel, Visual
+from tool0.description.shapes import Mesh
 
 _OWN = "tool0_paint"
 """Begins the links' names: a name that began with its parent's would not be lumped."""

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import final
 
 from tool0.description.catalogue import RobotDescription
-from tool0.description.model import Pose, Vector3
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.transform import Pose, Vector3, pose_matrix
 from tool0.engines.gazebo.connection import (
     Connection,
     Kind,
@@ -31,7 +31,7 @@ from tool0.errors import (
     DivergenceError,
     EngineUnavailableError,
 )
-from tool0.hardware.bodies import check_masses, moving_bodies, transform
+from tool0.hardware.bodies import check_masses, moving_bodies
 from tool0.hardware.engine import Contact, ObjectState
 from tool0.hardware.joint_state import JointState
 from tool0.installation.gazebo.installation import find_installation
@@ -81,7 +81,7 @@ class GazeboEngine:
         self._bodies = moving_bodies(model)
         check_masses(model, self._bodies)
         self._joint_names = tuple(joint.name for joint in model.movable_joints)
-        self._root = transform(Pose(xyz=(0.0, 0.0, spawn_z)))
+        self._root = pose_matrix(Pose(xyz=(0.0, 0.0, spawn_z)))
         self._dt = dt
         self._steps = 0
         self._objects: tuple[ObjectState, ...] = ()

@@ -8,8 +8,9 @@ import struct
 from pathlib import Path
 from typing import final
 
-from tool0.description.model import Pose, RobotModel, Transmission, Vector3
+from tool0.description.model import RobotModel, Transmission
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.transform import Pose, Vector3, pose_matrix
 from tool0.engines.gazebo.connection import (
     Connection,
     Kind,
@@ -29,7 +30,7 @@ from tool0.errors import (
     SourceLocation,
     did_you_mean,
 )
-from tool0.hardware.bodies import Matrix, transform
+from tool0.hardware.bodies import Matrix
 from tool0.hardware.engine import Contact, ObjectState
 
 logger = logging.getLogger(__name__)
@@ -101,7 +102,7 @@ class Models:
     def start_poses(self) -> bytes:
         """Return where a reset puts the objects, as the bridge reads it."""
         return b"".join(
-            pose_bytes(self._root @ transform(item.pose))
+            pose_bytes(self._root @ pose_matrix(item.pose))
             for item in self._objects.values()
         )
 
@@ -127,7 +128,7 @@ class Models:
             raise EngineError(f"there is an object '{item.name}' already")
         file = self._server.folder / f"{item.name}.sdf"
         file.write_text(object_sdf(item))
-        pose = self._root @ transform(item.pose)
+        pose = self._root @ pose_matrix(item.pose)
         try:
             self._spawn(item.name, file, pose, is_object=True)
         except EngineUnavailableError:
@@ -142,7 +143,7 @@ class Models:
         Raises:
             EngineError: If Gazebo does not take it, or only half of it.
         """
-        self._spawn(name, file, self._root @ transform(pose))
+        self._spawn(name, file, self._root @ pose_matrix(pose))
 
     def delete(self, name: str) -> None:
         """Take an object, or another model, out of the world.

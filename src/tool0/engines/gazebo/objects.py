@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.engines.gazebo.solids import check_mesh, solid_of
 
 STIFFNESS, DAMPING = 1e5, 10.0

@@ -11,7 +11,7 @@ from typing import final
 
 import numpy as np
 
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.errors import ModelError
 
 Array = np.ndarray

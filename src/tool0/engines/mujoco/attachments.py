@@ -13,7 +13,7 @@ from typing import Any, final
 import mujoco
 import numpy as np
 
-from tool0.description.model import Vector3
+from tool0.description.transform import Vector3
 from tool0.engines.mujoco.contacts import Touch
 from tool0.engines.mujoco.model import MIMIC_SOLIMP, MIMIC_SOLREF
 from tool0.engines.mujoco.objects import free_joint_name

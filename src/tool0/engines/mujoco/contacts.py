@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from tool0.description.model import Vector3
+from tool0.description.transform import Vector3
 from tool0.hardware.engine import Contact
 
 

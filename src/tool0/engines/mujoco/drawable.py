@@ -8,7 +8,8 @@ from __future__ import annotations
 import logging
 from dataclasses import replace
 
-from tool0.description.model import Link, Mesh, RobotModel, Visual
+from tool0.description.model import Link, RobotModel, Visual
+from tool0.description.shapes import Mesh
 from tool0.engines.mujoco.model import MESH_SUFFIXES
 
 logger = logging.getLogger(__name__)

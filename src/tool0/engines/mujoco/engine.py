@@ -12,8 +12,9 @@ from typing import Any, final
 import mujoco
 import numpy as np
 
-from tool0.description.model import RobotModel, Vector3
+from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.transform import Vector3
 from tool0.engines.mujoco.attachments import (
     Attachment,
     add_attachments,

@@ -16,21 +16,18 @@ import mujoco
 import numpy as np
 
 from tool0.description.model import (
-    Box,
     Collision,
-    Cylinder,
-    Geometry,
     Joint,
     JointType,
     Link,
     LoopJoint,
-    Mesh,
     RobotModel,
-    Sphere,
     Surface,
     Visual,
 )
 from tool0.description.scene import GROUND
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.transform import pose_matrix
 from tool0.errors import ModelError
 from tool0.hardware.bodies import (
     Matrix,
@@ -38,7 +35,6 @@ from tool0.hardware.bodies import (
     check_masses,
     fixed_to_world,
     moving_bodies,
-    transform,
 )
 
 GRIP_SOLREF = (0.002, 1.0)
@@ -141,7 +137,7 @@ def add_geom(spec: Any, handle: Any, shape: Collision | Visual, frame: Matrix) -
     Raises:
         ModelError: If MuJoCo has no such shape.
     """
-    placed = frame @ transform(shape.origin)
+    placed = frame @ pose_matrix(shape.origin)
     geom = handle.add_geom(pos=placed[:3, 3], quat=quat_wxyz(placed))
     geometry: Geometry = shape.geometry
     match geometry:

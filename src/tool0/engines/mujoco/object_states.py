@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Any, final
 
 from tool0.description.scene import Scene
+from tool0.description.transform import pose_matrix
 from tool0.engines.mujoco.model import quat_wxyz
 from tool0.engines.mujoco.objects import free_joint_name
 from tool0.errors import EngineError, did_you_mean
-from tool0.hardware.bodies import transform
 from tool0.hardware.engine import ObjectState
 
 Vector3 = tuple[float, float, float]
@@ -47,7 +47,7 @@ class ObjectStates:
             item.name: ObjectState(
                 item.name,
                 item.pose.xyz,
-                _four(quat_wxyz(transform(item.pose)).tolist()),
+                _four(quat_wxyz(pose_matrix(item.pose)).tolist()),
             )
             for item in scene.objects
             if item.mass is None

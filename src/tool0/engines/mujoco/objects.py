@@ -12,8 +12,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from tool0.description.model import Collision, Cylinder, Mesh, RobotModel, Sphere
+from tool0.description.model import Collision, RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Cylinder, Mesh, Sphere
+from tool0.description.transform import pose_matrix
 from tool0.engines.mujoco.model import (
     GRIP_CONDIM,
     GRIP_SOLIMP,
@@ -25,7 +27,6 @@ from tool0.engines.mujoco.model import (
     quat_wxyz,
 )
 from tool0.errors import ModelError
-from tool0.hardware.bodies import transform
 
 OBJECT_SOLREF = (0.004, 1.0)
 """Of contacts between objects, ground and links: a fifth of MuJoCo's time constant
@@ -105,7 +106,7 @@ def object_of(free_joint: str) -> str:
 
 
 def _add_object(spec: Any, item: SceneObject) -> None:
-    frame = transform(item.pose)
+    frame = pose_matrix(item.pose)
     body = spec.worldbody.add_body(
         name=item.name, pos=frame[:3, 3], quat=quat_wxyz(frame)
     )

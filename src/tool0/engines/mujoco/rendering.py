@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.description.camera import Camera
-from tool0.description.kinematics import Transform
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.transform import Transform
 from tool0.engines.mujoco.drawable import drawable
 from tool0.engines.mujoco.gl import make_context
 from tool0.engines.mujoco.model import build_spec

@@ -9,8 +9,9 @@ from typing import Any, Protocol, final
 
 from tool0.api.robot import Robot
 from tool0.control.publish_rate import PublishRate
-from tool0.description.kinematics import Transform, joint_transform
+from tool0.description.forward_kinematics import joint_transform
 from tool0.description.model import Joint
+from tool0.description.transform import Transform
 from tool0.installation.ros1.child import Child
 from tool0.installation.ros1.packages import find_node
 from tool0.interfaces.ros1.camera_edge import camera_transforms

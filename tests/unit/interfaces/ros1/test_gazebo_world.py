@@ -10,9 +10,9 @@ import pytest
 
 import tool0
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import Transform
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
 from tool0.hardware.bodies import moving_bodies
 from tool0.interfaces.ros1.gazebo.changes import GazeboChanges

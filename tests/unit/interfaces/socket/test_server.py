@@ -17,7 +17,8 @@ from tool0.errors import TransportError
 from tool0.api.address import Claim
 from tool0.interfaces.socket.methods import CALLS, GOALS
 from tool0.interfaces.socket.server import RemoteServer
-from tool0.interfaces.socket.wire import MAX_LINE, PROTOCOL
+from tool0.interfaces.server.unix_socket import MAX_LINE
+from tool0.requests.codec import PROTOCOL
 
 VISITOR = """
 import json, socket, sys

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any, final
 
 from tool0.api.robot import Robot
+from tool0.description.forward_kinematics import FrameMotion
 from tool0.description.model import JointType
-from tool0.description.motion import FrameMotion
 from tool0.errors import ControlError
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.gazebo.messages import GazeboMessages

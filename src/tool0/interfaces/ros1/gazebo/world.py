@@ -7,11 +7,11 @@ from functools import cached_property
 from typing import final
 
 from tool0.api.robot import Robot
-from tool0.description.kinematics import Transform
+from tool0.description.forward_kinematics import FrameMotion, link_motions
 from tool0.description.model import Joint, RobotModel
-from tool0.description.motion import FrameMotion, from_quaternion, link_motions
 from tool0.description.rigid_model import RigidModel
 from tool0.description.scene import SceneObject
+from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError
 from tool0.sensing.snapshot import Snapshot
 

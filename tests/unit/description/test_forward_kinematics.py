@@ -1,25 +1,120 @@
-"""How links move: laws, and differences of where they are."""
+"""Poses and velocities of links: laws, and what is known of the UR5 and 2F-85."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
+import pytest
 
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import Transform, to_transform, transforms
-from tool0.description.model import Joint, JointType, Link, Mimic, Pose, RobotModel
-from tool0.description.motion import (
+from tool0.description.forward_kinematics import (
     FrameMotion,
-    from_quaternion,
     link_motions,
-    to_pose,
+    link_pose,
+    link_poses,
 )
+from tool0.description.model import Joint, JointType, Link, Mimic, RobotModel
+from tool0.description.transform import Pose, Transform, to_transform
+from tool0.errors import ModelError
 
 H = 1e-6  # [s]; central differences err by O(h^2)
+
+ARM = (
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+)
+# Denavit-Hartenberg constants of the UR5: CB3 user manual, table C.3 [m, rad].
+D = (0.089159, 0, 0, 0.10915, 0.09465, 0.0823)
+A = (0, -0.425, -0.39225, 0, 0, 0)
+ALPHA = (math.pi / 2, 0, 0, math.pi / 2, -math.pi / 2, 0)
+
+
+@pytest.fixture(scope="module")
+def model() -> RobotModel:
+    return assemble().model
 
 
 def random_transform(rng: np.random.Generator) -> Transform:
     x, y, z, roll, pitch, yaw = rng.uniform(-3, 3, size=6)
     return to_transform(Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw)))
+
+
+def assert_same(actual: Transform, expected: Transform) -> None:
+    np.testing.assert_allclose(actual.matrix, expected.matrix, atol=1e-12)
+
+
+def test_the_arm_is_where_its_denavit_hartenberg_constants_say(
+    model: RobotModel,
+) -> None:
+    rng = np.random.default_rng(seed=2)
+    for _ in range(50):
+        q = rng.uniform(-math.pi, math.pi, size=6)
+        expected = np.eye(4)
+        for theta, d, a, alpha in zip(q, D, A, ALPHA, strict=True):
+            c, s, ca, sa = (f(t) for t in (theta, alpha) for f in (math.cos, math.sin))
+            expected = expected @ [
+                [c, -s * ca, s * sa, a * c],
+                [s, c * ca, -c * sa, a * s],
+                [0, sa, ca, d],
+                [0, 0, 0, 1],
+            ]
+        position = dict(zip(ARM, q, strict=True))
+        T_base_tool0 = link_pose(model, position, "tool0", relative_to="base")
+        np.testing.assert_allclose(T_base_tool0.matrix, expected, atol=1e-9)
+
+
+def test_poses_between_links_invert_each_other(model: RobotModel) -> None:
+    position = dict.fromkeys(ARM, 0.7)
+    there = link_pose(model, position, "tool0", relative_to="forearm_link")
+    back = link_pose(model, position, "forearm_link", relative_to="tool0")
+    assert_same(there @ back, Transform())
+    assert_same(link_pose(model, position, "tool0", relative_to="tool0"), Transform())
+    assert link_pose(model, position, "tool0") == link_poses(model, position)["tool0"]
+
+
+@pytest.mark.parametrize("q", [0.0, 0.1, 0.35, 0.6, 0.8, 0.8133])
+def test_the_gap_between_the_pads_is_the_gripper_s_opening(
+    model: RobotModel, q: float
+) -> None:
+    (gripper,) = model.grippers
+    T_left_right = link_pose(
+        model, {"finger_joint": q}, "right_inner_finger_pad", "left_inner_finger_pad"
+    )
+    x, y, z = T_left_right.position
+    gap = abs(y) - 0.00635  # each pad's face is half its thickness from its centre
+    assert gap * math.copysign(1, -y) == pytest.approx(gripper.opening(q), abs=1e-9)
+    assert (x, z) == pytest.approx((0, 0), abs=1e-12)
+    assert abs(T_left_right.quat_wxyz[3]) == pytest.approx(1)  # half round z
+
+
+def test_a_mimic_joint_follows_unless_it_is_given(model: RobotModel) -> None:
+    follows = {"finger_joint": 0.5}
+    spelled_out = {
+        "finger_joint": 0.5,
+        "right_finger_joint": 0.5,
+        "left_inner_knuckle_joint": 0.5,
+        "right_inner_knuckle_joint": 0.5,
+        "left_inner_finger_joint": -0.5,
+        "right_inner_finger_joint": -0.5,
+    }
+    assert link_poses(model, follows) == link_poses(model, spelled_out)
+    broken = {**follows, "right_finger_joint": 0.0}
+    assert link_poses(model, follows) != link_poses(model, broken)
+
+
+def test_unknown_names_are_refused_with_the_nearest(model: RobotModel) -> None:
+    with pytest.raises(ModelError) as joint:
+        link_poses(model, {"elbow": 1.0})
+    with pytest.raises(ModelError) as link:
+        link_pose(model, {}, "tool1")
+    assert "'elbow_joint'" in str(joint.value)
+    assert "'tool0'" in str(link.value)
+    with pytest.raises(ModelError):
+        link_pose(model, {}, "tool0", relative_to="bse")
 
 
 def random_motion(rng: np.random.Generator) -> FrameMotion:
@@ -53,7 +148,7 @@ def assert_is_derivative(
     model: RobotModel, position: Mapping[str, float], velocity: Mapping[str, float]
 ) -> None:
     def poses(time: float) -> dict[str, Transform]:
-        return transforms(
+        return link_poses(
             model, {name: q + velocity[name] * time for name, q in position.items()}
         )
 
@@ -148,15 +243,3 @@ def test_a_motion_stands_still_seen_from_itself() -> None:
     still = motion.seen_from(motion)
     np.testing.assert_allclose(still.pose.matrix, np.eye(4), atol=1e-12)
     assert (still.linear, still.angular) == ((0, 0, 0), (0, 0, 0))
-
-
-def test_quaternions_and_poses_of_urdf_come_back() -> None:
-    rng = np.random.default_rng(seed=5)
-    upright = [
-        to_transform(Pose(rpy=(0.3, pitch, -0.8))) for pitch in (np.pi / 2, -np.pi / 2)
-    ]
-    for T in [*upright, *(random_transform(rng) for _ in range(50))]:
-        longer = [-3.0 * part for part in T.quat_wxyz]
-        same = from_quaternion(T.position, longer)
-        np.testing.assert_allclose(same.matrix, T.matrix, atol=1e-12)
-        np.testing.assert_allclose(to_transform(to_pose(T)).matrix, T.matrix, atol=1e-8)

@@ -1,32 +1,30 @@
-"""What is around the robot now: objects that come, go and are put somewhere."""
+"""The objects around the robot: spawned, deleted and placed at run time."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import final
 
-from tool0.description.kinematics import Quaternion
-from tool0.description.model import RobotModel, Vector3
+from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.errors import ControlError
 from tool0.hardware.engine import Engine, ObjectState
 
 
 @final
-class Surroundings:
-    """The engine's scene.  Only the thread that owns the tick may touch it."""
+class SceneObjects:
+    """The engine's objects.  Only the thread that owns the tick may use them."""
 
     def __init__(self, model: RobotModel, engine: Engine, scene: Scene) -> None:
-        """Take over what the engine was made with."""
+        """Take over the objects that the engine was made with."""
         self._model = model
         self._engine = engine
         self.objects: tuple[SceneObject, ...] = scene.objects
         """In the order of the engine's states."""
 
     def spawn(self, item: SceneObject) -> None:
-        """Put a further object there.
+        """Add an object.
 
         Raises:
             ConfigError: If it has the name of a link.
@@ -38,12 +36,12 @@ class Surroundings:
         self.objects = (*self.objects, item)
 
     def delete(self, name: str) -> None:
-        """Take an object away, or raise EngineError if there is none."""
+        """Remove an object, or raise EngineError if there is none."""
         self._engine.delete(name)
         self.objects = tuple(item for item in self.objects if item.name != name)
 
     def place(self, state: ObjectState) -> None:
-        """Put an object somewhere.
+        """Place an object.
 
         Raises:
             ControlError: If the state is not finite, or its quaternion has no length.
@@ -58,40 +56,3 @@ class Surroundings:
             )
         w, x, y, z = (part / length for part in state.quat_wxyz)
         self._engine.place(replace(state, quat_wxyz=(w, x, y, z)))
-
-
-def object_state(
-    name: str,
-    position: Sequence[float],
-    quat_wxyz: Sequence[float],
-    linear: Sequence[float],
-    angular: Sequence[float],
-) -> ObjectState:
-    """Return the state that a person wrote in any kind of sequence."""
-    return ObjectState(
-        name,
-        three_numbers(name, "position", position),
-        _quaternion(name, quat_wxyz),
-        three_numbers(name, "linear velocity", linear),
-        three_numbers(name, "angular velocity", angular),
-    )
-
-
-def three_numbers(name: str, what: str, values: Sequence[float]) -> Vector3:
-    """Return what a person wrote of an object, or raise ControlError."""
-    if len(values) != 3:
-        raise ControlError(
-            f"the {what} of object '{name}' has three parts, got {len(values)}"
-        )
-    x, y, z = map(float, values)
-    return x, y, z
-
-
-def _quaternion(name: str, values: Sequence[float]) -> Quaternion:
-    if len(values) != 4:
-        raise ControlError(
-            f"the quaternion of object '{name}' has four parts, w x y z, "
-            f"got {len(values)}"
-        )
-    w, x, y, z = map(float, values)
-    return w, x, y, z

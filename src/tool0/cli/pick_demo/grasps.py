@@ -1,4 +1,4 @@
-"""Where a parallel gripper that comes down from above can take an object."""
+"""Where a gripper that comes down from above can grasp an object, and where it goes."""
 
 from __future__ import annotations
 
@@ -7,17 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
-from tool0.cli.pick_demo.bin import box_corners
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import (
-    Box,
-    Cylinder,
-    ParallelGripper,
-    Pose,
-    RobotModel,
-    Sphere,
-)
+from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Sphere
+from tool0.description.transform import Pose, Transform, Vector3, to_transform
 from tool0.errors import ControlError
 from tool0.sensing.pads import grasp_frame, pad_links
 
@@ -30,8 +23,8 @@ _UPRIGHT = math.cos(math.radians(3.0))
 
 @final
 @dataclass(frozen=True, slots=True)
-class Grip:
-    """One way to take an object."""
+class Grasp:
+    """A pose of the gripper in which it can grasp an object."""
 
     pose: Transform
     """Of the frame between the pads when they touch it, in the root."""
@@ -39,8 +32,10 @@ class Grip:
     """Of the object between the pads [m]."""
 
 
-def grips(item: SceneObject, pose: Transform, largest: float) -> tuple[Grip, ...]:
-    """Return the ways to take an upright object from above, at its middle.
+def find_grasps(
+    item: SceneObject, pose: Transform, largest: float
+) -> tuple[Grasp, ...]:
+    """Return the grasps of an upright object from above, at its middle.
 
     Args:
         item: A box, a sphere, or a cylinder that stands.
@@ -48,7 +43,7 @@ def grips(item: SceneObject, pose: Transform, largest: float) -> tuple[Grip, ...
         largest: The gripper's widest opening [m].
 
     Raises:
-        ControlError: If it lies on an edge, is a mesh, or is too wide to take.
+        ControlError: If it stands on an edge, is a mesh, or is too wide.
     """
     geometry = item.geometry
     if isinstance(geometry, Sphere):
@@ -75,7 +70,7 @@ def grips(item: SceneObject, pose: Transform, largest: float) -> tuple[Grip, ...
         else [k * math.pi / 4 for k in range(8)]
     )
     return tuple(
-        Grip(_from_above(frame, turn), width)
+        Grasp(_from_above(frame, turn), width)
         for frame, width in fitting
         for turn in turns
     )
@@ -93,7 +88,7 @@ def half_height(item: SceneObject, pose: Transform) -> float:
     raise ControlError(f"'{item.name}' is a mesh; pick a box, cylinder or sphere")
 
 
-def reach_below(model: RobotModel, gripper: ParallelGripper) -> float:
+def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
     """Return how far the fingers reach beyond the middle of the pads [m].
 
     Raises:
@@ -111,7 +106,7 @@ def reach_below(model: RobotModel, gripper: ParallelGripper) -> float:
     ]
     if not corners:
         raise ControlError(
-            f"how far the fingers of '{gripper.name}' reach is told by the collision "
+            f"how far the fingers of '{gripper.name}' reach is read from the collision "
             f"box of '{pad}'; it has none"
         )
     return max(z for _, _, z in corners)
@@ -141,3 +136,63 @@ def _from_above(frame: Transform, turn: float) -> Transform:
     """Return the frame of a gripper that looks down, its pads along y of ``frame``."""
     yaw = math.atan2(frame.rotation[1][0], frame.rotation[0][0]) + turn
     return to_transform(Pose(xyz=frame.position, rpy=(math.pi, 0.0, yaw)))
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Bin:
+    """A box that is open above, its sides along the root's axes."""
+
+    lower: Vector3
+    """Its corner, outside, in the root [m]."""
+    upper: Vector3
+
+    @property
+    def center(self) -> Vector3:
+        """The middle of its floor [m]."""
+        return (
+            (self.lower[0] + self.upper[0]) / 2.0,
+            (self.lower[1] + self.upper[1]) / 2.0,
+            self.lower[2],
+        )
+
+    def holds(self, pose: Transform) -> bool:
+        """Return whether an object's middle is in it."""
+        return all(
+            low < part < high
+            for low, part, high in zip(
+                self.lower, pose.position, self.upper, strict=True
+            )
+        )
+
+
+def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
+    """Return the bin with parts called ``NAME.part``.
+
+    Raises:
+        ControlError: If there is none.
+    """
+    parts = [item for item in objects if item.name.startswith(f"{name}.")]
+    corners = [
+        corner
+        for part in parts
+        if isinstance(part.geometry, Box)
+        for corner in box_corners(part.geometry, to_transform(part.pose))
+    ]
+    if not corners:
+        raise ControlError(
+            f"the scene has no bin '{name}': no box is called '{name}.floor' or alike"
+        )
+    xs, ys, zs = zip(*corners, strict=True)
+    return Bin((min(xs), min(ys), min(zs)), (max(xs), max(ys), max(zs)))
+
+
+def box_corners(box: Box, pose: Transform) -> list[Vector3]:
+    """Return the corners of a box with its middle at ``pose``, in the parent frame."""
+    x, y, z = (edge / 2.0 for edge in box.size)
+    return [
+        pose.apply((i * x, j * y, k * z))
+        for i in (-1, 1)
+        for j in (-1, 1)
+        for k in (-1, 1)
+    ]
