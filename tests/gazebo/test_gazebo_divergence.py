@@ -37,11 +37,11 @@ def throw_too_fast(robot: tool0.Robot, engine: GazeboEngine) -> None:
     robot.scene.add(CUBE)
     xyz, upright = CUBE.pose.xyz, (1.0, 0.0, 0.0, 0.0)
     fast = (TOO_FAST, TOO_FAST, 0.0)
-    engine.place(ObjectState("cube", xyz, upright, fast, (0.0, 0.0, 0.0)))
+    engine.world.place(ObjectState("cube", xyz, upright, fast, (0.0, 0.0, 0.0)))
     with pytest.raises(DivergenceError, match="object 'cube' is not finite"):
         robot.run(0.01)
     robot.reset()
-    (cube,) = engine.object_states()
+    (cube,) = engine.world.object_states()
     assert cube.position == pytest.approx(xyz)
     assert not any((*cube.linear, *cube.angular))
     robot.scene.remove("cube")

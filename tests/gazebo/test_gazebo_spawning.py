@@ -80,12 +80,12 @@ def test_velocities_are_those_of_the_origin_wherever_the_mass_is(
     told = ObjectState(
         "part", (2.0, 0.0, 0.5), (1.0, 0.0, 0.0, 0.0), (0.1, 0.2, 1.0), (0.0, 0.0, 3.0)
     )
-    engine.place(told)
-    (placed,) = engine.object_states()
+    engine.world.place(told)
+    (placed,) = engine.world.object_states()
     assert placed.linear == pytest.approx(told.linear)
     assert placed.angular == pytest.approx(told.angular)
     engine.step()
-    (moved,) = engine.object_states()
+    (moved,) = engine.world.object_states()
     way = np.subtract(moved.position, placed.position)
     np.testing.assert_allclose(way, np.multiply(told.linear, engine.dt), atol=2e-5)
 
@@ -119,7 +119,7 @@ def test_meshes_that_gazebo_would_leave_out_are_refused(
     with pytest.raises((ModelError, EngineError), match=str(path)):
         robot.scene.add(meshed(path))
     with pytest.raises(EngineError, match="no model 'part'"):
-        engine.delete("part")
+        engine.world.delete("part")
     robot.run(0.1)
     assert robot.scene.objects == ()
 
@@ -143,4 +143,4 @@ def test_a_name_in_gazebos_world_is_refused_without_waiting(
     assert perf_counter() - start < 1.0
     assert robot.scene.objects == ()
     with pytest.raises(EngineError, match=f"no model '{name}'"):
-        engine.delete(name)
+        engine.world.delete(name)

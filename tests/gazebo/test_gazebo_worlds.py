@@ -72,10 +72,10 @@ def test_the_weight_of_things_is_that_of_the_world(
     world = tmp_path / "slope.world"
     world.write_text(WORLD.replace("0 0 -5", "-3 0 -4").replace("2 0 3", "2 5 3"))
     robot, engine = bring_up(world=world)
-    assert engine.gravity == (-3.0, 0.0, -4.0)
+    assert engine.world.gravity == (-3.0, 0.0, -4.0)
     robot.run(2.0)
     pull = np.array(robot.pose("tool0").rotation) @ robot.force_torque.read().force
-    np.testing.assert_allclose(pull, 0.921 * np.array(engine.gravity), atol=0.01)
+    np.testing.assert_allclose(pull, 0.921 * np.array(engine.world.gravity), atol=0.01)
 
 
 def test_a_world_is_read_relative_to_where_the_person_is(
@@ -84,7 +84,7 @@ def test_a_world_is_read_relative_to_where_the_person_is(
     (tmp_path / "theirs.world").write_text(WORLD)
     monkeypatch.chdir(tmp_path)
     _, engine = bring_up(world="theirs.world")
-    engine.delete("crate")
+    engine.world.delete("crate")
 
 
 @pytest.mark.parametrize(
@@ -151,17 +151,17 @@ def test_a_model_comes_and_goes_while_the_robot_is_up(
     robot, engine = bring_up()
     robot.run(0.1)
     before = robot.joint_state
-    engine.spawn_file("crate", file, ASIDE)
+    engine.world.spawn_file("crate", file, ASIDE)
     x, _, z, *_ = map(float, gz(engine, "model", "-m", "crate", "-p").split())
     assert (x, z) == pytest.approx((2.0, 1.1))  # the robot's root is 0.1 m up
     assert robot.joint_state == before  # no time has passed
     robot.run(0.2)
     fallen = gz(engine, "model", "-m", "crate", "-p").split()
     assert float(fallen[2]) == pytest.approx(1.1 - 9.8 * 0.2**2 / 2.0, abs=0.005)
-    engine.delete("crate")
+    engine.world.delete("crate")
     robot.run(0.1)
     assert robot.time == pytest.approx(0.4)
-    engine.spawn_file("crate", file, ASIDE)  # the name is free again
+    engine.world.spawn_file("crate", file, ASIDE)  # the name is free again
 
 
 def test_models_that_cannot_come_or_go_are_named(
@@ -170,31 +170,31 @@ def test_models_that_cannot_come_or_go_are_named(
     cube = SceneObject(name="cube", geometry=Box(size=(0.1, 0.1, 0.1)), pose=ASIDE)
     robot, engine = bring_up(scene=Scene(objects=(cube,)))
     file.write_text(MODEL)
-    engine.spawn_file("crate", file, ASIDE)
+    engine.world.spawn_file("crate", file, ASIDE)
     with pytest.raises(EngineError, match="has a model 'crate' already"):
-        engine.spawn_file("crate", file, ASIDE)
+        engine.world.spawn_file("crate", file, ASIDE)
     with pytest.raises(EngineError, match="no model 'crote'"):
-        engine.delete("crote")
+        engine.world.delete("crote")
     with pytest.raises(EngineError, match="'ur5_robot' is the robot"):
-        engine.delete("ur5_robot")
+        engine.world.delete("ur5_robot")
     with pytest.raises(EngineError, match="has a model 'cube' already"):
-        engine.spawn_file("cube", file, ASIDE)
+        engine.world.spawn_file("cube", file, ASIDE)
     with pytest.raises(DescriptionError, match=r"nowhere\.sdf: No such file"):
-        engine.spawn_file("other", tmp_path / "nowhere.sdf", ASIDE)
+        engine.world.spawn_file("other", tmp_path / "nowhere.sdf", ASIDE)
     file.write_text(MODEL.replace("</model>", ""))
     with pytest.raises(DescriptionError, match=f"{file}:10: no XML"):
-        engine.spawn_file("other", file, ASIDE)
+        engine.world.spawn_file("other", file, ASIDE)
     file.write_text(WORLD)
     with pytest.raises(DescriptionError, match=f"{file}:1: <sdf> is no model"):
-        engine.spawn_file("other", file, ASIDE)
+        engine.world.spawn_file("other", file, ASIDE)
     file.write_text(MODEL.replace('<link name="link">', "<link>"))
     with pytest.raises(EngineError, match=r"no model in .*\n(.*\n)*.*element\[link\]"):
-        engine.spawn_file("other", file, ASIDE)
+        engine.world.spawn_file("other", file, ASIDE)
     file.write_text(MODEL.replace("1.0</mass>", "-1.0</mass>"))
     with pytest.raises(EngineError, match=r"cannot build 'other':\n.*mass"):
-        engine.spawn_file("other", file, ASIDE)
+        engine.world.spawn_file("other", file, ASIDE)
     with pytest.raises(EngineError, match="no model 'other'"):
-        engine.delete("other")  # what was built of it is gone
+        engine.world.delete("other")  # what was built of it is gone
     robot.run(0.01)
     assert robot.snapshot.fault is None
 
@@ -257,7 +257,7 @@ def test_contacts_of_many_things_are_told_in_parts(
     )
     file.write_text(f'<sdf version="1.6"><model name="m">{links}</model></sdf>')
     robot, engine = bring_up(gripper=None)
-    engine.spawn_file("crowd", file, Pose(xyz=(2.0, 0.0, side / 2.0 - 0.1)))
+    engine.world.spawn_file("crowd", file, Pose(xyz=(2.0, 0.0, side / 2.0 - 0.1)))
     robot.contacts()
     robot.run(0.3)
     (contact,) = robot.contacts()

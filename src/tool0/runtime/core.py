@@ -92,7 +92,7 @@ class Core:
         self.state, self._before = state, before
         self.ticks += 1
         for sensor in self._sensors:
-            sensor.tick(before, state, engine.contacts)
+            sensor.tick(before, state, engine.world.contacts)
 
     def apply(self, command: ask.CoreCommand) -> Any:  # the answer is the command's
         """Carry out ``command`` now, between two ticks, and return its answer."""
@@ -147,9 +147,9 @@ class Core:
             case ask.ReadSpec(name):
                 return self.manager.spec(name)
             case ask.ReadContacts():
-                return self.engine.contacts()
+                return self.engine.world.contacts()
             case ask.StartSensor(sensor):
-                sensor.restart(self._before, self.state, self.engine.contacts)
+                sensor.restart(self._before, self.state, self.engine.world.contacts)
                 self._sensors = (*self._sensors, sensor)
             case ask.StopSensor(sensor):
                 self._sensors = tuple(s for s in self._sensors if s is not sensor)
@@ -275,7 +275,7 @@ class Core:
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
         for sensor in self._sensors:
-            sensor.restart(self._before, self.state, self.engine.contacts)
+            sensor.restart(self._before, self.state, self.engine.world.contacts)
 
     def _emergency_stop(self, engaged: bool) -> None:
         if engaged == self.hardware.is_stopped:

@@ -338,7 +338,7 @@ class Loop:
                 speed=self._speed,
                 intents=core.manager.intents(),
                 scene=core.surroundings.objects,
-                objects=core.engine.object_states(),
+                objects=core.engine.world.object_states(),
             )
         )
 

@@ -102,7 +102,7 @@ class Robot:
             description,
             joint_names=engine.joint_names,
             dt=engine.dt,
-            gravity=engine.gravity,
+            gravity=engine.world.gravity,
             loop=loop,
         )
         self._grippers = {

@@ -42,7 +42,7 @@ class GraspAssist:
         if not model.grippers:
             raise ConfigError("grasp assist needs a gripper, and this robot has none")
         logger.warning(WARNING)
-        self._engine = engine
+        self._world = engine.world
         self._hands = [_Hand(model, gripper) for gripper in model.grippers]
 
     def look(self, snapshot: Snapshot) -> None:
@@ -59,17 +59,17 @@ class GraspAssist:
         state = hand.detector.observe(snapshot)
         if hand.held is not None:
             if hand.lets_go(snapshot, state.opening):
-                self._engine.detach(hand.held.name)
+                self._world.detach(hand.held.name)
                 hand.held = None
         elif state.motion == "holding_inside":
             name = self._between(hand.pads, snapshot)
             if name is not None:
-                self._engine.attach(name, hand.base)
+                self._world.attach(name, hand.base)
                 hand.held = _Held(name, state.opening)
 
     def _between(self, pads: tuple[str, str], snapshot: Snapshot) -> str | None:
         """Return the object that both pads press on, if there is one that can move."""
-        contacts = self._engine.contacts()
+        contacts = self._world.contacts()
         pressed = [
             {
                 c.second if c.first == pad else c.first

@@ -41,7 +41,7 @@ def let_pass(engine: MujocoEngine, duration: float) -> None:
 
 
 def state(engine: MujocoEngine, name: str) -> ObjectState:
-    (found,) = [each for each in engine.object_states() if each.name == name]
+    (found,) = [each for each in engine.world.object_states() if each.name == name]
     return found
 
 
@@ -57,17 +57,17 @@ def on_link(engine: MujocoEngine, name: str) -> np.ndarray:
 
 def test_what_is_attached_rides_along_until_it_is_let_go(engine: MujocoEngine) -> None:
     let_pass(engine, 0.1)
-    before, joints = engine.object_states(), engine.read()
-    engine.attach("held", LINK)
-    assert engine.object_states() == before
+    before, joints = engine.world.object_states(), engine.read()
+    engine.world.attach("held", LINK)
+    assert engine.world.object_states() == before
     assert engine.read() == joints
     place = on_link(engine, "held")
     let_pass(engine, 0.3)
     assert engine.read().position != joints.position  # the limp robot falls
     np.testing.assert_allclose(on_link(engine, "held"), place, atol=2e-3)
     assert state(engine, "free").linear[2] == pytest.approx(-9.81 * 0.4, rel=0.01)
-    engine.detach("held")
-    engine.detach("held")
+    engine.world.detach("held")
+    engine.world.detach("held")
     start = state(engine, "held").linear[2]
     let_pass(engine, 0.1)
     fallen = state(engine, "held").linear[2] - start
@@ -75,9 +75,9 @@ def test_what_is_attached_rides_along_until_it_is_let_go(engine: MujocoEngine) -
 
 
 def test_what_holds_it_is_told_with_the_contacts(engine: MujocoEngine) -> None:
-    engine.attach("held", "mount")
+    engine.world.attach("held", "mount")
     let_pass(engine, 1.0)
-    (contact,) = engine.contacts()
+    (contact,) = engine.world.contacts()
     assert (contact.first, contact.second) == ("mount", "held")
     np.testing.assert_allclose(contact.force, [0, 0, MASS * 9.81], atol=0.01)
     np.testing.assert_allclose(contact.torque, 0, atol=1e-4)
@@ -85,40 +85,40 @@ def test_what_holds_it_is_told_with_the_contacts(engine: MujocoEngine) -> None:
 
 
 def test_it_stays_attached_while_others_come_and_go(engine: MujocoEngine) -> None:
-    engine.attach("held", LINK)
+    engine.world.attach("held", LINK)
     place = on_link(engine, "held")
-    engine.delete("free")
+    engine.world.delete("free")
     let_pass(engine, 0.05)
-    engine.spawn(cube("late", 5.0))
-    engine.attach("late", LINK)
+    engine.world.spawn(cube("late", 5.0))
+    engine.world.attach("late", LINK)
     let_pass(engine, 0.05)
-    engine.delete("late")
+    engine.world.delete("late")
     let_pass(engine, 0.05)
     np.testing.assert_allclose(on_link(engine, "held"), place, atol=2e-3)
 
 
 def test_placing_deleting_and_resetting_let_go(engine: MujocoEngine) -> None:
-    engine.attach("held", LINK)
-    engine.place(ObjectState("held", (0.5, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0)))
+    engine.world.attach("held", LINK)
+    engine.world.place(ObjectState("held", (0.5, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0)))
     let_pass(engine, 0.1)
     assert state(engine, "held").linear[2] == pytest.approx(-9.81 * 0.1, rel=0.01)
-    engine.attach("held", LINK)
+    engine.world.attach("held", LINK)
     engine.reset(REST)
     let_pass(engine, 0.1)
     assert state(engine, "held").linear[2] == pytest.approx(-9.81 * 0.1, rel=0.01)
-    engine.attach("held", LINK)
-    engine.delete("held")
+    engine.world.attach("held", LINK)
+    engine.world.delete("held")
     let_pass(engine, 0.1)
-    assert engine.contacts() == ()
+    assert engine.world.contacts() == ()
 
 
 def test_who_attaches_amiss_is_told_why(engine: MujocoEngine) -> None:
     with pytest.raises(ModelError, match="did you mean 'cap'"):
-        engine.attach("held", "cab")
+        engine.world.attach("held", "cab")
     with pytest.raises(EngineError, match="no object 'hald'; did you mean 'held'"):
-        engine.attach("hald", LINK)
+        engine.world.attach("hald", LINK)
     with pytest.raises(EngineError, match="'still' has no mass"):
-        engine.attach("still", LINK)
-    engine.attach("held", LINK)
+        engine.world.attach("still", LINK)
+    engine.world.attach("held", LINK)
     with pytest.raises(EngineError, match=f"'held' is attached to '{LINK}' already"):
-        engine.attach("held", LINK)
+        engine.world.attach("held", LINK)

@@ -52,8 +52,8 @@ def test_a_box_at_rest_presses_on_the_ground_with_its_weight(
     )
     engine.reset(REST)
     let_pass(engine, 1.0)
-    below = on(engine.contacts(), "low", by="ground")
-    between = on(engine.contacts(), "high", by="low")
+    below = on(engine.world.contacts(), "low", by="ground")
+    between = on(engine.world.contacts(), "high", by="low")
     np.testing.assert_allclose(below.force, [0, 0, 2 * WEIGHT], atol=0.02 * WEIGHT)
     np.testing.assert_allclose(between.force, [0, 0, WEIGHT], atol=0.01 * WEIGHT)
     np.testing.assert_allclose(below.point, [FAR, 0, 0], atol=1e-4)
@@ -64,11 +64,11 @@ def test_a_box_at_rest_presses_on_the_ground_with_its_weight(
 def test_before_the_first_step_nothing_presses(skew_model: RobotModel) -> None:
     engine = MujocoEngine(skew_model, scene=Scene((cube("low"),)))
     engine.reset(REST)
-    assert engine.contacts() == ()
+    assert engine.world.contacts() == ()
     let_pass(engine, 0.1)
-    assert engine.contacts()
+    assert engine.world.contacts()
     engine.reset(REST)
-    assert engine.contacts() == ()
+    assert engine.world.contacts() == ()
 
 
 def test_who_comes_or_goes_changes_nothing_about_the_last_step(
@@ -77,11 +77,11 @@ def test_who_comes_or_goes_changes_nothing_about_the_last_step(
     engine = MujocoEngine(skew_model, scene=Scene((cube("low"),)))
     engine.reset(REST)
     let_pass(engine, 0.5)
-    before = engine.contacts()
-    engine.spawn(cube("other", x=2 * FAR))
-    assert engine.contacts() == before
+    before = engine.world.contacts()
+    engine.world.spawn(cube("other", x=2 * FAR))
+    assert engine.world.contacts() == before
     let_pass(engine, 0.5)
-    assert len(engine.contacts()) == 2
+    assert len(engine.world.contacts()) == 2
 
 
 @pytest.mark.parametrize("force", [20.0, 100.0])

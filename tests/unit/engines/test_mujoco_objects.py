@@ -77,7 +77,7 @@ def let_pass(engine: MujocoEngine, duration: float) -> None:
 
 
 def test_without_objects_there_are_no_poses(skew_model: RobotModel) -> None:
-    assert engine_with(skew_model).object_states() == ()
+    assert engine_with(skew_model).world.object_states() == ()
 
 
 def test_poses_come_in_the_order_of_the_scene_and_of_objects_as_placed(
@@ -90,7 +90,7 @@ def test_poses_come_in_the_order_of_the_scene_and_of_objects_as_placed(
         item("ball", Sphere(radius=0.1), 2.0, rpy=turned),
         item("post", Cylinder(radius=0.1, length=1.0), 3.0, x=7.0, mass=None),
     )
-    poses = engine_with(skew_model, *objects).object_states()
+    poses = engine_with(skew_model, *objects).world.object_states()
     assert [pose.name for pose in poses] == ["part", "table", "ball", "post"]
     assert [pose.position for pose in poses] == [o.pose.xyz for o in objects]
     half = np.divide(turned, 2.0)
@@ -152,9 +152,9 @@ def test_what_lies_stays(
     skew_model: RobotModel, resting: tuple[SceneObject, ...]
 ) -> None:
     engine = engine_with(skew_model, *resting)
-    before = engine.object_states()
+    before = engine.world.object_states()
     let_pass(engine, 5.0)
-    for start, end in zip(before, engine.object_states(), strict=True):
+    for start, end in zip(before, engine.world.object_states(), strict=True):
         np.testing.assert_allclose(end.position, start.position, atol=1e-4)
         np.testing.assert_allclose(end.quat_wxyz, start.quat_wxyz, atol=1e-3)
 
@@ -165,7 +165,7 @@ def test_a_mesh_rests_on_its_face_and_has_its_own_origin(
     part = item("part", stl(tmp_path / "part.stl"), 0.0)
     engine = engine_with(skew_model, part)
     let_pass(engine, 2.0)
-    (pose,) = engine.object_states()
+    (pose,) = engine.world.object_states()
     np.testing.assert_allclose(pose.position, part.pose.xyz, atol=1e-4)
     # A tetrahedron's inertia about its centre, from its mass and legs.
     np.testing.assert_allclose(engine.model.body("part").mass, 0.1, rtol=1e-9)
@@ -177,17 +177,17 @@ def test_a_mesh_rests_on_its_face_and_has_its_own_origin(
 def test_a_reset_puts_everything_back_to_the_bit(skew_model: RobotModel) -> None:
     still = item("shelf", Box(size=(0.5, 0.5, 0.02)), 0.3, mass=None)
     engine = engine_with(skew_model, cube(z=0.5), still, cube("low", 0.02))
-    before = engine.object_states()
+    before = engine.world.object_states()
 
     def fall() -> object:
         let_pass(engine, 0.7)
-        return engine.object_states(), engine.read()
+        return engine.world.object_states(), engine.read()
 
     after = fall()
-    assert engine.object_states()[0] != before[0]
-    assert engine.object_states()[1] == before[1]
+    assert engine.world.object_states()[0] != before[0]
+    assert engine.world.object_states()[1] == before[1]
     engine.reset(REST)
-    assert engine.object_states() == before
+    assert engine.world.object_states() == before
     assert fall() == after
 
 
@@ -218,7 +218,7 @@ def test_the_smaller_friction_counts(
     )
     engine = engine_with(skew_model, slope, box)
     let_pass(engine, 0.5)
-    way = math.dist(engine.object_states()[1].position, (x, y, z))
+    way = math.dist(engine.world.object_states()[1].position, (x, y, z))
     if slides:  # with the acceleration that Coulomb's law gives
         pull = 9.81 * (math.sin(tilt) - 0.2 * math.cos(tilt))
         assert way == pytest.approx(pull * 0.5**2 / 2, rel=0.03)

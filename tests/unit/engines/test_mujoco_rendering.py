@@ -31,8 +31,7 @@ from tool0.description.model import (
 )
 from tool0.description.motion import to_pose
 from tool0.description.scene import SceneObject
-from tool0.engines.mujoco.drawable import drawable
-from tool0.engines.mujoco.rendering import Renderer
+from tool0.engines.mujoco.rendering import Renderer, with_readable_visuals
 from tool0.errors import RenderError
 from tool0.hardware.engine import ObjectState
 
@@ -198,13 +197,13 @@ def test_collision_shapes_stand_in_for_meshes_that_mujoco_cannot_read(
     )
     joint = Joint(name="wrist", type=JointType.FIXED, parent="arm", child="hand")
     model = RobotModel(name="r", root="arm", links=links, joints=(joint,))
-    found = drawable(model)
+    found = with_readable_visuals(model)
     assert [visual.geometry for link in found.links for visual in link.visuals] == [
         disc,
         ball,
     ]
     assert "instead of hand.dae, which MuJoCo cannot read" in caplog.text
-    assert drawable(found) is found
+    assert with_readable_visuals(found) is found
 
 
 def test_without_opengl_it_is_told_what_to_install(

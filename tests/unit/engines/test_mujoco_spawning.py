@@ -69,13 +69,13 @@ def test_what_stays_keeps_its_whole_state(skew_model: RobotModel) -> None:
     engine.write([0.1, -0.2, 0.3, 0.0])
     let_pass(engine, 0.2)
     before, read = whole_state(engine, names), engine.read()
-    engine.delete("b")
+    engine.world.delete("b")
     assert whole_state(engine, names) == before
-    engine.spawn(cube("d", 8.0, 0.5))
-    engine.spawn(cube("post", 9.0, mass=None))
+    engine.world.spawn(cube("d", 8.0, 0.5))
+    engine.world.spawn(cube("post", 9.0, mass=None))
     assert whole_state(engine, names) == before
     assert engine.read() == read
-    assert [state.name for state in engine.object_states()] == ["a", "c", "d", "post"]
+    assert [state.name for state in engine.world.object_states()] == ["a", "c", "d", "post"]
 
 
 def test_no_further_state_is_lost_on_the_way(skew_model: RobotModel) -> None:
@@ -84,13 +84,13 @@ def test_no_further_state_is_lost_on_the_way(skew_model: RobotModel) -> None:
     for each in (engine, twin):
         each.write([0.1, -0.2, 0.3, 0.0])
         let_pass(each, 0.3)
-    engine.spawn(cube("b", z=0.02))
-    engine.delete("b")
+    engine.world.spawn(cube("b", z=0.02))
+    engine.world.delete("b")
     for each in (engine, twin):
         each.write([0.3, 0.0, -0.1, 0.0])
         let_pass(each, 0.3)
     assert engine.read() == twin.read()
-    assert engine.object_states() == twin.object_states()
+    assert engine.world.object_states() == twin.world.object_states()
 
 
 def test_what_is_held_is_held_on_while_others_come_and_go() -> None:
@@ -101,14 +101,14 @@ def test_what_is_held_is_held_on_while_others_come_and_go() -> None:
     engine.reset([pose.get(name, 0.0) for name in engine.joint_names])
     drive = engine.joint_names.index("finger_joint")
     for name in ("first", "second"):
-        engine.spawn(cube(name, 2.0))
+        engine.world.spawn(cube(name, 2.0))
     effort = [0.0] * len(engine.joint_names)
     effort[drive] = 0.5
     engine.write(effort)
     for i in range(20):
         engine.step()
         before = engine.read()
-        engine.spawn(cube(f"cube{i}", 3.0 + i))
+        engine.world.spawn(cube(f"cube{i}", 3.0 + i))
         assert engine.read() == before
     assert engine.read().velocity[drive] > 0.0
     assert engine.read().effort == effort
@@ -132,7 +132,7 @@ def test_what_comes_has_the_friction_of_what_was_there(
     first, second = cube("first"), cube("second", 6.0, friction=mu)
     there = engine_with(skew_model, first, second)
     came = engine_with(skew_model, first)
-    came.spawn(second)
+    came.world.spawn(second)
     assert pairs(came) == pairs(there) != set()
 
 
@@ -141,21 +141,21 @@ def test_what_is_refused_leaves_everything_as_it_was(
 ) -> None:
     engine = engine_with(skew_model, cube("cube"))
     let_pass(engine, 0.05)
-    model, data, before = engine.model, engine.data, engine.object_states()
+    model, data, before = engine.model, engine.data, engine.world.object_states()
     broken = tmp_path / "broken.stl"
     broken.write_bytes(b"no mesh")
     part = SceneObject(name="part", geometry=Mesh(uri="broken.stl", path=broken))
     with pytest.raises(EngineError, match="an object 'cube' already; remove it"):
-        engine.spawn(cube("cube"))
+        engine.world.spawn(cube("cube"))
     with pytest.raises(ModelError, match="object 'part'"):
-        engine.spawn(part)
-    for refused in (engine.delete, lambda name: engine.place(ObjectState(name, *HERE))):
+        engine.world.spawn(part)
+    for refused in (engine.world.delete, lambda name: engine.world.place(ObjectState(name, *HERE))):
         with pytest.raises(EngineError, match=r"'cub'; did you mean 'cube'\?"):
             refused("cub")
     assert engine.model is model
     assert engine.data is data
-    assert engine.object_states() == before
-    engine.spawn(cube("other", 6.0))
+    assert engine.world.object_states() == before
+    engine.world.spawn(cube("other", 6.0))
 
 
 def test_an_object_outlives_the_file_of_its_mesh(
@@ -177,16 +177,16 @@ def test_an_object_outlives_the_file_of_its_mesh(
         return float(engine.model.body("part").inertia.sum())
 
     engine = engine_with(skew_model)
-    engine.spawn(write(0.1))
+    engine.world.spawn(write(0.1))
     small = inertia(engine)
     path.unlink()
-    engine.spawn(cube("cube"))
+    engine.world.spawn(cube("cube"))
     assert inertia(engine) == small
     part = write(0.2)
-    engine.delete("cube")
+    engine.world.delete("cube")
     assert inertia(engine) == small  # made of what the file was
-    engine.delete("part")
-    engine.spawn(part)
+    engine.world.delete("part")
+    engine.world.spawn(part)
     assert inertia(engine) == pytest.approx(4.0 * small)
 
 
@@ -195,7 +195,7 @@ HERE = (1.0, 2.0, 3.0), (1.0, 0.0, 0.0, 0.0)
 
 def test_an_object_may_be_called_as_a_joint(skew_model: RobotModel) -> None:
     engine = engine_with(skew_model)
-    engine.spawn(cube(engine.joint_names[0]))
+    engine.world.spawn(cube(engine.joint_names[0]))
     assert engine.read().position == REST
     let_pass(engine, 0.01)
 
@@ -216,13 +216,13 @@ def test_velocities_are_in_the_axes_of_the_root(skew_model: RobotModel) -> None:
         tuple(linear.tolist()),
         tuple(angular.tolist()),
     )
-    engine.place(placed)
-    (seen,) = engine.object_states()
+    engine.world.place(placed)
+    (seen,) = engine.world.object_states()
     assert seen.position == placed.position
     assert seen.linear == placed.linear
     np.testing.assert_allclose(seen.angular, placed.angular, atol=1e-12)
     let_pass(engine, 0.1)
-    (later,) = engine.object_states()
+    (later,) = engine.world.object_states()
     # a ball turns evenly about an axis that stands still in the root
     np.testing.assert_allclose(later.angular, angular, atol=1e-9)
     turn = np.linalg.norm(angular) * 0.1 / 2.0
@@ -238,30 +238,30 @@ def test_velocities_are_in_the_axes_of_the_root(skew_model: RobotModel) -> None:
 def test_what_stands_still_stays_where_it_was_placed(skew_model: RobotModel) -> None:
     engine = engine_with(skew_model, cube("post", mass=None), cube("other", 6.0))
     placed = ObjectState("post", (7.0, 1.0, 0.5), (0.0, 1.0, 0.0, 0.0))
-    began = engine.object_states()[0]
-    engine.place(placed)
-    engine.spawn(cube("on it", 7.0, 0.6))
-    engine.delete("other")
-    assert engine.object_states()[0] == placed
-    engine.place(ObjectState("on it", (7.0, 1.0, 0.55), (1.0, 0.0, 0.0, 0.0)))
+    began = engine.world.object_states()[0]
+    engine.world.place(placed)
+    engine.world.spawn(cube("on it", 7.0, 0.6))
+    engine.world.delete("other")
+    assert engine.world.object_states()[0] == placed
+    engine.world.place(ObjectState("on it", (7.0, 1.0, 0.55), (1.0, 0.0, 0.0, 0.0)))
     let_pass(engine, 0.5)
-    height = engine.object_states()[1].position[2]
+    height = engine.world.object_states()[1].position[2]
     assert height == pytest.approx(0.5 + EDGE, abs=1e-4)
     with pytest.raises(EngineError, match="'post' has no mass and stands still"):
-        engine.place(ObjectState("post", *HERE, angular=(0.0, 0.0, 1e-9)))
+        engine.world.place(ObjectState("post", *HERE, angular=(0.0, 0.0, 1e-9)))
     engine.reset(REST)
-    assert engine.object_states()[0] == began
+    assert engine.world.object_states()[0] == began
 
 
 def test_a_reset_may_begin_at_any_time(skew_model: RobotModel) -> None:
     engine = engine_with(skew_model, cube("cube", z=0.4))
     let_pass(engine, 0.1)
-    engine.spawn(cube("late", 6.0, 0.4))
-    began = engine.object_states()[1]
+    engine.world.spawn(cube("late", 6.0, 0.4))
+    began = engine.world.object_states()[1]
     let_pass(engine, 0.1)
     engine.reset(REST, 1.234)
     assert engine.read().time == 1.234
-    assert engine.object_states()[1] == began
+    assert engine.world.object_states()[1] == began
     engine.step()
     assert engine.read().time == pytest.approx(1.235)
 
@@ -271,8 +271,8 @@ def test_what_comes_into_something_is_a_warning_about_it_alone(
 ) -> None:
     engine = engine_with(skew_model)
     with caplog.at_level(logging.WARNING):
-        engine.spawn(cube("cube"))
-        engine.spawn(cube("low", 6.0, EDGE / 2 - 0.005))
-        engine.spawn(cube("far", 7.0))
+        engine.world.spawn(cube("cube"))
+        engine.world.spawn(cube("low", 6.0, EDGE / 2 - 0.005))
+        engine.world.spawn(cube("far", 7.0))
     (record,) = caplog.records
     assert record.getMessage().startswith("the pose puts 'low' 5.0 mm into 'ground'")
