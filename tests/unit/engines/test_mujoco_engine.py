@@ -155,11 +155,9 @@ def test_an_effort_that_is_not_finite_is_an_error_that_names_joint_and_time(
     engine.reset([0.0, 0.0, 0.0, 0.2])
     for _ in range(5):
         engine.step()
-    with pytest.raises(
-        DivergenceError, match=r"effort of joint 'bend'.* 0\.005 s"
-    ) as e:
+    with pytest.raises(DivergenceError) as error:
         engine.write([0.0, bad, 0.0, 0.0])
-    assert (e.value.joint, e.value.time) == ("bend", 0.005)
+    assert (error.value.joint, error.value.time) == ("bend", 0.005)
     engine.step()
     assert engine.read().effort == [0.0] * 4
 
@@ -171,8 +169,9 @@ def test_a_state_that_is_not_finite_is_an_error_that_names_joint_and_time(
     engine.reset([0.0, 0.0, 0.0, 0.2])
     engine.step()
     engine.data.qvel[2] = math.nan
-    with pytest.raises(DivergenceError, match=r"state of joint 'slide'.* 0\.001 s"):
+    with pytest.raises(DivergenceError) as error:
         engine.read()
+    assert (error.value.joint, error.value.time) == ("slide", 0.001)
     engine.reset([0.0, 0.0, 0.0, 0.2])
     assert engine.read().velocity == [0.0] * 4
 
@@ -181,7 +180,7 @@ def test_a_state_that_is_not_finite_is_an_error_that_names_joint_and_time(
 def test_a_step_without_a_positive_length_is_refused(
     skew_model: RobotModel, dt: float
 ) -> None:
-    with pytest.raises(ConfigError, match="step must be above 0"):
+    with pytest.raises(ConfigError):
         MujocoEngine(skew_model, dt=dt)
 
 

@@ -244,23 +244,26 @@ def test_a_broken_mesh_is_an_error_that_names_the_object(
     path = tmp_path / "broken.stl"
     path.write_bytes(content)
     mesh = Mesh(uri="broken.stl", path=path)
-    with pytest.raises(ModelError, match="object 'part'"):
+    with pytest.raises(ModelError) as error:
         engine_with(skew_model, cube(), item("part", mesh, 1.0))
+    assert "'part'" in str(error.value)
 
 
 def test_a_mesh_that_mujoco_cannot_read_is_an_error_that_names_the_object(
     skew_model: RobotModel, tmp_path: Path
 ) -> None:
     mesh = Mesh(uri="part.dae", path=tmp_path / "part.dae")
-    with pytest.raises(ModelError, match=r"object 'part': .*convert it"):
+    with pytest.raises(ModelError) as error:
         engine_with(skew_model, item("part", mesh, 1.0))
+    assert "'part'" in str(error.value)
 
 
 def test_an_object_that_diverges_is_named(skew_model: RobotModel) -> None:
     engine = engine_with(skew_model, cube(), cube("other", 1.0))
     engine.step()
     engine.data.qvel[-1] = math.nan
-    with pytest.raises(DivergenceError, match=r"state of object 'other' .* 0\.001 s"):
+    with pytest.raises(DivergenceError) as error:
         engine.read()
+    assert (error.value.joint, error.value.time) == ("other", 0.001)
     engine.reset(REST)
     engine.read()

@@ -31,6 +31,7 @@ from tool0.description.model import (
 )
 from tool0.description.motion import to_pose
 from tool0.description.scene import SceneObject
+from tool0.engines.mujoco.gl import PACKAGES as GL_PACKAGES
 from tool0.engines.mujoco.rendering import Renderer, with_readable_visuals
 from tool0.errors import RenderError
 from tool0.hardware.engine import ObjectState
@@ -202,7 +203,7 @@ def test_collision_shapes_stand_in_for_meshes_that_mujoco_cannot_read(
         disc,
         ball,
     ]
-    assert "instead of hand.dae, which MuJoCo cannot read" in caplog.text
+    assert "hand.dae" in caplog.text
     assert with_readable_visuals(found) is found
 
 
@@ -217,8 +218,9 @@ def test_without_opengl_it_is_told_what_to_install(
         raise OSError(name)
 
     monkeypatch.setattr("ctypes.CDLL", no_library)
-    with pytest.raises(RenderError, match=r"apt-get install libegl1 .*dri.*libosmesa6"):
+    with pytest.raises(RenderError) as error:
         Renderer(skew_model, None, 8, 8)
+    assert GL_PACKAGES in str(error.value)
 
 
 @pytest.mark.parametrize("word", ["disable", "vulkan"])
@@ -226,8 +228,9 @@ def test_a_mujoco_gl_that_draws_nothing_is_named(
     skew_model: RobotModel, monkeypatch: pytest.MonkeyPatch, word: str
 ) -> None:
     monkeypatch.setenv("MUJOCO_GL", word)
-    with pytest.raises(RenderError, match=f"MUJOCO_GL is '{word}'"):
+    with pytest.raises(RenderError) as error:
         Renderer(skew_model, None, 8, 8)
+    assert f"'{word}'" in str(error.value)
 
 
 @pytest.mark.parametrize("command", ["bringup --headless", "describe mjcf"])
@@ -243,5 +246,5 @@ def test_a_wrong_mujoco_gl_is_no_traceback(command: str) -> None:
     )
     assert ended.returncode == 2
     (line,) = ended.stderr.splitlines()
-    assert line.startswith("tool0: error: MuJoCo cannot be imported: ")
-    assert line.endswith("unset MUJOCO_GL, which is 'nonsense'")
+    assert line.startswith("tool0: error: ")
+    assert "MUJOCO_GL, which is 'nonsense'" in line

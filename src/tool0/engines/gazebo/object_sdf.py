@@ -1,4 +1,4 @@
-"""The scene's objects as Gazebo takes them: a model of one link each, in SDF."""
+"""The scene's objects in SDF: a model of one link each."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import xml.etree.ElementTree as ET
 
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.scene import SceneObject
-from tool0.engines.gazebo.solids import check_mesh, solid_of
+from tool0.engines.gazebo.inertia import check_mesh, unit_inertia
 
 STIFFNESS, DAMPING = 1e5, 10.0
 """Of contact [N/m, N·s/m], as of the pads: calm at rest, and no visible depth."""
 MIN_DEPTH, MAX_VEL = 1e-5, 0.1
-"""Overlap that is left alone [m], and the fastest that a deeper one is undone [m/s].
+"""Overlap that is not corrected [m], and the highest speed of correction [m/s].
 
-The direct solver overlooks the second; what holds instead is in bridge/leash.cc.
+The direct solver ignores the second; bridge/leash.cc limits it instead.
 """
 
 
@@ -68,15 +68,15 @@ def _geometry(geometry: Geometry) -> ET.Element:
 
 
 def _add_inertial(link: ET.Element, item: SceneObject, mass: float) -> None:
-    solid = solid_of(item.geometry)
+    unit = unit_inertia(item.geometry)
     inertial = ET.SubElement(link, "inertial")
-    _add(inertial, "pose", " ".join(repr(float(x)) for x in (*solid.center, 0, 0, 0)))
+    _add(inertial, "pose", " ".join(repr(float(x)) for x in (*unit.center, 0, 0, 0)))
     _add(inertial, "mass", repr(mass))
     inertia = ET.SubElement(inertial, "inertia")
     for i, row in enumerate("xyz"):
         for j, column in enumerate("xyz"):
             if i <= j:
-                moment = float(mass * solid.tensor[i, j])
+                moment = float(mass * unit.tensor[i, j])
                 _add(inertia, f"i{row}{column}", repr(moment))
 
 
