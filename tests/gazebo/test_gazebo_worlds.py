@@ -11,7 +11,7 @@ from in_gazebo import BringUp, gz
 import tool0
 from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
-from tool0.errors import ConfigError, DescriptionError, EngineError
+from tool0.errors import DescriptionError, EngineError, SourceLocation
 
 BOX = """\
     <link name="link">
@@ -88,20 +88,21 @@ def test_a_world_is_read_relative_to_where_the_person_is(
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("text", "line", "named"),
     [
-        (WORLD.replace("</world>", "</wrld>"), ":18: no XML: mismatched tag"),
-        (MODEL, ":1: <sdf> is no world"),
-        (
-            WORLD.replace('<link name="link">', "<link>"),
-            r": Gazebo cannot read this world:\n(.*\n)*.*name.*element\[link\]",
-        ),
+        (WORLD.replace("</world>", "</wrld>"), 18, ""),
+        (MODEL, 1, "<sdf>"),
+        (WORLD.replace('<link name="link">', "<link>"), None, "element[link]"),
     ],
 )
-def test_a_world_that_is_none_is_named(text: str, message: str, file: Path) -> None:
+def test_a_world_that_is_none_is_named(
+    text: str, line: int | None, named: str, file: Path
+) -> None:
     file.write_text(text)
-    with pytest.raises(DescriptionError, match=f"{file}{message}"):
+    with pytest.raises(DescriptionError) as error:
         tool0.bringup(engine="gazebo", world=file)
+    assert error.value.location == SourceLocation(file, line)
+    assert named in str(error.value)
 
 
 @pytest.mark.parametrize("gripper", ["2f85", None])
@@ -109,13 +110,13 @@ def test_physics_other_than_ode_is_refused(
     gripper: str | None, file: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     file.write_text(WORLD.replace('physics type="ode"', 'physics type="bullet"'))
-    with pytest.raises(EngineError, match=r"physics is 'bullet', .* needs .*\"ode\""):
+    with pytest.raises(EngineError, match="'bullet'"):
         tool0.bringup(engine="gazebo", world=file, gripper=gripper)
     assert caplog.records == []
 
 
 def test_a_world_that_is_not_there_is_named() -> None:
-    with pytest.raises(DescriptionError, match=r"nowhere\.world: No such file"):
+    with pytest.raises(DescriptionError, match=r"nowhere\.world"):
         tool0.bringup(engine="gazebo", world="nowhere.world")
 
 
@@ -136,12 +137,6 @@ def test_the_usual_start_has_nothing_to_complain_of(
 ) -> None:
     bring_up()
     assert caplog.records == []
-
-
-@pytest.mark.parametrize("option", [{"world": "a.world"}, {"gazebo_gui": True}])
-def test_what_is_for_gazebo_is_refused_elsewhere(option: dict[str, object]) -> None:
-    with pytest.raises(ConfigError, match="need engine 'gazebo', not 'mujoco'"):
-        tool0.bringup(**option)  # type: ignore[arg-type]
 
 
 def test_a_model_comes_and_goes_while_the_robot_is_up(
@@ -171,30 +166,28 @@ def test_models_that_cannot_come_or_go_are_named(
     robot, engine = bring_up(scene=Scene(objects=(cube,)))
     file.write_text(MODEL)
     engine.world.spawn_file("crate", file, ASIDE)
-    with pytest.raises(EngineError, match="has a model 'crate' already"):
-        engine.world.spawn_file("crate", file, ASIDE)
-    with pytest.raises(EngineError, match="no model 'crote'"):
-        engine.world.delete("crote")
-    with pytest.raises(EngineError, match="'ur5_robot' is the robot"):
-        engine.world.delete("ur5_robot")
-    with pytest.raises(EngineError, match="has a model 'cube' already"):
-        engine.world.spawn_file("cube", file, ASIDE)
-    with pytest.raises(DescriptionError, match=r"nowhere\.sdf: No such file"):
+    for name in ("crate", "cube"):
+        with pytest.raises(EngineError, match=f"'{name}'"):
+            engine.world.spawn_file(name, file, ASIDE)
+    for name in ("crote", "ur5_robot"):
+        with pytest.raises(EngineError, match=f"'{name}'"):
+            engine.world.delete(name)
+    with pytest.raises(DescriptionError, match=r"nowhere\.sdf"):
         engine.world.spawn_file("other", tmp_path / "nowhere.sdf", ASIDE)
-    file.write_text(MODEL.replace("</model>", ""))
-    with pytest.raises(DescriptionError, match=f"{file}:10: no XML"):
-        engine.world.spawn_file("other", file, ASIDE)
-    file.write_text(WORLD)
-    with pytest.raises(DescriptionError, match=f"{file}:1: <sdf> is no model"):
-        engine.world.spawn_file("other", file, ASIDE)
-    file.write_text(MODEL.replace('<link name="link">', "<link>"))
-    with pytest.raises(EngineError, match=r"no model in .*\n(.*\n)*.*element\[link\]"):
-        engine.world.spawn_file("other", file, ASIDE)
-    file.write_text(MODEL.replace("1.0</mass>", "-1.0</mass>"))
-    with pytest.raises(EngineError, match=r"cannot build 'other':\n.*mass"):
-        engine.world.spawn_file("other", file, ASIDE)
-    with pytest.raises(EngineError, match="no model 'other'"):
-        engine.world.delete("other")  # what was built of it is gone
+    for text, line in ((MODEL.replace("</model>", ""), 10), (WORLD, 1)):
+        file.write_text(text)
+        with pytest.raises(DescriptionError) as error:
+            engine.world.spawn_file("other", file, ASIDE)
+        assert error.value.location == SourceLocation(file, line)
+    for old, new, named in (
+        ('<link name="link">', "<link>", r"element\[link\]"),
+        ("1.0</mass>", "-1.0</mass>", "mass"),
+    ):
+        file.write_text(MODEL.replace(old, new))
+        with pytest.raises(EngineError, match=named):
+            engine.world.spawn_file("other", file, ASIDE)
+        with pytest.raises(EngineError, match="'other'"):
+            engine.world.delete("other")  # what was built of it is gone
     robot.run(0.01)
     assert robot.snapshot.fault is None
 
