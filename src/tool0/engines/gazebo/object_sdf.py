@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
-
 from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.scene import SceneObject
 from tool0.engines.gazebo.inertia import check_mesh, unit_inertia
@@ -21,75 +19,70 @@ def object_sdf(item: SceneObject) -> str:
     """Return the object as an SDF document, at its model's origin.
 
     Raises:
-        ModelError: If it is a mesh that cannot be read, or one that encloses nothing
-            and is to move.
+        ModelError: If it is a mesh that cannot be read, or that has a mass but no
+            volume.
     """
     if isinstance(item.geometry, Mesh):
         check_mesh(item.geometry.path)
-    sdf = ET.Element("sdf", version="1.6")
-    model = ET.SubElement(sdf, "model", name=item.name)
-    _add(model, "static", "false" if item.mass else "true")
-    link = ET.SubElement(model, "link", name="link")
-    if item.mass is not None:
-        _add_inertial(link, item, item.mass)
-    collision = ET.SubElement(link, "collision", name="collision")
-    collision.append(_geometry(item.geometry))
-    _add_surface(collision, item.friction)
-    visual = ET.SubElement(link, "visual", name="visual")
-    visual.append(_geometry(item.geometry))
-    material = ET.SubElement(visual, "material")
-    colour = " ".join(map(repr, item.rgba))
-    for tag in ("ambient", "diffuse"):
-        _add(material, tag, colour)
-    _add(visual, "transparency", repr(1.0 - item.rgba[3]))
-    return ET.tostring(sdf, encoding="unicode")
+    geometry = _geometry(item.geometry)
+    color = " ".join(map(repr, item.rgba))
+    # Neither an object's name nor a URI has a character that XML would need escaped.
+    return f"""\
+<sdf version="1.6">
+  <model name="{item.name}">
+    <static>{"false" if item.mass else "true"}</static>
+    <link name="link">
+      {_inertial(item)}
+      <collision name="collision">
+        {geometry}
+        <surface>
+          <friction><ode>
+            <mu>{item.friction!r}</mu><mu2>{item.friction!r}</mu2>
+          </ode></friction>
+          <contact><ode>
+            <kp>{STIFFNESS!r}</kp><kd>{DAMPING!r}</kd>
+            <min_depth>{MIN_DEPTH!r}</min_depth><max_vel>{MAX_VEL!r}</max_vel>
+          </ode></contact>
+        </surface>
+      </collision>
+      <visual name="visual">
+        {geometry}
+        <material><ambient>{color}</ambient><diffuse>{color}</diffuse></material>
+        <transparency>{1.0 - item.rgba[3]!r}</transparency>
+      </visual>
+    </link>
+  </model>
+</sdf>
+"""
 
 
-def _add(parent: ET.Element, tag: str, text: str) -> None:
-    ET.SubElement(parent, tag).text = text
-
-
-def _geometry(geometry: Geometry) -> ET.Element:
-    element = ET.Element("geometry")
+def _geometry(geometry: Geometry) -> str:
     match geometry:
-        case Box(size=size):
-            _add(ET.SubElement(element, "box"), "size", " ".join(map(repr, size)))
-        case Cylinder(radius=radius, length=length):
-            shape = ET.SubElement(element, "cylinder")
-            _add(shape, "radius", repr(radius))
-            _add(shape, "length", repr(length))
-        case Sphere(radius=radius):
-            _add(ET.SubElement(element, "sphere"), "radius", repr(radius))
-        case Mesh(path=path, scale=scale):
-            shape = ET.SubElement(element, "mesh")
-            _add(shape, "uri", path.as_uri())
-            _add(shape, "scale", " ".join(map(repr, scale)))
-    return element
+        case Box(size=(x, y, z)):
+            shape = f"<box><size>{x!r} {y!r} {z!r}</size></box>"
+        case Cylinder(radius=r, length=length):
+            size = f"<radius>{r!r}</radius><length>{length!r}</length>"
+            shape = f"<cylinder>{size}</cylinder>"
+        case Sphere(radius=r):
+            shape = f"<sphere><radius>{r!r}</radius></sphere>"
+        case Mesh(path=path, scale=(x, y, z)):
+            scale = f"<scale>{x!r} {y!r} {z!r}</scale>"
+            shape = f"<mesh><uri>{path.as_uri()}</uri>{scale}</mesh>"
+    return f"<geometry>{shape}</geometry>"
 
 
-def _add_inertial(link: ET.Element, item: SceneObject, mass: float) -> None:
+def _inertial(item: SceneObject) -> str:
+    if item.mass is None:
+        return ""
     unit = unit_inertia(item.geometry)
-    inertial = ET.SubElement(link, "inertial")
-    _add(inertial, "pose", " ".join(repr(float(x)) for x in (*unit.center, 0, 0, 0)))
-    _add(inertial, "mass", repr(mass))
-    inertia = ET.SubElement(inertial, "inertia")
-    for i, row in enumerate("xyz"):
-        for j, column in enumerate("xyz"):
-            if i <= j:
-                moment = float(mass * unit.tensor[i, j])
-                _add(inertia, f"i{row}{column}", repr(moment))
-
-
-def _add_surface(collision: ET.Element, friction: float) -> None:
-    surface = ET.SubElement(collision, "surface")
-    ode = ET.SubElement(ET.SubElement(surface, "friction"), "ode")
-    _add(ode, "mu", repr(friction))
-    _add(ode, "mu2", repr(friction))
-    contact = ET.SubElement(ET.SubElement(surface, "contact"), "ode")
-    for tag, value in (
-        ("kp", STIFFNESS),
-        ("kd", DAMPING),
-        ("min_depth", MIN_DEPTH),
-        ("max_vel", MAX_VEL),
-    ):
-        _add(contact, tag, repr(value))
+    x, y, z = unit.center.tolist()
+    moments = "".join(
+        f"<i{row}{column}>{float(item.mass * unit.tensor[i, j])!r}</i{row}{column}>"
+        for i, row in enumerate("xyz")
+        for j, column in enumerate("xyz")
+        if i <= j
+    )
+    return (
+        f"<inertial><pose>{x!r} {y!r} {z!r} 0 0 0</pose><mass>{item.mass!r}</mass>"
+        f"<inertia>{moments}</inertia></inertial>"
+    )

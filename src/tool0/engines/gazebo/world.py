@@ -152,13 +152,7 @@ class GazeboServerWorld:
         return self._states
 
     def spawn(self, item: SceneObject) -> None:
-        """Add an object at rest; everything else keeps its state.
-
-        Raises:
-            ModelError: If it is a mesh that cannot be read, or that has a mass but no
-                volume.
-            EngineError: If the name is taken, or Gazebo refuses.
-        """
+        """Add an object at rest, or raise ModelError or EngineError."""
         check_new_name(self._objects, item.name)
         file = self._server.folder / f"{item.name}.sdf"
         file.write_text(object_sdf(item))
@@ -187,11 +181,7 @@ class GazeboServerWorld:
         self._spawn(name, file.resolve(), self._root @ transform(pose))
 
     def delete(self, name: str) -> None:
-        """Remove an object of the scene, or another model.
-
-        Raises:
-            EngineError: If there is none, or it is the robot.
-        """
+        """Remove any model but the robot, or raise EngineError."""
         if name == self._model.name:
             raise EngineError(f"'{name}' is the robot, which cannot be removed")
         try:
@@ -204,11 +194,7 @@ class GazeboServerWorld:
         self._objects.pop(name, None)
 
     def place(self, state: ObjectState) -> None:
-        """Set an object's pose and velocity.
-
-        Raises:
-            EngineError: If there is none, or it has no mass and a velocity is given.
-        """
+        """Set an object's pose and velocity, or raise EngineError."""
         check_placement(self._objects, state)
         x, y, z = state.position
         norm = math.hypot(*state.quat_wxyz)
@@ -234,13 +220,7 @@ class GazeboServerWorld:
         return unpack_contacts(packed, self._names, self._root)
 
     def attach(self, name: str, link: str) -> None:
-        """Fix a movable object to a link at its current pose, until it is detached.
-
-        Raises:
-            ModelError: If there is no such link.
-            EngineError: If there is no such object, it has no mass, or it is attached
-                already.
-        """
+        """Fix a movable object to a link, or raise ModelError or EngineError."""
         self._model.link(link)
         check_attachable(self._objects, name)
         body = self._names.body_of_link[link]

@@ -1,52 +1,23 @@
-"""Objects that come and go: everything else keeps its state to the bit."""
+"""Objects and attachments that come and go: everything else keeps its state."""
 
 from __future__ import annotations
 
 import logging
-import math
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
+from objects_rig import EDGE, FAR, REST, cube, engine_with, run, state_of
 
-from tool0.description.catalogue import assemble, named_poses
-from tool0.description.model import Box, Mesh, Pose, RobotModel, Sphere
-from tool0.description.scene import Scene, SceneObject
+from tool0.description.model import Mesh, Pose, RobotModel
+from tool0.description.scene import SceneObject
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.errors import EngineError, ModelError
-from tool0.hardware.engine import Engine, ObjectState
+from tool0.errors import ModelError
+from tool0.hardware.engine import ObjectState
 
-REST = [0.0, 0.0, 0.0, 0.2]  # the skew robot's joints
-EDGE = 0.04  # [m]
-
-
-def cube(
-    name: str,
-    x: float = 5.0,
-    z: float = EDGE / 2,
-    *,
-    mass: float | None = 0.1,
-    friction: float = 1.0,
-) -> SceneObject:
-    return SceneObject(
-        name=name,
-        geometry=Box(size=(EDGE, EDGE, EDGE)),
-        pose=Pose(xyz=(x, 0.0, z)),
-        mass=mass,
-        friction=friction,
-    )
-
-
-def engine_with(model: RobotModel, *objects: SceneObject) -> MujocoEngine:
-    engine = MujocoEngine(model, scene=Scene(objects))
-    engine.reset(REST)
-    return engine
-
-
-def let_pass(engine: Engine, duration: float) -> None:
-    for _ in range(round(duration / engine.dt)):
-        engine.step()
-        engine.read()
+LINK = "cap"
+WEIGHT = 0.1 * 9.81  # [N]
 
 
 def whole_state(engine: MujocoEngine, names: list[str]) -> list[list[float]]:
@@ -67,7 +38,7 @@ def test_what_stays_keeps_its_whole_state(skew_model: RobotModel) -> None:
     engine = engine_with(skew_model, cube("a", z=0.3), cube("b", 6.0), cube("c", 7.0))
     names = [*engine.joint_names, "a/free", "c/free"]
     engine.write([0.1, -0.2, 0.3, 0.0])
-    let_pass(engine, 0.2)
+    run(engine, 0.2)
     before, read = whole_state(engine, names), engine.read()
     engine.world.delete("b")
     assert whole_state(engine, names) == before
@@ -88,35 +59,14 @@ def test_no_further_state_is_lost_on_the_way(skew_model: RobotModel) -> None:
     engine, twin = (engine_with(skew_model, cube("a", z=0.1)) for _ in range(2))
     for each in (engine, twin):
         each.write([0.1, -0.2, 0.3, 0.0])
-        let_pass(each, 0.3)
+        run(each, 0.3)
     engine.world.spawn(cube("b", z=0.02))
     engine.world.delete("b")
     for each in (engine, twin):
         each.write([0.3, 0.0, -0.1, 0.0])
-        let_pass(each, 0.3)
+        run(each, 0.3)
     assert engine.read() == twin.read()
     assert engine.world.object_states() == twin.world.object_states()
-
-
-def test_what_is_held_is_held_on_while_others_come_and_go() -> None:
-    """Also what fingers squeeze: the contact goes on where it was."""
-    description = assemble()
-    engine = MujocoEngine(description.model, ground=-0.1)
-    pose = named_poses(description)["home"]
-    engine.reset([pose.get(name, 0.0) for name in engine.joint_names])
-    drive = engine.joint_names.index("finger_joint")
-    for name in ("first", "second"):
-        engine.world.spawn(cube(name, 2.0))
-    effort = [0.0] * len(engine.joint_names)
-    effort[drive] = 0.5
-    engine.write(effort)
-    for i in range(20):
-        engine.step()
-        before = engine.read()
-        engine.world.spawn(cube(f"cube{i}", 3.0 + i))
-        assert engine.read() == before
-    assert engine.read().velocity[drive] > 0.0
-    assert engine.read().effort == effort
 
 
 @pytest.mark.parametrize("mu", [0.1, 1.0])
@@ -139,34 +89,6 @@ def test_what_comes_has_the_friction_of_what_was_there(
     came = engine_with(skew_model, first)
     came.world.spawn(second)
     assert pairs(came) == pairs(there) != set()
-
-
-def test_what_is_refused_leaves_everything_as_it_was(
-    skew_model: RobotModel, tmp_path: Path
-) -> None:
-    engine = engine_with(skew_model, cube("cube"))
-    let_pass(engine, 0.05)
-    model, data, before = engine.model, engine.data, engine.world.object_states()
-    broken = tmp_path / "broken.stl"
-    broken.write_bytes(b"no mesh")
-    part = SceneObject(name="part", geometry=Mesh(uri="broken.stl", path=broken))
-    with pytest.raises(EngineError) as taken:
-        engine.world.spawn(cube("cube"))
-    assert "'cube'" in str(taken.value)
-    with pytest.raises(ModelError) as refused_mesh:
-        engine.world.spawn(part)
-    assert "'part'" in str(refused_mesh.value)
-    for refused in (
-        engine.world.delete,
-        lambda name: engine.world.place(ObjectState(name, *HERE)),
-    ):
-        with pytest.raises(EngineError) as unknown:
-            refused("cub")
-        assert "'cube'" in str(unknown.value)
-    assert engine.model is model
-    assert engine.data is data
-    assert engine.world.object_states() == before
-    engine.world.spawn(cube("other", 6.0))
 
 
 def test_an_object_outlives_the_file_of_its_mesh(
@@ -201,49 +123,11 @@ def test_an_object_outlives_the_file_of_its_mesh(
     assert inertia(engine) == pytest.approx(4.0 * small)
 
 
-HERE = (1.0, 2.0, 3.0), (1.0, 0.0, 0.0, 0.0)
-
-
 def test_an_object_may_be_called_as_a_joint(skew_model: RobotModel) -> None:
     engine = engine_with(skew_model)
     engine.world.spawn(cube(engine.joint_names[0]))
     assert engine.read().position == REST
-    let_pass(engine, 0.01)
-
-
-def test_velocities_are_in_the_axes_of_the_root(skew_model: RobotModel) -> None:
-    ball = SceneObject(
-        name="ball", geometry=Sphere(radius=0.1), pose=Pose(xyz=(5, 0, 2)), mass=1.0
-    )
-    engine = engine_with(skew_model, ball)
-    rng = np.random.default_rng(seed=0)
-    quat = rng.normal(size=4)
-    quat /= np.linalg.norm(quat)
-    linear, angular = rng.normal(size=(2, 3))
-    placed = ObjectState(
-        "ball",
-        (5.0, 0.0, 2.0),
-        tuple(quat.tolist()),
-        tuple(linear.tolist()),
-        tuple(angular.tolist()),
-    )
-    engine.world.place(placed)
-    (seen,) = engine.world.object_states()
-    assert seen.position == placed.position
-    assert seen.linear == placed.linear
-    np.testing.assert_allclose(seen.angular, placed.angular, atol=1e-12)
-    let_pass(engine, 0.1)
-    (later,) = engine.world.object_states()
-    # a ball turns evenly about an axis that stands still in the root
-    np.testing.assert_allclose(later.angular, angular, atol=1e-9)
-    turn = np.linalg.norm(angular) * 0.1 / 2.0
-    axis = angular / np.linalg.norm(angular)
-    w, v = math.cos(turn), math.sin(turn) * axis
-    expected = [
-        w * quat[0] - v @ quat[1:],
-        *(w * quat[1:] + quat[0] * v + np.cross(v, quat[1:])),
-    ]
-    np.testing.assert_allclose(later.quat_wxyz, expected, atol=1e-9)
+    run(engine, 0.01)
 
 
 def test_what_stands_still_stays_where_it_was_placed(skew_model: RobotModel) -> None:
@@ -255,26 +139,11 @@ def test_what_stands_still_stays_where_it_was_placed(skew_model: RobotModel) -> 
     engine.world.delete("other")
     assert engine.world.object_states()[0] == placed
     engine.world.place(ObjectState("on it", (7.0, 1.0, 0.55), (1.0, 0.0, 0.0, 0.0)))
-    let_pass(engine, 0.5)
+    run(engine, 0.5)
     height = engine.world.object_states()[1].position[2]
     assert height == pytest.approx(0.5 + EDGE, abs=1e-4)
-    with pytest.raises(EngineError):
-        engine.world.place(ObjectState("post", *HERE, angular=(0.0, 0.0, 1e-9)))
     engine.reset(REST)
     assert engine.world.object_states()[0] == began
-
-
-def test_a_reset_may_begin_at_any_time(skew_model: RobotModel) -> None:
-    engine = engine_with(skew_model, cube("cube", z=0.4))
-    let_pass(engine, 0.1)
-    engine.world.spawn(cube("late", 6.0, 0.4))
-    began = engine.world.object_states()[1]
-    let_pass(engine, 0.1)
-    engine.reset(REST, 1.234)
-    assert engine.read().time == 1.234
-    assert engine.world.object_states()[1] == began
-    engine.step()
-    assert engine.read().time == pytest.approx(1.235)
 
 
 def test_what_comes_into_something_is_a_warning_about_it_alone(
@@ -287,3 +156,83 @@ def test_what_comes_into_something_is_a_warning_about_it_alone(
         engine.world.spawn(cube("far", 7.0))
     (record,) = caplog.records
     assert record.getMessage().startswith("the pose puts 'low' 5.0 mm into 'ground'")
+
+
+def test_an_object_that_is_refused_leaves_the_model_as_it_was(
+    skew_model: RobotModel, tmp_path: Path
+) -> None:
+    engine = engine_with(skew_model, cube())
+    run(engine, 0.05)
+    model, data, before = engine.model, engine.data, engine.world.object_states()
+    broken = tmp_path / "broken.stl"
+    broken.write_bytes(b"no mesh")
+    part = SceneObject(name="part", geometry=Mesh(uri="broken.stl", path=broken))
+    with pytest.raises(ModelError) as error:
+        engine.world.spawn(part)
+    assert "'part'" in str(error.value)
+    assert engine.model is model
+    assert engine.data is data
+    assert engine.world.object_states() == before
+    engine.world.spawn(cube("other", 6.0))
+
+
+def test_contacts_of_the_last_step_survive_what_comes(skew_model: RobotModel) -> None:
+    engine = engine_with(skew_model, cube("low"), cube("high", z=1.5 * EDGE))
+    run(engine, 1.0)
+    before = engine.world.contacts()
+    for contact, names, weight, z in zip(
+        before,
+        ({"low", "ground"}, {"low", "high"}),
+        (2 * WEIGHT, WEIGHT),
+        (0.0, EDGE),
+        strict=True,
+    ):
+        assert {contact.first, contact.second} == names
+        assert np.abs(contact.force) == pytest.approx(
+            [0, 0, weight], rel=0.02, abs=0.01
+        )
+        assert contact.point == pytest.approx((FAR, 0.0, z), abs=1e-4)
+        assert contact.torque == pytest.approx((0.0, 0.0, 0.0), abs=1e-4)
+    engine.world.spawn(cube("other", 2 * FAR))
+    assert engine.world.contacts() == before
+    run(engine, 0.5)
+    assert len(engine.world.contacts()) == 3
+
+
+def pose_on_link(engine: MujocoEngine, name: str) -> np.ndarray:
+    """Return the object's current pose in the link's frame."""
+    mujoco.mj_kinematics(engine.model, engine.data)
+    site, body = engine.data.site(LINK), engine.data.body(name)
+    rotation = site.xmat.reshape(3, 3).T
+    position: np.ndarray = rotation @ (body.xpos - site.xpos)
+    return np.concatenate([position, (rotation @ body.xmat.reshape(3, 3)).ravel()])
+
+
+def test_an_attachment_changes_no_state_and_lasts_while_others_come_and_go(
+    skew_model: RobotModel,
+) -> None:
+    # tests/conformance has the rest
+    engine = engine_with(
+        skew_model, cube("held", 0.5, 1.0), cube("free", 3.0, 1.0), ground=None
+    )
+    run(engine, 0.1)
+    before, joints = engine.world.object_states(), engine.read()
+    engine.world.attach("held", LINK)
+    assert engine.world.object_states() == before
+    assert engine.read() == joints
+    place = pose_on_link(engine, "held")
+    run(engine, 0.3)
+    assert engine.read().position != joints.position  # the limp robot falls
+    assert state_of(engine, "free").linear[2] == pytest.approx(-9.81 * 0.4, rel=0.01)
+    engine.world.delete("free")
+    run(engine, 0.05)
+    engine.world.spawn(cube("late", 5.0, 1.0))
+    engine.world.attach("late", LINK)
+    run(engine, 0.05)
+    np.testing.assert_allclose(pose_on_link(engine, "held"), place, atol=2e-3)
+    engine.world.delete("late")
+    assert {contact.second for contact in engine.world.contacts()} == {"held", "late"}
+    engine.reset(REST)
+    run(engine, 0.1)
+    assert state_of(engine, "held").linear[2] == pytest.approx(-9.81 * 0.1, rel=0.01)
+    assert engine.world.contacts() == ()
