@@ -173,21 +173,6 @@ class BridgeConnection:
         self._answered = perf_counter()
         return self._view[4:size]
 
-    def _spin(self) -> None:
-        """Poll for the answer, since waking up from a blocking call takes long.
-
-        Where processors are scarce that is in vain: then it is done ever more rarely.
-        """
-        if self._skip_spins:
-            self._skip_spins -= 1
-            return
-        poll = self._poll
-        for _ in range(_SPIN_POLLS):
-            if poll(0):
-                self._backoff = 0
-                return
-        self._skip_spins = self._backoff = min(2 * self._backoff + 1, _MAX_SPIN_BACKOFF)
-
     def request(
         self, kind: RequestKind, *parts: bytes, timeout: float = ANSWER_TIMEOUT
     ) -> memoryview:
@@ -208,6 +193,21 @@ class BridgeConnection:
     def close(self) -> None:
         """Hang up, which ends the server; closing twice is allowed."""
         self._peer.close()
+
+    def _spin(self) -> None:
+        """Poll for the answer, since waking up from a blocking call takes long.
+
+        Where processors are scarce that is in vain: then it is done ever more rarely.
+        """
+        if self._skip_spins:
+            self._skip_spins -= 1
+            return
+        poll = self._poll
+        for _ in range(_SPIN_POLLS):
+            if poll(0):
+                self._backoff = 0
+                return
+        self._skip_spins = self._backoff = min(2 * self._backoff + 1, _MAX_SPIN_BACKOFF)
 
     def _set_timeout(self, seconds: float) -> None:
         if self._peer.fileno() < 0:  # closed

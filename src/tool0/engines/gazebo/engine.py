@@ -123,7 +123,7 @@ class GazeboEngine:
         return self._world
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Put joints at ``position`` [rad | m], at rest, and objects where they began."""
+        """Put joints at ``position`` [rad | m] and objects where they began."""
         self._finish_step()
         self._steps = round(time / self._dt)
         poses = body_poses(self._bodies, list(position))
