@@ -91,7 +91,7 @@ def _vector(values: Matrix) -> tuple[float, float, float]:
 def _unpack(
     packed: bytes, names: LinkNames
 ) -> Iterator[tuple[tuple[str, str], Matrix]]:
-    """Yield each pair of names with its numbers (see ``Touch`` in bridge.cc)."""
+    """Yield each pair of names with its numbers (see ``ContactSum`` in bridge.cc)."""
     rest = packed
     while rest:
         *words, rest = rest.split(b"\0", 4)
