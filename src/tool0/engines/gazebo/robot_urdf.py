@@ -41,9 +41,7 @@ def gazebo_urdf(
         mesh.set("filename", resolve_uri(mesh.get("filename", "")).as_uri())
     if model.root != WORLD:
         robot.append(ET.Element("link", name=WORLD))
-        joint = ET.SubElement(robot, "joint", name=f"{WORLD}_joint", type="fixed")
-        ET.SubElement(joint, "parent", link=WORLD)
-        ET.SubElement(joint, "child", link=model.root)
+        _add_fixed_joint(robot, f"{WORLD}_joint", WORLD, model.root)
     add_colors(robot, model)
     constrained = {bodies[c.joint].joint.child: c for c in constraints}
     mimics = {joint.name for joint in model.movable_joints if joint.mimic is not None}
@@ -81,12 +79,10 @@ def add_colors(robot: ET.Element, model: RobotModel) -> None:
         for number, (visual, shape) in enumerate(shapes):
             if visual.rgba is not None and not _has_own_colors(visual):
                 element.remove(shape)
-                own = ET.SubElement(
-                    robot, "link", name=f"{_COLORED}_{number}_{link.name}"
-                )
-                own.append(shape)
-                _fix(robot, link.name, own.get("name", ""))
-                _set_color(robot, own.get("name", ""), visual.rgba)
+                name = f"{_COLORED}_{number}_{link.name}"
+                ET.SubElement(robot, "link", name=name).append(shape)
+                _add_fixed_joint(robot, f"{name}_joint", link.name, name)
+                _set_color(robot, name, visual.rgba)
 
 
 def _has_own_colors(visual: Visual) -> bool:
@@ -95,8 +91,8 @@ def _has_own_colors(visual: Visual) -> bool:
     return isinstance(shape, Mesh) and shape.path.suffix.lower() == ".dae"
 
 
-def _fix(robot: ET.Element, parent: str, child: str) -> None:
-    joint = ET.SubElement(robot, "joint", name=f"{child}_joint", type="fixed")
+def _add_fixed_joint(robot: ET.Element, name: str, parent: str, child: str) -> None:
+    joint = ET.SubElement(robot, "joint", name=name, type="fixed")
     ET.SubElement(joint, "parent", link=parent)
     ET.SubElement(joint, "child", link=child)
 

@@ -35,9 +35,10 @@ def attachment_now(model: Any, data: Any, name: str, link: str) -> Attachment:
     """Return the attachment of object ``name`` to ``link`` at its current pose."""
     mujoco.mj_kinematics(model, data)  # the frames are those before the last step
     body = int(model.site(link).bodyid[0])
-    inverse, inverse_quat = _inverse(data.xpos[body], data.xquat[body])
-    position, quat = np.zeros(3), np.zeros(4)
     item = data.body(name)
+    inverse, inverse_quat = np.zeros(3), np.zeros(4)
+    mujoco.mju_negPose(inverse, inverse_quat, data.xpos[body], data.xquat[body])
+    position, quat = np.zeros(3), np.zeros(4)
     mujoco.mju_mulPose(position, quat, inverse, inverse_quat, item.xpos, item.xquat)
     x, y, z = position.tolist()
     qw, qx, qy, qz = quat.tolist()
@@ -71,8 +72,7 @@ def attachment_points(
     world's axes and a torque in the object's.
     """
     for name, attachment in attachments.items():
-        equality = mujoco.mjtConstraint.mjCNSTR_EQUALITY
-        rows = data.efc_type == equality
+        rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
         rows &= data.efc_id == model.equality(_weld_name(name)).id
         effort = np.zeros(model.nv)
         mujoco.mj_mulJacTVec(model, data, effort, np.where(rows, data.efc_force, 0.0))
@@ -89,12 +89,6 @@ def attachment_points(
 
 def _weld_name(name: str) -> str:
     return f"{name}/attachment"  # no object's name has a slash
-
-
-def _inverse(position: Any, quat: Any) -> tuple[Any, Any]:
-    inverse, inverse_quat = np.zeros(3), np.zeros(4)
-    mujoco.mju_negPose(inverse, inverse_quat, position, quat)
-    return inverse, inverse_quat
 
 
 def _three(vector: Any) -> Vector3:
