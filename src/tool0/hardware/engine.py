@@ -56,6 +56,10 @@ class World(Protocol):
     def gravity(self) -> Vector3:
         """Acceleration of free fall [m/s²], in the axes of the robot's root."""
 
+    @property
+    def ground(self) -> float | None:
+        """Height of the ground [m], in the robot's root; None if it is not known."""
+
     def object_states(self) -> tuple[ObjectState, ...]:
         """Return the current state of each object, spawned ones last."""
 

@@ -207,7 +207,7 @@ def bringup(
         joint_limits=core.hardware.limits,
         spawn_z=spawn_z,
         cameras=seeing,
-        ground=None if world else -spawn_z,  # a person's world has what it has
+        ground=physics.world.ground,
         grasp_assist=grasp_assist,
         warnings=lint(config, model),
     )

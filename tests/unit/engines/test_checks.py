@@ -14,7 +14,6 @@ from tool0.engines.checks import (
     check_dt,
     check_new_name,
     check_placement,
-    effort_divergence,
     find_object,
 )
 from tool0.errors import ConfigError, EngineError
@@ -64,9 +63,3 @@ def test_a_static_object_can_be_placed_at_rest() -> None:
 def test_a_step_without_a_positive_length_is_refused(dt: float) -> None:
     with pytest.raises(ConfigError):
         check_dt(dt)
-
-
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_an_effort_that_is_not_finite_names_joint_and_time(bad: float) -> None:
-    error = effort_divergence(("lift", "bend"), [0.0, bad], 0.005)
-    assert (error.joint, error.time) == ("bend", 0.005)

@@ -33,6 +33,7 @@ class ToyWorld:
     """Nothing falls, and there are no objects."""
 
     gravity: Vector3 = (0.0, 0.0, 0.0)
+    ground = None
 
     def object_states(self) -> tuple[ObjectState, ...]:
         return ()

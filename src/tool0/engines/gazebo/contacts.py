@@ -35,6 +35,7 @@ class LinkNames:
         self, model: RobotModel, bodies: tuple[MovingBody, ...], *, own_world: bool
     ) -> None:
         """Name the links of ``model``, and the ground if the world is ours."""
+        self.own_world = own_world
         self._robot = model.name
         self._ground = dict([_GROUND]) if own_world else {}
         self.body_of_link = {link: "" for link, _ in fixed_to_world(model)}

@@ -14,17 +14,19 @@ from tool0.hardware.engine import Engine
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class GazeboOptions:
+class GazeboEngineOptions:
     """The options that only Gazebo has."""
 
-    world: Path | None = None
+    world: Path | str | None = None
     """A world file; None for an empty world with the ground at z = 0."""
     gui: bool = False
     """Whether to open gzclient, Gazebo's own window."""
 
 
 def _create(
-    description: RobotDescription, settings: EngineSettings, options: GazeboOptions
+    description: RobotDescription,
+    settings: EngineSettings,
+    options: GazeboEngineOptions,
 ) -> Engine:
     loops = description.model.loops
     if loops:
@@ -39,9 +41,9 @@ def _create(
         settings.dt,
         spawn_z=settings.spawn_z,
         scene=settings.scene,
-        world=options.world,
+        world=None if options.world is None else Path(options.world),
         gui=options.gui,
     )
 
 
-GAZEBO: Final = EngineDefinition(options=GazeboOptions, create=_create)
+GAZEBO: Final = EngineDefinition(options=GazeboEngineOptions, create=_create)

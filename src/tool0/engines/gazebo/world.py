@@ -85,6 +85,11 @@ class GazeboServerWorld:
         """Of the world when the robot was spawned [m/s²]."""
         return self._gravity
 
+    @property
+    def ground(self) -> float | None:
+        """Of the empty world; a person's world has what it has."""
+        return -float(self._root[2, 3]) if self._names.own_world else None
+
     def populate(
         self,
         urdf: str,

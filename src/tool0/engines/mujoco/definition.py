@@ -12,12 +12,12 @@ from tool0.hardware.engine import Engine
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MujocoOptions:
+class MujocoEngineOptions:
     """MuJoCo has no options of its own."""
 
 
 def _create(
-    description: RobotDescription, settings: EngineSettings, _: MujocoOptions
+    description: RobotDescription, settings: EngineSettings, _: MujocoEngineOptions
 ) -> Engine:
     from tool0.engines.mujoco.gl import import_mujoco
 
@@ -32,4 +32,4 @@ def _create(
     )
 
 
-MUJOCO: Final = EngineDefinition(options=MujocoOptions, create=_create)
+MUJOCO: Final = EngineDefinition(options=MujocoEngineOptions, create=_create)

@@ -51,7 +51,9 @@ class MujocoEngine:
         n = len(self._joint_names)
         self._effort = [0.0] * n
         robot_spec = build_spec(model, dt=dt, ground=ground)
-        self._world = MujocoWorld(model, robot_spec, scene or Scene(), self._use)
+        self._world = MujocoWorld(
+            model, robot_spec, scene or Scene(), ground=ground, on_compiled=self._use
+        )
         compiled = tuple(self.model.joint(i).name for i in range(self.model.njnt))
         if compiled[:n] != self._joint_names:
             raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")

@@ -52,6 +52,8 @@ class MujocoWorld:
         robot: RobotModel,
         robot_spec: Any,
         scene: Scene,
+        *,
+        ground: float | None,
         on_compiled: Callable[[Any, Any], None],
     ) -> None:
         """Compile robot and scene.
@@ -60,11 +62,13 @@ class MujocoWorld:
             robot: The robot.
             robot_spec: Its ``mujoco.MjSpec``.
             scene: The objects around it.
+            ground: Height of the ground in the spec [m]; None for none.
             on_compiled: Called with each new ``MjModel`` and ``MjData``.
         """
         self._robot = robot
         self._robot_spec = robot_spec
         self._n_joints = len(robot.movable_joints)
+        self._ground = ground
         self._on_compiled = on_compiled
         self._mesh_files: Mapping[str, bytes] = {}
         self._contacts: tuple[float, tuple[Contact, ...]] = (0.0, ())
@@ -75,6 +79,10 @@ class MujocoWorld:
     def gravity(self) -> Vector3:
         x, y, z = map(float, self._model.opt.gravity)
         return x, y, z
+
+    @property
+    def ground(self) -> float | None:
+        return self._ground
 
     def reset(self, position: Sequence[float], time: float) -> None:
         """Put joints at ``position`` [rad | m] and objects where they began."""
