@@ -9,12 +9,11 @@ from conformance_types import BringUp
 from promised import absent
 
 import tool0
+from tool0.engines.registry import engine_names
 from tool0.errors import EngineUnavailableError
 
-ENGINES = ("mujoco", "gazebo")
 
-
-@pytest.fixture(scope="session", params=ENGINES)
+@pytest.fixture(scope="session", params=engine_names())
 def engine(request: pytest.FixtureRequest) -> str:
     """Name an engine, or skip visibly where it is not installed (see ``promised``)."""
     name: str = request.param

@@ -35,7 +35,7 @@ WRISTS = [(-1.5708, -1.5708), (0.4, -0.6), (-2.6, 1.2)]
 
 def g(robot: tool0.Robot) -> float:
     """Return how fast things fall [m/s²]: Gazebo's 9.8, or MuJoCo's 9.81."""
-    return -robot.engine.gravity[2]
+    return -robot.engine.world.gravity[2]
 
 
 def tool_links(model: RobotModel) -> list[str]:
@@ -79,7 +79,7 @@ def test_what_hangs_on_the_flange_pulls_with_its_weight_and_lever(
         assert reading.time == pytest.approx(1.0)
         model = robot.description.model
         mass, center = mass_and_center(model, dict(robot.joint_state.position))
-        weight = mass * np.array(robot.engine.gravity)
+        weight = mass * np.array(robot.engine.world.gravity)
         moment = np.cross(center - robot.pose("tool0").position, weight)
         for force, torque in (
             (reading.force, reading.torque),
@@ -168,7 +168,7 @@ def test_what_is_felt_on_the_way_is_what_changes_the_momentum(
         robot.run(0.001)
         (reading,) = robot.force_torque.samples(since=last.number)
         impulse -= 0.001 * in_root(robot, reading.raw_force)
-        impulse += 0.001 * mass * np.array(robot.engine.gravity)
+        impulse += 0.001 * mass * np.array(robot.engine.world.gravity)
         last = reading
         if k % 100 == 99:
             _, before = mass_and_center(model, dict(robot.joint_state.position))

@@ -162,7 +162,7 @@ def test_a_refusal_changes_nothing(bring_up: BringUp, tmp_path: Path) -> None:
     mesh = Mesh(uri="broken.stl", path=broken)
     with pytest.raises(EngineError, match="'cube'"):
         robot.scene.add(thing())
-    with pytest.raises(ConfigError, match="'tool0' has the name of a link"):
+    with pytest.raises(ConfigError, match="'tool0'"):
         robot.scene.add(thing("tool0"))
     with pytest.raises((ModelError, EngineError), match=r"part|broken"):
         robot.scene.add(thing("part", geometry=mesh))

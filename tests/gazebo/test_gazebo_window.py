@@ -123,11 +123,11 @@ def test_it_ends_with_a_process_that_is_killed(screen: Screen) -> None:
 
 def test_without_a_display_it_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DISPLAY", raising=False)
-    with pytest.raises(EngineUnavailableError, match="DISPLAY is not set"):
+    with pytest.raises(EngineUnavailableError, match="DISPLAY"):
         tool0.bringup(engine="gazebo", gazebo_gui=True)
 
 
-def test_a_window_that_crashes_is_told_of(
+def test_a_window_that_crashes_is_reported(
     monkeypatch: pytest.MonkeyPatch,
     bring_up: BringUp,
     caplog: pytest.LogCaptureFixture,

@@ -206,4 +206,4 @@ def _place(simulation: Simulation, request: PlaceObject) -> None:
 
 @handles(ReadContacts, in_tick=True, publishes=False)
 def _contacts(simulation: Simulation, request: ReadContacts) -> tuple[Contact, ...]:
-    return simulation.core.engine.contacts()
+    return simulation.core.engine.world.contacts()

@@ -19,12 +19,8 @@ from tool0.description.catalogue import (
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
-from tool0.errors import (
-    ConfigError,
-    ControlError,
-    EngineUnavailableError,
-    did_you_mean,
-)
+from tool0.engines.registry import make_engine
+from tool0.errors import ConfigError, ControlError, did_you_mean
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.bus import Bus
@@ -42,7 +38,6 @@ DEFAULT_CONTROLLERS = (
 DEFAULT_STOPPED_CONTROLLERS = ("joint_group_eff_controller",)
 """As the launch file ``ur5_bringup.launch`` has them; those that the YAML defines."""
 DEFAULT_POSE = "home"
-ENGINES = ("mujoco", "gazebo")
 
 Names = str | Sequence[str]
 
@@ -207,7 +202,7 @@ def start_simulation(
         parameters=config.parameters(),
         spawn_z=spawn_z,
         cameras=seeing,
-        ground=None if world else -spawn_z,  # a person's world has what it has
+        ground=physics.world.ground,
         warnings=lint(config, model),
     )
 
@@ -306,30 +301,15 @@ def _engine(
     world: Path | None,
     gazebo_gui: bool,
 ) -> Engine:
-    if name not in ENGINES:
-        hint = did_you_mean(name, set(ENGINES))
-        raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
-    if name == "gazebo":
-        if description.model.loops:
-            raise ConfigError(
-                f"Gazebo cannot have the loop '{description.model.loops[0].name}'; "
-                "use gripper_model mimic or the engine mujoco"
-            )
-        from tool0.engines.gazebo.engine import GazeboEngine
-
-        return GazeboEngine(
-            description, dt, spawn_z=spawn_z, scene=scene, world=world, gui=gazebo_gui
-        )
-    if world is not None or gazebo_gui:
-        raise ConfigError(
-            f"a world file and Gazebo's window need engine 'gazebo', not '{name}'"
-        )
-    from tool0.engines.mujoco.gl import import_mujoco
-
-    import_mujoco()
-    from tool0.engines.mujoco.engine import MujocoEngine
-
-    return MujocoEngine(description.model, dt, ground=-spawn_z, scene=scene)
+    options = {"world": world, "gui": gazebo_gui}
+    return make_engine(
+        name,
+        description,
+        dt=dt,
+        spawn_z=spawn_z,
+        scene=scene,
+        options={option: value for option, value in options.items() if value},
+    )
 
 
 def _core(
@@ -347,7 +327,7 @@ def _core(
         for name, limits in config.joint_limits().items()
     }
     hardware = RobotHardware(
-        model, engine.joint_names, engine.dt, overrides, engine.gravity
+        model, engine.joint_names, engine.dt, overrides, engine.world.gravity
     )
     joints = {
         name: replace(joint, limits=hardware.limits.get(name, joint.limits))

@@ -92,7 +92,7 @@ class Core:
         self.state, self._before = state, before
         self.ticks += 1
         for sensor in self._sensors:
-            sensor.tick(before, state, engine.contacts)
+            sensor.tick(before, state, engine.world.contacts)
 
     # ---- controllers ----------------------------------------------------------------
 
@@ -236,7 +236,7 @@ class Core:
 
     def start_sensor(self, sensor: ForceTorqueSensor) -> None:
         """Sample once now, and then in the tick."""
-        sensor.restart(self._before, self.state, self.engine.contacts)
+        sensor.restart(self._before, self.state, self.engine.world.contacts)
         self._sensors = (*self._sensors, sensor)
 
     def stop_sensor(self, sensor: ForceTorqueSensor) -> None:
@@ -261,7 +261,7 @@ class Core:
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
         for sensor in self._sensors:
-            sensor.restart(self._before, self.state, self.engine.contacts)
+            sensor.restart(self._before, self.state, self.engine.world.contacts)
 
     def engage_emergency_stop(self, engaged: bool) -> None:
         """Brake every joint, or release the brakes; controllers then hold still."""

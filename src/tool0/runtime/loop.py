@@ -357,7 +357,7 @@ class Loop:
                 speed=self._speed,
                 controller_setpoints=core.manager.setpoints(),
                 scene=core.surroundings.objects,
-                objects=core.engine.object_states(),
+                objects=core.engine.world.object_states(),
             )
         )
 

@@ -19,7 +19,7 @@ class SceneObjects:
     def __init__(self, model: RobotModel, engine: Engine, scene: Scene) -> None:
         """Take over the objects that the engine was made with."""
         self._model = model
-        self._engine = engine
+        self._world = engine.world
         self.objects: tuple[SceneObject, ...] = scene.objects
         """In the order of the engine's states."""
 
@@ -32,12 +32,12 @@ class SceneObjects:
             EngineError: If the name is taken, or the engine refuses.
         """
         Scene((item,)).check_beside(self._model)
-        self._engine.spawn(item)
+        self._world.spawn(item)
         self.objects = (*self.objects, item)
 
     def delete(self, name: str) -> None:
         """Remove an object, or raise EngineError if there is none."""
-        self._engine.delete(name)
+        self._world.delete(name)
         self.objects = tuple(item for item in self.objects if item.name != name)
 
     def place(self, state: ObjectState) -> None:
@@ -55,4 +55,4 @@ class SceneObjects:
                 f"quaternion of some length, got {state}"
             )
         w, x, y, z = (part / length for part in state.quat_wxyz)
-        self._engine.place(replace(state, quat_wxyz=(w, x, y, z)))
+        self._world.place(replace(state, quat_wxyz=(w, x, y, z)))

@@ -42,7 +42,7 @@ class GraspAssist:
         if not model.grippers:
             raise ConfigError("grasp assist needs a gripper, and this robot has none")
         logger.warning(WARNING)
-        self._engine = engine
+        self._world = engine.world
         self._grippers = [
             _AssistedGripper(model, gripper) for gripper in model.grippers
         ]
@@ -61,17 +61,17 @@ class GraspAssist:
         state = assisted.detector.observe(snapshot)
         if assisted.held is not None:
             if assisted.lets_go(snapshot, state.opening):
-                self._engine.detach(assisted.held.name)
+                self._world.detach(assisted.held.name)
                 assisted.held = None
         elif state.motion == "holding_inside":
             name = self._between(assisted.pads, snapshot)
             if name is not None:
-                self._engine.attach(name, assisted.base)
+                self._world.attach(name, assisted.base)
                 assisted.held = _Held(name, state.opening)
 
     def _between(self, pads: tuple[str, str], snapshot: Snapshot) -> str | None:
         """Return the object that both pads press on, if there is one that can move."""
-        contacts = self._engine.contacts()
+        contacts = self._world.contacts()
         pressed = [
             {
                 c.second if c.first == pad else c.first

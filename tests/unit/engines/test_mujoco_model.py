@@ -139,8 +139,10 @@ def test_a_moving_link_without_mass_is_refused_by_name(skew_model: RobotModel) -
         links=links,
         locations={"link:rod": SourceLocation(Path("cell.urdf"), 7)},
     )
-    with pytest.raises(ModelError, match=r"cell\.urdf:7: link 'rod' .*'slide'.* mass"):
+    with pytest.raises(ModelError) as error:
         MujocoEngine(model)
+    assert error.value.location == model.locations["link:rod"]
+    assert "'rod'" in str(error.value)
 
 
 def test_floating_joints_are_refused_by_name(skew_model: RobotModel) -> None:
@@ -148,8 +150,9 @@ def test_floating_joints_are_refused_by_name(skew_model: RobotModel) -> None:
         replace(joint, type=JointType.FLOATING) if joint.name == "slide" else joint
         for joint in skew_model.joints
     )
-    with pytest.raises(ModelError, match=r"'slide' is floating"):
+    with pytest.raises(ModelError) as error:
         MujocoEngine(replace(skew_model, joints=joints, transmissions=()))
+    assert "'slide'" in str(error.value)
 
 
 def with_mesh(model: RobotModel, path: Path) -> RobotModel:
@@ -166,8 +169,9 @@ def test_a_mesh_of_a_kind_that_mujoco_lacks_is_refused_by_name(
 ) -> None:
     path = tmp_path / "rod.dae"
     path.write_text("<COLLADA/>")
-    with pytest.raises(ModelError, match=r"rod\.dae; convert it to STL or OBJ"):
+    with pytest.raises(ModelError) as error:
         MujocoEngine(with_mesh(skew_model, path))
+    assert str(path) in str(error.value)
 
 
 def test_a_corrupt_mesh_is_refused_by_name(
@@ -177,8 +181,9 @@ def test_a_corrupt_mesh_is_refused_by_name(
     path.write_bytes(b"this is no mesh" * 20)
     model = with_mesh(skew_model, path)
     for attempt in (MujocoEngine, to_mjcf):
-        with pytest.raises(ModelError, match=r"rod\.stl"):
+        with pytest.raises(ModelError) as error:
             attempt(model)
+        assert path.name in str(error.value)
 
 
 def test_a_robot_may_have_no_motor_and_even_no_joint() -> None:

@@ -25,10 +25,8 @@ from tool0.description.model import (
     Visual,
 )
 from tool0.description.scene import SceneObject
-from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
-from tool0.description.transform import Pose, Transform, to_pose, to_transform
-from tool0.engines.mujoco.drawable import drawable
-from tool0.engines.mujoco.rendering import Renderer
+from tool0.engines.mujoco.gl import PACKAGES as GL_PACKAGES
+from tool0.engines.mujoco.rendering import Renderer, with_readable_visuals
 from tool0.errors import RenderError
 from tool0.hardware.engine import ObjectState
 
@@ -194,13 +192,13 @@ def test_collision_shapes_stand_in_for_meshes_that_mujoco_cannot_read(
     )
     joint = Joint(name="wrist", type=JointType.FIXED, parent="arm", child="hand")
     model = RobotModel(name="r", root="arm", links=links, joints=(joint,))
-    found = drawable(model)
+    found = with_readable_visuals(model)
     assert [visual.geometry for link in found.links for visual in link.visuals] == [
         disc,
         ball,
     ]
-    assert "instead of hand.dae, which MuJoCo cannot read" in caplog.text
-    assert drawable(found) is found
+    assert "hand.dae" in caplog.text
+    assert with_readable_visuals(found) is found
 
 
 def test_without_opengl_it_is_told_what_to_install(
@@ -214,8 +212,9 @@ def test_without_opengl_it_is_told_what_to_install(
         raise OSError(name)
 
     monkeypatch.setattr("ctypes.CDLL", no_library)
-    with pytest.raises(RenderError, match=r"apt-get install libegl1 .*dri.*libosmesa6"):
+    with pytest.raises(RenderError) as error:
         Renderer(skew_model, None, 8, 8)
+    assert GL_PACKAGES in str(error.value)
 
 
 @pytest.mark.parametrize("word", ["disable", "vulkan"])
@@ -223,8 +222,9 @@ def test_a_mujoco_gl_that_draws_nothing_is_named(
     skew_model: RobotModel, monkeypatch: pytest.MonkeyPatch, word: str
 ) -> None:
     monkeypatch.setenv("MUJOCO_GL", word)
-    with pytest.raises(RenderError, match=f"MUJOCO_GL is '{word}'"):
+    with pytest.raises(RenderError) as error:
         Renderer(skew_model, None, 8, 8)
+    assert f"'{word}'" in str(error.value)
 
 
 @pytest.mark.parametrize("command", ["bringup --headless", "describe mjcf"])
@@ -240,5 +240,5 @@ def test_a_wrong_mujoco_gl_is_no_traceback(command: str) -> None:
     )
     assert ended.returncode == 2
     (line,) = ended.stderr.splitlines()
-    assert line.startswith("tool0: error: MuJoCo cannot be imported: ")
-    assert line.endswith("unset MUJOCO_GL, which is 'nonsense'")
+    assert line.startswith("tool0: error: ")
+    assert "MUJOCO_GL, which is 'nonsense'" in line

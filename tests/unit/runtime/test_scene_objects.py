@@ -53,7 +53,7 @@ def test_an_object_never_has_the_name_of_a_link() -> None:
     with pytest.raises(ConfigError):
         core.apply(ask.SpawnObject(cube("upper")))
     assert core.surroundings.objects == ()
-    assert core.engine.object_states() == ()
+    assert core.engine.world.object_states() == ()
 
 
 def test_what_the_engine_refuses_is_not_in_the_scene() -> None:
@@ -71,7 +71,7 @@ def test_a_quaternion_may_have_any_length() -> None:
     core = build_core()
     core.apply(ask.SpawnObject(cube()))
     core.apply(ask.PlaceObject(ObjectState("cube", HERE, (0.0, 3.0, 0.0, 4.0))))
-    (state,) = core.engine.object_states()
+    (state,) = core.engine.world.object_states()
     assert state.quat_wxyz == pytest.approx((0.0, 0.6, 0.0, 0.8))
 
 
@@ -88,10 +88,10 @@ def test_a_quaternion_may_have_any_length() -> None:
 def test_only_finite_states_can_be_placed(state: ObjectState) -> None:
     core = build_core()
     core.apply(ask.SpawnObject(cube()))
-    before = core.engine.object_states()
-    with pytest.raises(ControlError):
+    before = core.engine.world.object_states()
+    with pytest.raises(ControlError, match="object 'cube' needs a finite position"):
         core.apply(ask.PlaceObject(state))
-    assert core.engine.object_states() == before
+    assert core.engine.world.object_states() == before
 
 
 @pytest.mark.parametrize("period", [0.001, 0.004])

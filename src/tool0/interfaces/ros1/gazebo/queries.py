@@ -47,7 +47,7 @@ class GazeboQueries:
         answer.time_step = dt
         answer.pause = snapshot.is_paused
         answer.max_update_rate = 0.0 if snapshot.speed is None else snapshot.speed / dt
-        answer.gravity = self._vector(*self._robot.engine.gravity)
+        answer.gravity = self._vector(*self._robot.engine.world.gravity)
         return _DONE
 
     def model_properties(self, request: Message, answer: Message) -> str:

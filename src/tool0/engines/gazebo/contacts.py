@@ -1,4 +1,4 @@
-"""What touches what in Gazebo, told in the names that a URDF and a scene have.
+"""Gazebo's contacts, with the names that the URDF and the scene have.
 
 libsdformat lumps links that are fixed into the link that they are fixed to, and names
 each shape by where it came from.
@@ -17,33 +17,34 @@ from tool0.description.model import RobotModel
 from tool0.hardware.bodies import Matrix, MovingBody, fixed_to_world
 from tool0.hardware.engine import Contact
 
-_FIGURES = struct.Struct("=10d")
-_SEEN_FROM_SECOND = np.array([1.0] * 4 + [-1.0] * 6)
-"""By what the figures change if the two things change places."""
+_NUMBERS = struct.Struct("=10d")
+_REVERSED = np.array([1.0] * 4 + [-1.0] * 6)
+"""Factors of the numbers if the two things change places."""
 _GROUND = ("ground_plane", "ground")
-"""What the model is called in our own world, and in the port."""
+"""The name of the model in our own world, and the name that tool0 uses."""
 _LUMP = "_fixed_joint_lump__"
 """Between the names of a lump and of the link in it, unless that begins as the lump."""
 _NUMBERED = re.compile(r"_collision(_\d+)?$")
 
 
 @final
-class Names:
-    """The names of one robot's links, there and here."""
+class LinkNames:
+    """The names of one robot's links in Gazebo and in the URDF."""
 
     def __init__(
         self, model: RobotModel, bodies: tuple[MovingBody, ...], *, own_world: bool
     ) -> None:
         """Name the links of ``model``, and the ground if the world is ours."""
+        self.own_world = own_world
         self._robot = model.name
         self._ground = dict([_GROUND]) if own_world else {}
         self.body_of_link = {link: "" for link, _ in fixed_to_world(model)}
-        """What Gazebo calls the link that a link was lumped into; "" if it is still."""
+        """URDF link → the Gazebo link that it was lumped into; "" for the world."""
         for body in bodies:
             for link, _ in body.links:
                 self.body_of_link[link] = body.joint.child
 
-    def of(self, model: str, shape: str) -> str:
+    def owner(self, model: str, shape: str) -> str:
         """Return the link or object that a shape of Gazebo's belongs to."""
         if model == self._robot:
             link = _NUMBERED.sub("", shape.rpartition(_LUMP)[2])
@@ -51,22 +52,24 @@ class Names:
         return self._ground.get(model, model)
 
 
-def contacts_from(told: bytes, names: Names, root: Matrix) -> tuple[Contact, ...]:
-    """Return what the bridge tells, in the axes of the robot's root.
+def unpack_contacts(
+    packed: bytes, names: LinkNames, root: Matrix
+) -> tuple[Contact, ...]:
+    """Return one contact for each pair, in the axes of the robot's root.
 
     Args:
-        told: All touches, as the bridge tells them.
+        packed: All pairs of shapes, as the bridge sends them.
         names: Of links.
         root: The robot's root in the world, shape (4, 4): moved, not turned.
     """
     sums: dict[tuple[str, str], Matrix] = {}
-    for (first, second), figures in _read(told, names):
+    for (first, second), numbers in _unpack(packed, names):
         if (second, first) in sums:
-            sums[second, first] += figures * _SEEN_FROM_SECOND
+            sums[second, first] += numbers * _REVERSED
         elif (first, second) in sums:
-            sums[first, second] += figures
+            sums[first, second] += numbers
         else:
-            sums[first, second] = figures
+            sums[first, second] = numbers
     return tuple(
         _contact(first, second, total, root) for (first, second), total in sums.items()
     )
@@ -86,12 +89,14 @@ def _vector(values: Matrix) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _read(answer: bytes, names: Names) -> Iterator[tuple[tuple[str, str], Matrix]]:
-    """Yield each pair of things with its figures, as ``Touch`` in bridge.cc."""
-    rest = answer
+def _unpack(
+    packed: bytes, names: LinkNames
+) -> Iterator[tuple[tuple[str, str], Matrix]]:
+    """Yield each pair of names with its numbers (see ``ContactSum`` in bridge.cc)."""
+    rest = packed
     while rest:
         *words, rest = rest.split(b"\0", 4)
         first, one, second, other = (word.decode() for word in words)
-        figures = np.array(_FIGURES.unpack_from(rest))
-        rest = rest[_FIGURES.size :]
-        yield (names.of(first, one), names.of(second, other)), figures
+        numbers = np.array(_NUMBERS.unpack_from(rest))
+        rest = rest[_NUMBERS.size :]
+        yield (names.owner(first, one), names.owner(second, other)), numbers

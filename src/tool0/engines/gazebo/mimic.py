@@ -28,8 +28,8 @@ _PARALLEL = 1e-6  # [rad]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Coupling:
-    """A mimic joint and a joint next to it in the mechanism."""
+class MimicConstraint:
+    """Holds a mimic joint to an adjacent joint of its mechanism."""
 
     joint: int
     """Index of the mimic joint among the movable ones."""
@@ -41,28 +41,33 @@ class Coupling:
     """Whether both turn the same way at the same speed, seen from the world."""
 
 
-def couplings(
+def mimic_constraints(
     model: RobotModel, bodies: tuple[MovingBody, ...], at_zero: list[Matrix]
-) -> tuple[Coupling, ...]:
-    """Return what holds each mimic joint; ``at_zero``: the bodies with all joints at 0.
+) -> tuple[MimicConstraint, ...]:
+    """Return the constraint of each mimic joint.
+
+    Args:
+        model: The robot.
+        bodies: Its moving bodies.
+        at_zero: Their poses with all joints at zero, shape (4, 4) each.
 
     Raises:
-        ModelError: If nothing of Gazebo's can.
+        ModelError: If Gazebo has no such constraint.
     """
     return tuple(
-        _coupling(model, bodies, at_zero, i)
+        _constraint(model, bodies, at_zero, i)
         for i, body in enumerate(bodies)
         if body.joint.mimic is not None
     )
 
 
-def gearbox(
-    model: RobotModel, bodies: tuple[MovingBody, ...], coupling: Coupling
+def gearbox_sdf(
+    model: RobotModel, bodies: tuple[MovingBody, ...], constraint: MimicConstraint
 ) -> ET.Element:
-    """Return the gearbox joint of ``coupling``, in SDF."""
-    joint, parent = bodies[coupling.joint].joint, bodies[coupling.joint].parent
-    rides = parent == coupling.other
-    turned = bodies[coupling.other].parent if rides else coupling.other
+    """Return the gearbox joint of ``constraint``, in SDF."""
+    joint, parent = bodies[constraint.joint].joint, bodies[constraint.joint].parent
+    is_carried = parent == constraint.other
+    turned = bodies[constraint.other].parent if is_carried else constraint.other
     element = ET.Element("joint", name=f"{joint.name}_gearbox", type="gearbox")
     for tag, text in {
         "parent": _body_name(model, bodies, turned),
@@ -77,9 +82,9 @@ def gearbox(
     return element
 
 
-def _coupling(
+def _constraint(
     model: RobotModel, bodies: tuple[MovingBody, ...], at_zero: list[Matrix], i: int
-) -> Coupling:
+) -> MimicConstraint:
     body, joint = bodies[i], bodies[i].joint
     assert joint.mimic is not None
     if joint.mimic.offset:
@@ -90,20 +95,20 @@ def _coupling(
         if JointType.PRISMATIC in (joint.type, other.type):
             why = f"it or '{other.name}' is prismatic"
             continue
-        multiplier = joint.mimic.multiplier / _multiplier(other)
+        multiplier = joint.mimic.multiplier / _mimic_multiplier(other)
         along = _axis(bodies, at_zero, i) @ _axis(bodies, at_zero, j)
         if abs(along) < 1.0 - _PARALLEL:
             why = f"its axis is not parallel to that of '{other.name}'"
             continue
         if body.parent == j:
-            # It rides on the other: at rest for who looks from below, or not at all.
+            # Carried by the other, it keeps its orientation seen from the body below.
             if np.isclose(multiplier * along, -1.0):
-                return Coupling(i, j, multiplier, is_gearbox=True)
-            why = f"it rides on '{other.name}' and does not turn back as far"
+                return MimicConstraint(i, j, multiplier, is_gearbox=True)
+            why = f"it is carried by '{other.name}' and does not turn back as far"
             continue
         if np.isclose(multiplier * along, 1.0):
-            return Coupling(i, j, multiplier, is_gearbox=True)
-        gear = gear or Coupling(i, j, multiplier, is_gearbox=False)
+            return MimicConstraint(i, j, multiplier, is_gearbox=True)
+        gear = gear or MimicConstraint(i, j, multiplier, is_gearbox=False)
     if gear is None:
         raise _refusal(model, joint, why)
     return gear
@@ -118,7 +123,7 @@ def _neighbours(bodies: tuple[MovingBody, ...], i: int) -> Iterator[int]:
         master = other.mimic.joint if other.mimic else other.name
         beside = j == body.parent or bodies[j].parent == body.parent
         is_one = j >= 0 and beside and master == body.joint.mimic.joint
-        if is_one and _multiplier(other):
+        if is_one and _mimic_multiplier(other):
             yield j
 
 
@@ -127,7 +132,7 @@ def _axis(bodies: tuple[MovingBody, ...], at_zero: list[Matrix], i: int) -> Matr
     return axis
 
 
-def _multiplier(joint: Joint) -> float:
+def _mimic_multiplier(joint: Joint) -> float:
     return joint.mimic.multiplier if joint.mimic else 1.0
 
 

@@ -1,4 +1,4 @@
-"""Where the mass of a solid shape is: for Gazebo, which does not work it out."""
+"""Centre of mass and inertia of solid shapes, which Gazebo does not compute."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ Array = np.ndarray
 
 @final
 @dataclass(frozen=True, slots=True)
-class Solid:
-    """A shape of one stuff all through, of 1 kg."""
+class UnitInertia:
+    """The inertia of a homogeneous solid of 1 kg."""
 
     center: Array
     """Of mass, shape (3,) [m]."""
@@ -28,8 +28,8 @@ class Solid:
     """Of inertia about it, shape (3, 3) [m²]."""
 
 
-def solid_of(geometry: Geometry) -> Solid:
-    """Return the solid of that shape.
+def unit_inertia(geometry: Geometry) -> UnitInertia:
+    """Return the inertia of a solid of that shape.
 
     Raises:
         ModelError: If it is a mesh that cannot be read or encloses nothing.
@@ -47,9 +47,9 @@ def solid_of(geometry: Geometry) -> Solid:
 
 
 def check_mesh(path: Path) -> None:
-    """Raise ModelError unless there is a mesh, which Gazebo would silently leave out.
+    """Raise ModelError unless the file is a mesh; Gazebo would silently ignore it.
 
-    What is in a COLLADA file is left to Gazebo; one that is no XML would end it.
+    Of a COLLADA file only the XML is checked: a broken one would end gzserver.
     """
     if path.suffix.lower() != ".dae":
         _triangles(path)
@@ -60,11 +60,11 @@ def check_mesh(path: Path) -> None:
         raise ModelError(f"cannot read the mesh {path}: {error}") from None
 
 
-def _centred(*moments: float, over: float) -> Solid:
-    return Solid(np.zeros(3), np.diag(moments) / over)
+def _centred(*moments: float, over: float) -> UnitInertia:
+    return UnitInertia(np.zeros(3), np.diag(moments) / over)
 
 
-def _enclosed(triangles: Array, path: Path) -> Solid:
+def _enclosed(triangles: Array, path: Path) -> UnitInertia:
     """Return what the triangles, shape (n, 3, 3), enclose.
 
     The sum of the tetrahedra between each triangle and the origin, with their signs:
@@ -83,7 +83,7 @@ def _enclosed(triangles: Array, path: Path) -> Solid:
     second = np.einsum("n,nki,nkj->ij", sixfold, triangles, triangles)
     second += np.einsum("n,ni,nj->ij", sixfold, sums, sums)
     spread = second / 120.0 / volume - np.outer(center, center)
-    return Solid(center, np.trace(spread) * np.eye(3) - spread)
+    return UnitInertia(center, np.trace(spread) * np.eye(3) - spread)
 
 
 def _triangles(path: Path) -> Array:
