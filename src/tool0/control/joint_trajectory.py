@@ -19,7 +19,7 @@ from tool0.control.pid import Gains, Pid
 from tool0.control.replacement import TrajectoryReplacement
 from tool0.control.sampler import TrajectorySampler
 from tool0.control.segment import MotionPlan, shortest_turn
-from tool0.control.setpoint import TrajectorySetpoint, joints_motion
+from tool0.control.setpoint import Setpoint, joints_motion
 from tool0.control.spline import JointSpline, hold
 from tool0.control.tolerances import (
     DEFAULT_GOAL_TIME,
@@ -113,11 +113,6 @@ class JointTrajectoryController:
         self._sampler = TrajectorySampler(
             [hold(state.time, q) for q in position], state.time
         )
-
-    @property
-    def active_goal(self) -> Goal | None:
-        """The goal that is being followed."""
-        return None if self._monitor is None else self._monitor.goal
 
     # ---- the tick -----------------------------------------------------------------
 
@@ -246,9 +241,9 @@ class JointTrajectoryController:
         """
         return joints_motion(self._sampler.samples(time))
 
-    def setpoint(self) -> TrajectorySetpoint:
+    def setpoint(self) -> Setpoint:
         """Return desired and measured motion, as a value that later ticks leave be."""
-        return TrajectorySetpoint(
+        return Setpoint(
             self.spec.joint_models, self._sampler.splines, self._select, self._state
         )
 
