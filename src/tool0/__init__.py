@@ -9,11 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from tool0.api.bringup import bringup
+    from tool0.api.connect import connect
+    from tool0.api.robot import Robot
     from tool0.control.goal import GoalResult, GoalStatus, GripperResult
     from tool0.control.trajectory import TrajectoryPoint
     from tool0.errors import GoalRejectedError, Tool0Error
-    from tool0.runtime.bringup import bringup
-    from tool0.runtime.robot import Robot
 
 __all__ = [
     "GoalRejectedError",
@@ -24,6 +25,7 @@ __all__ = [
     "Tool0Error",
     "TrajectoryPoint",
     "bringup",
+    "connect",
 ]
 
 _HOMES = {
@@ -31,10 +33,11 @@ _HOMES = {
     "GoalResult": "tool0.control.goal",
     "GoalStatus": "tool0.control.goal",
     "GripperResult": "tool0.control.goal",
-    "Robot": "tool0.runtime.robot",
+    "Robot": "tool0.api.robot",
     "Tool0Error": "tool0.errors",
     "TrajectoryPoint": "tool0.control.trajectory",
-    "bringup": "tool0.runtime.bringup",
+    "bringup": "tool0.api.bringup",
+    "connect": "tool0.api.connect",
 }
 
 

@@ -173,7 +173,7 @@ def test_a_slider_moves_the_joint_for_every_page(panel: Panel) -> None:
 
 def test_of_a_thousand_slider_events_the_newest_counts(robot: tool0.Robot) -> None:
     done: list[dict[str, float]] = []
-    from tool0.runtime.handles import ControllerHandle
+    from tool0.api.controller import ControllerHandle
 
     steer = ControllerHandle.steer
 

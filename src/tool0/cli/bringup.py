@@ -22,11 +22,11 @@ from tool0.cli.quick import read_bringup
 from tool0.errors import EngineError, EngineUnavailableError
 
 if TYPE_CHECKING:
+    from tool0.api.address import Claim
+    from tool0.api.robot import Robot
     from tool0.cli.stop_signal import StopSignal
     from tool0.interfaces.panel.address import Door
     from tool0.interfaces.ros1.options import Ros1Options
-    from tool0.interfaces.socket.address import Claim
-    from tool0.runtime.robot import Robot
 
 _GLANCE: Final = 0.1
 """Longest time between looks at the clock and the signals [wall s]."""
@@ -108,7 +108,7 @@ def _claim(simulation: SimulationOptions) -> Claim | None:
             file=sys.stderr,
         )
         return None
-    from tool0.interfaces.socket.address import Claim
+    from tool0.api.address import Claim
 
     return Claim(simulation.name)
 
@@ -125,7 +125,7 @@ def _door(options: BringupOptions, exits: contextlib.ExitStack) -> Door | None:
 
 
 def _robot(options: BringupOptions) -> Robot:
-    from tool0.runtime.bringup import bringup
+    from tool0.api.bringup import bringup
 
     robot = bringup(**bringup_keywords(options))  # type: ignore[arg-type]  # many types
     for warning in robot.warnings:

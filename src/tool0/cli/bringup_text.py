@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, TextIO, final
 from tool0.cli.text import columns
 
 if TYPE_CHECKING:
+    from tool0.api.robot import Robot
     from tool0.cli.options import SimulationOptions
-    from tool0.runtime.robot import Robot
 
 
 def panel_line(url: str) -> str:

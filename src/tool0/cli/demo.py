@@ -23,10 +23,10 @@ from tool0.runtime.writable import require_writable
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from tool0.api.robot import Robot
     from tool0.cli.pick_demo.report import DemoReport, PickReport
     from tool0.description.model import Pose
     from tool0.description.scene import Scene
-    from tool0.runtime.robot import Robot
 
 _GLANCE = 10.0
 """Longest time between looks at the signals [wall s]; a signal wakes at once."""
@@ -120,7 +120,7 @@ def pick(
 
 
 def _bring_up(arguments: PickArguments) -> Robot:
-    from tool0.runtime.bringup import bringup
+    from tool0.api.bringup import bringup
 
     return bringup(
         engine=arguments.engine,

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, TextIO
 if TYPE_CHECKING:
     from threading import Thread
 
+    from tool0.api.robot import Robot
     from tool0.cli.options import PanelOptions
     from tool0.interfaces.panel.address import Door
     from tool0.interfaces.panel.server import Panel
     from tool0.interfaces.panel.source import PanelSource
-    from tool0.runtime.robot import Robot
 
 
 def door_of(options: PanelOptions) -> Door:

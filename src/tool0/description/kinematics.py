@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
 from tool0.description.model import Joint, JointType, Pose, RobotModel, Vector3
-from tool0.errors import ModelError, nearest_name
+from tool0.errors import ModelError, did_you_mean
 
 if TYPE_CHECKING:
     import numpy as np
@@ -114,7 +114,7 @@ def transforms(
     unknown = given.keys() - model.joint_by_name.keys()
     if unknown:
         name = sorted(unknown)[0]
-        hint = nearest_name(name, list(model.joint_by_name))
+        hint = did_you_mean(name, list(model.joint_by_name))
         raise ModelError(f"unknown joint '{name}'{hint}")
     found = {model.root: Transform()}
     for joint in model.joints:

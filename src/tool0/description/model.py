@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import final
 
-from tool0.errors import LimitsError, ModelError, SourceLocation, nearest_name
+from tool0.errors import LimitsError, ModelError, SourceLocation, did_you_mean
 
 Vector3 = tuple[float, float, float]
 
@@ -374,7 +374,7 @@ class RobotModel:
         try:
             return self.joint_by_name[name]
         except KeyError:
-            hint = nearest_name(name, list(self.joint_by_name))
+            hint = did_you_mean(name, list(self.joint_by_name))
             raise ModelError(f"unknown joint '{name}'{hint}") from None
 
     def link(self, name: str) -> Link:
@@ -382,5 +382,5 @@ class RobotModel:
         try:
             return self.link_by_name[name]
         except KeyError:
-            hint = nearest_name(name, list(self.link_by_name))
+            hint = did_you_mean(name, list(self.link_by_name))
             raise ModelError(f"unknown link '{name}'{hint}") from None

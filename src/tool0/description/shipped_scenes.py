@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tool0.errors import ConfigError, nearest_name
+from tool0.errors import ConfigError, did_you_mean
 
 FOLDER = Path(__file__).resolve().parent.parent / "scenes"
 
@@ -30,7 +30,7 @@ def scene_path(given: Path | str) -> Path:
     shipped = shipped_scenes()
     if path.name not in shipped:
         raise ConfigError(
-            f"no scene '{path.name}'{nearest_name(path.name, list(shipped))}; name a "
+            f"no scene '{path.name}'{did_you_mean(path.name, list(shipped))}; name a "
             f"YAML file, or one that comes along: {', '.join(shipped)}"
         )
     return shipped[path.name]

@@ -22,7 +22,7 @@ from tool0.description.urdf_linkages import (
 )
 from tool0.description.urdf_links import read_link, read_materials
 from tool0.description.xml_source import children, locate
-from tool0.errors import DescriptionError, ModelError, SourceLocation, nearest_name
+from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
 
 Item = TypeVar("Item", Link, Joint)
 _Locations = dict[str, SourceLocation]
@@ -101,7 +101,7 @@ def _order(
         location = locations.get(f"joint:{joint.name}")
         for role, name in (("parent", joint.parent), ("child", joint.child)):
             if name not in links:
-                hint = nearest_name(name, list(links))
+                hint = did_you_mean(name, list(links))
                 raise ModelError(
                     f"joint '{joint.name}' has the unknown {role} link '{name}'{hint}",
                     location,

@@ -31,7 +31,7 @@ from tool0.description.model import (
     Transmission,
 )
 from tool0.description.xml_source import children, locate
-from tool0.errors import DescriptionError, LimitsError, ModelError, nearest_name
+from tool0.errors import DescriptionError, LimitsError, ModelError, did_you_mean
 
 logger = logging.getLogger(__name__)
 
@@ -47,7 +47,7 @@ def read_transmissions(
     for element in children(robot, "transmission"):
         transmission = _read_transmission(element)
         if transmission.joint not in joints:
-            hint = nearest_name(transmission.joint, list(joints))
+            hint = did_you_mean(transmission.joint, list(joints))
             raise ModelError(
                 f"transmission '{transmission.name}' drives the unknown joint "
                 f"'{transmission.joint}'{hint}",
@@ -116,7 +116,7 @@ def to_interface(text: str, element: Element | None = None) -> Interface:
     if name in valid:
         hint = f"; did you mean '{_PREFIX}{name}'?"
     else:
-        hint = nearest_name(text, [item.value for item in Interface])
+        hint = did_you_mean(text, [item.value for item in Interface])
     raise DescriptionError(
         f"unknown hardware interface '{text}'{hint}", locate(element)
     )
@@ -146,7 +146,7 @@ def apply_gazebo(
                 "%s: <gazebo> refers to '%s', which is no link: it has no effect%s",
                 locate(element),
                 reference,
-                nearest_name(reference, [*links, *joints]),
+                did_you_mean(reference, [*links, *joints]),
             )
             continue
         changed[reference] = _with_contact(changed[reference], element)
@@ -186,7 +186,7 @@ def read_grippers(
     for element in children(robot, "parallel_gripper"):
         gripper = _read_gripper(element)
         if gripper.joint not in joints:
-            hint = nearest_name(gripper.joint, list(joints))
+            hint = did_you_mean(gripper.joint, list(joints))
             raise ModelError(
                 f"gripper '{gripper.name}' is driven by the unknown joint "
                 f"'{gripper.joint}'{hint}",

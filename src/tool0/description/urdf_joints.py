@@ -24,7 +24,7 @@ from tool0.description.model import (
     Vector3,
 )
 from tool0.description.xml_source import locate
-from tool0.errors import LimitsError, ModelError, SourceLocation, nearest_name
+from tool0.errors import LimitsError, ModelError, SourceLocation, did_you_mean
 
 _LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
 _WITH_AXIS = (*_LIMITED, JointType.CONTINUOUS, JointType.PLANAR)
@@ -144,7 +144,7 @@ def check_mimics(
         location = locations.get(f"joint:{joint.name}")
         leader = joints.get(joint.mimic.joint)
         if leader is None:
-            hint = nearest_name(joint.mimic.joint, list(joints))
+            hint = did_you_mean(joint.mimic.joint, list(joints))
             raise ModelError(
                 f"joint '{joint.name}' mimics the unknown joint "
                 f"'{joint.mimic.joint}'{hint}",

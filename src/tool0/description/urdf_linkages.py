@@ -16,7 +16,7 @@ from tool0.description.attributes import child_number, required, vector
 from tool0.description.kinematics import transforms
 from tool0.description.model import Joint, LoopJoint, RobotModel, Spring
 from tool0.description.xml_source import children, locate
-from tool0.errors import DescriptionError, ModelError, nearest_name
+from tool0.errors import DescriptionError, ModelError, did_you_mean
 
 GAP = 1e-5
 """How far apart the two ends of a loop may lie where it rests [m]."""
@@ -48,7 +48,7 @@ def mark_passive(robot: Element, joints: Mapping[str, Joint]) -> dict[str, Joint
     for element in children(robot, "passive_joint"):
         name = required(element, "name")
         if name not in joints:
-            hint = nearest_name(name, list(joints))
+            hint = did_you_mean(name, list(joints))
             raise ModelError(
                 f"<passive_joint> names the unknown joint '{name}'{hint}",
                 locate(element),
@@ -79,7 +79,7 @@ def _read_loop(element: Element, links: Collection[str]) -> LoopJoint:
     first, second = (required(end, "link") for end in ends)
     for link, end in zip((first, second), ends, strict=True):
         if link not in links:
-            hint = nearest_name(link, list(links))
+            hint = did_you_mean(link, list(links))
             raise ModelError(
                 f"<loop_joint> '{name}' ends at the unknown link '{link}'{hint}",
                 locate(end),

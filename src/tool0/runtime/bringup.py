@@ -23,18 +23,16 @@ from tool0.errors import (
     ConfigError,
     ControlError,
     EngineUnavailableError,
-    nearest_name,
+    did_you_mean,
 )
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.runtime import commands as ask
 from tool0.runtime.bus import Bus
 from tool0.runtime.core import Core
 from tool0.runtime.initial_pose import joint_positions
 from tool0.runtime.loop import Loop
-from tool0.runtime.mailbox import Mailbox
 from tool0.runtime.poses import PoseBook
-from tool0.runtime.robot import Robot
+from tool0.runtime.simulation import Simulation
 
 DEFAULT_CONTROLLERS = (
     "joint_state_controller",
@@ -49,7 +47,7 @@ ENGINES = ("mujoco", "gazebo")
 Names = str | Sequence[str]
 
 
-def bringup(
+def start_simulation(
     *,
     arm: str = "ur5",
     gripper: str | None = "2f85",
@@ -87,7 +85,7 @@ def bringup(
     paused: bool = False,
     realtime: bool = True,
     speed: float = 1.0,
-) -> Robot:
+) -> Simulation:
     """Bring a robot up: description, physics, drives, controllers.
 
     Args:
@@ -192,28 +190,24 @@ def bringup(
             grasp_assist=grasp_assist,
         )
         for name in (*started, *stopped):
-            core.apply(ask.LoadController(name))
-        core.apply(ask.SwitchControllers(start=started, strictness=Strictness.STRICT))
+            core.manager.load(name)
+        core.manager.switch(started, (), Strictness.STRICT, core.state)
         bus = Bus()
-        loop = Loop(
-            core, Mailbox(), bus, paused=paused, speed=speed if realtime else None
-        )
+        loop = Loop(core, bus, paused=paused, speed=speed if realtime else None)
     except BaseException:
         physics.close()
         raise
-    return Robot(
+    return Simulation(
         description=description,
-        engine=physics,
+        core=core,
         loop=loop,
         bus=bus,
         poses=poses,
         defined_controllers=config.types,
         parameters=config.parameters(),
-        joint_limits=core.hardware.limits,
         spawn_z=spawn_z,
         cameras=seeing,
         ground=None if world else -spawn_z,  # a person's world has what it has
-        grasp_assist=grasp_assist,
         warnings=lint(config, model),
     )
 
@@ -261,7 +255,7 @@ def _controller_names(
     for name in (*_names(start or ()), *_names(stopped or ())):
         if name not in defined:
             raise ConfigError(
-                f"no controller '{name}' in the YAML{nearest_name(name, set(defined))}"
+                f"no controller '{name}' in the YAML{did_you_mean(name, set(defined))}"
             )
     wanted = _names(start) if start is not None else DEFAULT_CONTROLLERS
     started = tuple(name for name in wanted if name in defined)
@@ -313,7 +307,7 @@ def _engine(
     gazebo_gui: bool,
 ) -> Engine:
     if name not in ENGINES:
-        hint = nearest_name(name, set(ENGINES))
+        hint = did_you_mean(name, set(ENGINES))
         raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
     if name == "gazebo":
         if description.model.loops:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from tool0.description.model import Joint, RobotModel
-from tool0.errors import LimitsError, ModelError, nearest_name
+from tool0.errors import LimitsError, ModelError, did_you_mean
 
 
 def joint_positions(
@@ -26,7 +26,7 @@ def joint_positions(
     position = dict(zip(joints, otherwise, strict=True))
     for name, value in given.items():
         if name not in joints:
-            raise ModelError(f"unknown joint '{name}'{nearest_name(name, set(joints))}")
+            raise ModelError(f"unknown joint '{name}'{did_you_mean(name, set(joints))}")
         joint = joints[name]
         if joint.mimic is not None:
             raise ModelError(

@@ -13,9 +13,9 @@ from typing import NamedTuple, final
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.errors import ConfigError
 from tool0.hardware.engine import Engine
-from tool0.runtime.bus import Snapshot
 from tool0.sensing.grasp import TOLERANCE, GraspDetector, wanted_openings
 from tool0.sensing.pads import pad_links
+from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 

@@ -13,7 +13,7 @@ import tool0
 from tool0.cli import FAILED, OK, main
 from tool0.cli.bringup_text import finite, greeting
 from tool0.cli.options import SimulationOptions
-from tool0.interfaces.socket.address import Claim
+from tool0.api.address import Claim
 
 pytestmark = pytest.mark.slow
 

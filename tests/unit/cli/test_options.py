@@ -17,7 +17,7 @@ from tool0.cli.options import (
 from tool0.cli.parsing import gathered
 from tool0.cli.quick import read_bringup
 from tool0.errors import ConfigError
-from tool0.runtime.bringup import bringup
+from tool0.api.bringup import bringup
 
 
 def test_every_option_is_a_keyword_of_bringup() -> None:

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, final
 
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
-    from tool0.runtime.robot import Robot
+    from tool0.api.robot import Robot
 
 RATE = 30
 """Frames per simulated second [Hz]."""

@@ -10,10 +10,10 @@ from tool0.cli.pick_demo.picker import Picker, PickFailure, PickOptions
 from tool0.cli.pick_demo.report import PickReport
 from tool0.cli.pick_demo.witness import Witness
 from tool0.errors import ControlError, ModelError
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
-    from tool0.runtime.robot import Robot
+    from tool0.api.robot import Robot
 
 
 def pick_and_place(

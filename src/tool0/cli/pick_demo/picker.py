@@ -18,8 +18,8 @@ from tool0.runtime.joint_motion import require_speed
 from tool0.sensing.pads import grasp_frame
 
 if TYPE_CHECKING:
-    from tool0.runtime.handles import GoalHandle
-    from tool0.runtime.robot import Robot
+    from tool0.api.controller import GoalHandle
+    from tool0.api.robot import Robot
 
 LIFT = 0.15
 """How high above where it was taken and where it is placed an object is carried [m]."""

@@ -17,10 +17,10 @@ from tool0.cli.pick_demo.report import DemoReport, PickReport
 from tool0.cli.pick_demo.witness import Witness
 from tool0.description.kinematics import to_transform
 from tool0.description.model import Pose
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
-    from tool0.runtime.robot import Robot
+    from tool0.api.robot import Robot
 
 PATIENCE = 20.0
 """Longest way back between two picks, simulated [s]."""
@@ -110,7 +110,7 @@ def run_trials(
     return DemoReport(
         engine=robot.engine.name,
         gripper_model="linkage" if robot.description.model.loops else "mimic",
-        grasp_assist=robot.grasp_assist,
+        grasp_assist=robot.info.grasp_assist,
         picks=tuple(reports),
         sim_time=robot.time - sim_start,
         wall_time=time.perf_counter() - wall_start,

@@ -6,16 +6,16 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, final
 
+from tool0.api.scene import object_pose
 from tool0.description.kinematics import Transform, transforms
 from tool0.description.model import Vector3
 from tool0.errors import ControlError, EngineError
-from tool0.runtime.bus import SNAPSHOT_PERIOD, Snapshot
-from tool0.runtime.scene import object_pose
 from tool0.sensing.pads import pad_links
+from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 if TYPE_CHECKING:
-    from tool0.runtime.gripper import Gripper
-    from tool0.runtime.robot import Robot
+    from tool0.api.gripper import Gripper
+    from tool0.api.robot import Robot
 
 _LOOK = 0.5
 """Longest wait for a snapshot, in real time [wall s]: who pauses keeps us waiting."""

@@ -15,7 +15,7 @@ from tool0.errors import RosUnavailableError, Tool0Error
 from tool0.installation.ros1.master import Master
 from tool0.interfaces.ros1.options import NODE_NAME, Ros1Options
 from tool0.interfaces.ros1.ros_time import RosTime
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 

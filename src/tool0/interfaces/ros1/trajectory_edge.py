@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, final
 
+from tool0.api.controller import ControllerHandle
 from tool0.control.goal import GoalResult, Result
 from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.control.publish_rate import PublishRate
@@ -12,8 +13,7 @@ from tool0.errors import ControlError, GoalRejectedError, Tool0Error
 from tool0.interfaces.ros1.actions import ActionEdge
 from tool0.interfaces.ros1.conversions import Message, Trajectories
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.handles import ControllerHandle
+from tool0.sensing.snapshot import Snapshot
 
 
 @final
@@ -66,7 +66,7 @@ class TrajectoryEdge:
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish the state, if the controller runs and it is time to."""
-        setpoint = snapshot.setpoints.get(self._name)
+        setpoint = snapshot.controller_setpoints.get(self._name)
         if setpoint is None:
             return
 

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Any, Protocol, final
 
+from tool0.api.robot import Robot
 from tool0.control.publish_rate import PublishRate
 from tool0.description.kinematics import Transform, joint_transform
 from tool0.description.model import Joint
@@ -14,8 +15,7 @@ from tool0.installation.ros1.child import Child
 from tool0.installation.ros1.packages import find_node
 from tool0.interfaces.ros1.camera_edge import camera_transforms
 from tool0.interfaces.ros1.node import Part, RosNode
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.robot import Robot
+from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 

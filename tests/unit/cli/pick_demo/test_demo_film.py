@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import pytest
 
 from tool0.cli.pick_demo.film import Film
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 PERIOD = 0.008  # [s]
 

@@ -14,7 +14,7 @@ from fake_robot import ABORTED, ARM, FakeRobot
 from served import serving, use_folder
 
 from tool0.errors import TransportError
-from tool0.interfaces.socket.address import Claim
+from tool0.api.address import Claim
 from tool0.interfaces.socket.methods import CALLS, GOALS
 from tool0.interfaces.socket.server import RemoteServer
 from tool0.interfaces.socket.wire import MAX_LINE, PROTOCOL

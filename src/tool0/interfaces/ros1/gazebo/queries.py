@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, final
 
+from tool0.api.robot import Robot
 from tool0.description.model import JointType
 from tool0.description.motion import FrameMotion
 from tool0.errors import ControlError
@@ -11,7 +12,6 @@ from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.gazebo.messages import GazeboMessages
 from tool0.interfaces.ros1.gazebo.world import GROUND, GazeboWorld, WorldView
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.robot import Robot
 
 _KINDS = {
     JointType.REVOLUTE: 0,
