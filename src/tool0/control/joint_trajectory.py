@@ -28,7 +28,7 @@ from tool0.control.tolerances import (
     Tolerance,
     TrajectoryTolerances,
 )
-from tool0.control.trajectory import JointsMotion, TrajectoryGoal, TrajectoryState
+from tool0.control.trajectory import JointsMotion, TrajectoryGoal
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
 from tool0.hardware.joint_state import JointState, joint_selector
@@ -246,10 +246,6 @@ class JointTrajectoryController:
         return Setpoint(
             self.spec.joint_models, self._sampler.splines, self._select, self._state
         )
-
-    def state(self) -> TrajectoryState:
-        """Return desired and measured motion at the last update."""
-        return self.setpoint().state()
 
 
 def parse(parameters: Namespace, robot: Robot) -> JointTrajectorySpec:

@@ -243,7 +243,7 @@ class Pair:
                 time = now + 1e-4 + k * (ours.end - now) / 9.0
                 assert ours.sample(time) == theirs.sample(time)
         assert lazy.setpoint().target() == eager.setpoint().target()
-        assert lazy.state() == eager.state()
+        assert lazy.setpoint().state() == eager.setpoint().state()
 
     def run(self, n_ticks: int) -> None:
         for _ in range(n_ticks):
