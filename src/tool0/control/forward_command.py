@@ -17,7 +17,8 @@ from tool0.control.parameters import (
 )
 from tool0.control.pid import Gains, Pid
 from tool0.control.segment import shortest_turn
-from tool0.control.setpoint import PositionSetpoint
+from tool0.control.setpoint import Setpoint
+from tool0.control.spline import JointSpline, hold
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ControlError
@@ -81,6 +82,8 @@ class ForwardCommandController:
         self.spec = spec
         self._is_position = spec.quantity is Quantity.POSITION
         self._was_commanded = False
+        self._holds: tuple[JointSpline, ...] = ()
+        """The commanded positions as splines, made when they are asked for."""
         self._select = joint_selector(indices)
         self._state = state
         self._pid = Pid(spec.gains) if spec.gains else None
@@ -145,15 +148,17 @@ class ForwardCommandController:
                     "it must be a finite number"
                 )
         self._was_commanded = True
+        self._holds = ()
         self._command = self._within_limits([float(value) for value in given])
 
-    def setpoint(self) -> PositionSetpoint | None:
+    def setpoint(self) -> Setpoint | None:
         """Return the positions that were commanded, if positions were."""
         if not self._is_position or not self._was_commanded:
             return None
-        return PositionSetpoint(
-            self.spec.joint_models, tuple(self._command), self._select, self._state
-        )
+        if not self._holds:
+            time = self._state.time
+            self._holds = tuple(hold(time, position) for position in self._command)
+        return Setpoint(self.spec.joint_models, self._holds, self._select, self._state)
 
     def stop(self) -> None:
         """Do nothing: there is no goal to end."""

@@ -105,7 +105,7 @@ def _check_counts(number: int, point: TrajectoryPoint, names: tuple[str, ...]) -
 def start_time(goal: TrajectoryGoal, now: float) -> float:
     """Return when the goal starts [s]."""
     if goal.stamp is None or goal.stamp == 0.0:
-        return now
+        return float(now)
     if not math.isfinite(goal.stamp):
         raise GoalRejectedError(f"stamp {goal.stamp}; it must be a simulated time")
     return float(goal.stamp)

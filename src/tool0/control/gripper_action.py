@@ -16,7 +16,8 @@ from tool0.control.parameters import (
     single_joint,
 )
 from tool0.control.pid import Gains, Pid
-from tool0.control.setpoint import PositionSetpoint
+from tool0.control.setpoint import Setpoint
+from tool0.control.spline import hold
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import GoalRejectedError
@@ -86,7 +87,8 @@ class GripperActionController:
         self._pid = None if spec.gains is None else Pid([spec.gains])
         self._target = state.position[index]
         self._position = self._target
-        self._setpoint = self._target
+        self._ramp = self._target
+        self._hold = hold(state.time, self._target)
         self._drive_limits: DriveLimits | None = None
         self._max_effort = spec.max_effort
         self._effort = 0.0
@@ -104,24 +106,24 @@ class GripperActionController:
         if self._pid is None:
             self._effort = self._max_effort
             return (self._target,)
-        error = self._advance_setpoint(period) - position
+        error = self._advance_ramp(period) - position
         (effort,) = self._pid.update([error], [-state.velocity[self._index]], period)
         bound = self._max_effort
         self._effort = -bound if effort < -bound else min(effort, bound)
         return (self._effort,)
 
-    def _advance_setpoint(self, period: float) -> float:
+    def _advance_ramp(self, period: float) -> float:
         """Return the position to be at now: towards the target, at a limited speed.
 
         An integral of the whole error would wind up while the drive is kept slow.
         """
         if self._drive_limits is None:
-            self._setpoint = self._target
+            self._ramp = self._target
         else:
-            _, speed = self._drive_limits.at(self._setpoint)
-            left = self._target - self._setpoint
-            self._setpoint += min(max(left, -speed * period), speed * period)
-        return self._setpoint
+            _, speed = self._drive_limits.at(self._ramp)
+            left = self._target - self._ramp
+            self._ramp += min(max(left, -speed * period), speed * period)
+        return self._ramp
 
     def _check_goal(self, time: float, position: float, error: float) -> None:
         if abs(error) < self.spec.goal_tolerance:
@@ -161,30 +163,29 @@ class GripperActionController:
         self._finish(GoalStatus.PREEMPTED)
         self._goal = goal = Goal(self.spec.name)
         self._target, self._drive_limits = float(position), drive_limits
-        ahead = self._setpoint - self._position
+        self._hold = hold(now, self._target)
+        ahead = self._ramp - self._position
         way = self._target - self._position
         # What is squeezed is not let go of for a squeeze in the same direction.
         if ahead * way <= 0.0:
-            self._setpoint = self._position
+            self._ramp = self._position
         elif abs(ahead) > abs(way):
-            self._setpoint = self._target
+            self._ramp = self._target
         self._max_effort = abs(max_effort or 0.0) or self.spec.max_effort
         self._stall_position, self._stall_since = self._position, now
         return goal
 
     def cancel(self, goal: Goal, now: float) -> None:
         """Hold the measured position, if ``goal`` is the active one."""
-        del now
         if goal is self._goal and goal is not None:
-            self._target = self._setpoint = self._position
+            self._target = self._ramp = self._position
+            self._hold = hold(now, self._target)
             self._max_effort = self.spec.max_effort
             self._finish(GoalStatus.PREEMPTED)
 
-    def setpoint(self) -> PositionSetpoint:
+    def setpoint(self) -> Setpoint:
         """Return the commanded position, and what was measured at the last update."""
-        return PositionSetpoint(
-            (self.spec.joint,), (self._target,), self._select, self._state
-        )
+        return Setpoint((self.spec.joint,), (self._hold,), self._select, self._state)
 
     def stop(self) -> None:
         """End an active goal as PREEMPTED; the controller is dropped after that."""

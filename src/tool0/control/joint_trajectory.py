@@ -19,7 +19,7 @@ from tool0.control.pid import Gains, Pid
 from tool0.control.replacement import TrajectoryReplacement
 from tool0.control.sampler import TrajectorySampler
 from tool0.control.segment import MotionPlan, shortest_turn
-from tool0.control.setpoint import TrajectorySetpoint, joints_motion
+from tool0.control.setpoint import Setpoint, joints_motion
 from tool0.control.spline import JointSpline, hold
 from tool0.control.tolerances import (
     DEFAULT_GOAL_TIME,
@@ -28,7 +28,7 @@ from tool0.control.tolerances import (
     Tolerance,
     TrajectoryTolerances,
 )
-from tool0.control.trajectory import JointsMotion, TrajectoryGoal, TrajectoryState
+from tool0.control.trajectory import JointsMotion, TrajectoryGoal
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
 from tool0.hardware.joint_state import JointState, joint_selector
@@ -113,11 +113,6 @@ class JointTrajectoryController:
         self._sampler = TrajectorySampler(
             [hold(state.time, q) for q in position], state.time
         )
-
-    @property
-    def active_goal(self) -> Goal | None:
-        """The goal that is being followed."""
-        return None if self._monitor is None else self._monitor.goal
 
     # ---- the tick -----------------------------------------------------------------
 
@@ -246,15 +241,11 @@ class JointTrajectoryController:
         """
         return joints_motion(self._sampler.samples(time))
 
-    def setpoint(self) -> TrajectorySetpoint:
+    def setpoint(self) -> Setpoint:
         """Return desired and measured motion, as a value that later ticks leave be."""
-        return TrajectorySetpoint(
+        return Setpoint(
             self.spec.joint_models, self._sampler.splines, self._select, self._state
         )
-
-    def state(self) -> TrajectoryState:
-        """Return desired and measured motion at the last update."""
-        return self.setpoint().state()
 
 
 def parse(parameters: Namespace, robot: Robot) -> JointTrajectorySpec:

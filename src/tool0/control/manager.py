@@ -80,8 +80,8 @@ class ControllerManager:
         self._config = config
         self._robot = Robot(joints, hardware.interfaces)
         self._loaded: dict[str, _Loaded] = {}
-        self._updates: list[tuple[Controller, slice | None, tuple[int, ...]]] = []
-        self._running: list[tuple[str, Controller]] = []
+        self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
+        """Name and controller, and which slots of the command are its own."""
         self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
@@ -89,7 +89,7 @@ class ControllerManager:
     def update(self, state: JointState, period: float) -> None:
         """Update the running controllers, in load order, and write their commands."""
         command = self._hardware.command
-        for controller, run, indices in self._updates:
+        for _, controller, run, indices in self._running:
             values = controller.update(state, period)
             if run is not None:
                 command[run] = values
@@ -98,16 +98,11 @@ class ControllerManager:
                     command[index] = value
 
     def _refresh(self) -> None:
-        self._updates = [
-            (item.controller, as_slice(claims), claims)
-            for item in self._loaded.values()
-            if item.controller is not None
-            for claims in [item.indices if item.claims else ()]
-        ]
         self._running = [
-            (name, item.controller)
+            (name, item.controller, as_slice(claims), claims)
             for name, item in self._loaded.items()
             if item.controller is not None
+            for claims in [item.indices if item.claims else ()]
         ]
         self._statuses = tuple(map(self.status, self._loaded))
 
@@ -321,7 +316,7 @@ class ControllerManager:
         """Return the setpoints of the running controllers that command a position."""
         return {
             name: setpoint
-            for name, controller in self._running
+            for name, controller, *_ in self._running
             if (setpoint := controller.setpoint()) is not None
         }
 

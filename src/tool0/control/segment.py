@@ -8,19 +8,7 @@ from typing import NamedTuple, final
 
 from tool0.errors import GoalRejectedError
 
-Polynomial = tuple[
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-]
+Polynomial = tuple[float, ...]
 """``(t0, c0 … c5, 2 c2, 3 c3, 4 c4, 5 c5)``: position and velocity by Horner's rule.
 
 ``t = time - t0``; the velocity's coefficients are ready, since the tick wants both.
@@ -95,8 +83,8 @@ class Segment:
     @property
     def polynomial(self) -> Polynomial:
         """The coefficients as the tick reads them."""
-        c0, c1, c2, c3, c4, c5 = self.coefficients
-        return (self.start, c0, c1, c2, c3, c4, c5, 2 * c2, 3 * c3, 4 * c4, 5 * c5)
+        _, _, c2, c3, c4, c5 = self.coefficients
+        return (self.start, *self.coefficients, 2 * c2, 3 * c3, 4 * c4, 5 * c5)
 
     @property
     def rest(self) -> Polynomial:
@@ -117,7 +105,7 @@ class Segment:
 
 def resting(position: float) -> Polynomial:
     """Return the polynomial of staying at ``position``."""
-    return (0.0, position, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return (0.0, position, *[0.0] * 9)
 
 
 def stop_ramp(time: float, now: Sample, duration: float) -> tuple[Motion, Motion]:

@@ -53,15 +53,6 @@ def test_a_cancelled_goal_ends_where_the_ramp_does() -> None:
     assert target[0] > 1.05, "ROS's ramp is longer than what was left of the way"
 
 
-def test_it_says_what_the_controller_says() -> None:
-    robot = ToyRobot(ARM)
-    controller = robot.start("arm")
-    controller.follow(to(1.0, 0.5, -0.2), robot.time)
-    for _ in range(40):
-        robot.run(0.05)
-        assert controller.setpoint().state() == controller.state()
-
-
 def test_of_one_joint_it_says_the_same_as_of_all() -> None:
     robot = ToyRobot(ARM)
     robot.start("arm").follow(to(1.0, 0.5, -0.2), robot.time)
