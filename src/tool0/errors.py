@@ -19,9 +19,14 @@ Tool0Error
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
+
+_MOST_NAMES = 500
+_LONGEST_NAME = 100
+"""Bounds on the search for similar names, whose time grows with both."""
 
 
 @final
@@ -136,11 +141,33 @@ class TransportError(Tool0Error):
     """A peer misbehaved, is not there, or an address is taken."""
 
 
-def nearest_name(name: str, valid: tuple[str, ...] | list[str] | set[str]) -> str:
-    """Return ``"; did you mean 'x'?"`` or a list of the valid names."""
+def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str | None:
+    """Return the valid name most similar to ``name``, or None.
+
+    A name that differs only by a prefix comes first: ``tool0`` suggests ``left_tool0``.
+
+    Args:
+        name: The unknown name.
+        valid: The names to choose from.
+        cutoff: Least similarity, from 0 (any) to 1 (identical).
+    """
     import difflib
 
-    close = difflib.get_close_matches(name, sorted(valid), n=1, cutoff=0.6)
-    if close:
-        return f"; did you mean '{close[0]}'?"
+    if not name or len(name) > _LONGEST_NAME or len(valid) > _MOST_NAMES:
+        return None
+    names = sorted(item for item in valid if 0 < len(item) <= _LONGEST_NAME)
+    prefixed = [
+        item for item in names if item.endswith(f"_{name}") or name.endswith(f"_{item}")
+    ]
+    if len(prefixed) == 1:
+        return prefixed[0]
+    close = difflib.get_close_matches(name, names, n=1, cutoff=cutoff)
+    return close[0] if close else None
+
+
+def did_you_mean(name: str, valid: Collection[str]) -> str:
+    """Return ``"; did you mean 'x'?"``, or ``"; valid: a, b"`` if none is similar."""
+    near = nearest_name(name, valid)
+    if near is not None:
+        return f"; did you mean '{near}'?"
     return f"; valid: {', '.join(sorted(valid)) or '(none)'}"

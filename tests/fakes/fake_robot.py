@@ -22,7 +22,7 @@ from tool0.errors import (
     EngineError,
     GoalRejectedError,
     RenderError,
-    nearest_name,
+    did_you_mean,
 )
 from tool0.hardware.engine import ObjectState
 from tool0.sensing.cameras import CameraImage
@@ -87,7 +87,7 @@ class FakeController:
         for name in joint_names or ():
             if name not in ARM:
                 raise GoalRejectedError(
-                    f"unknown joint '{name}'{nearest_name(name, set(ARM))}",
+                    f"unknown joint '{name}'{did_you_mean(name, set(ARM))}",
                     GoalRejectedError.INVALID_JOINTS,
                 )
         if any(math.isnan(q) for point in points for q in point.positions):
@@ -337,7 +337,7 @@ class FakeRobot:
     def controller(self, name: str) -> FakeController:
         names = [status.name for status in self.controllers()]
         if name not in names:
-            raise ControlError(f"no controller '{name}'{nearest_name(name, names)}")
+            raise ControlError(f"no controller '{name}'{did_you_mean(name, names)}")
         return FakeController(self, name)
 
     def load(self, name: str) -> None:

@@ -58,9 +58,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"tool0 {version('tool0')}")
         return OK
     if command not in COMMANDS:
-        from tool0.errors import nearest_name
+        from tool0.errors import did_you_mean
 
-        hint = nearest_name(command, list(COMMANDS))
+        hint = did_you_mean(command, list(COMMANDS))
         print(f"tool0: error: unknown command '{command}'{hint}", file=sys.stderr)
         return FAILED
     return _run(command, arguments[1:])

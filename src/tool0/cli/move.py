@@ -11,7 +11,7 @@ from tool0.cli.connection import Bringup, see_through
 from tool0.cli.options import joint_values
 from tool0.cli.parsing import parse
 from tool0.description.transform import Pose
-from tool0.errors import ConfigError, ControlError, nearest_name
+from tool0.errors import ConfigError, ControlError, did_you_mean
 
 if TYPE_CHECKING:
     from tool0.interfaces.socket.client import RemoteRobot, RemoteStatus
@@ -136,7 +136,7 @@ def find_controller(
         if joint not in claimed:
             raise ControlError(
                 f"no running trajectory controller claims joint '{joint}'"
-                f"{nearest_name(joint, claimed)}"
+                f"{did_you_mean(joint, claimed)}"
             )
     raise ControlError(
         f"no single controller claims {', '.join(wanted)}; move them one after another"

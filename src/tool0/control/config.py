@@ -14,7 +14,7 @@ from tool0.control.parameters import Robot
 from tool0.description.model import JointLimits
 from tool0.description.yaml_tree import Entry, Tree, read_files
 from tool0.description.yaml_values import Namespace
-from tool0.errors import ConfigError, SourceLocation, nearest_name
+from tool0.errors import ConfigError, SourceLocation, did_you_mean
 
 
 @final
@@ -117,7 +117,7 @@ class ControllerConfig:
         entry = (self.tree.root.children or {}).get(name)
         if entry is None:
             raise ConfigError(
-                f"unknown controller '{name}'{nearest_name(name, list(self.names))}"
+                f"unknown controller '{name}'{did_you_mean(name, list(self.names))}"
             )
         if entry.children is None:
             raise ConfigError(

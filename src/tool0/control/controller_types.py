@@ -8,7 +8,7 @@ from importlib import import_module
 from tool0.control.controller import ControllerSpec
 from tool0.control.parameters import Robot
 from tool0.description.yaml_values import Namespace
-from tool0.errors import ConfigError, SourceLocation, nearest_name
+from tool0.errors import ConfigError, SourceLocation, did_you_mean
 
 Parser = Callable[[Namespace, Robot], ControllerSpec]
 
@@ -51,7 +51,7 @@ def parser_of(type_name: str, location: SourceLocation | None = None) -> Parser:
     """
     module = _MODULES.get(type_name)
     if module is None:
-        hint = nearest_name(type_name, list(TYPES))
+        hint = did_you_mean(type_name, list(TYPES))
         known = "" if hint.startswith("; valid") else f" (of {', '.join(TYPES)})"
         raise ConfigError(
             f"unknown controller type '{type_name}'{hint}{known}", location

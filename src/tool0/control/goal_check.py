@@ -19,7 +19,7 @@ from tool0.control.point_survey import PointSurvey
 from tool0.control.tolerances import tolerance_numbers
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Joint, JointType
-from tool0.errors import GoalRejectedError, nearest_name
+from tool0.errors import GoalRejectedError, did_you_mean
 
 logger = logging.getLogger(__name__)
 
@@ -197,5 +197,5 @@ def _range(joint: Joint) -> tuple[float, float]:
 def _invalid_joints(
     text: str, name: str = "", valid: tuple[str, ...] = ()
 ) -> GoalRejectedError:
-    hint = nearest_name(name, valid) if valid else ""
+    hint = did_you_mean(name, valid) if valid else ""
     return GoalRejectedError(text + hint, GoalRejectedError.INVALID_JOINTS)

@@ -10,7 +10,7 @@ from tool0.control.parameters import Robot
 from tool0.description.model import Interface
 from tool0.description.yaml_tree import Entry
 from tool0.description.yaml_values import Namespace
-from tool0.errors import ConfigError, nearest_name
+from tool0.errors import ConfigError, did_you_mean
 from tool0.hardware.joint_state import JointState
 
 
@@ -119,7 +119,7 @@ def parse(parameters: Namespace, robot: Robot) -> JointStateSpec:
             if name not in movable:
                 raise ConfigError(
                     f"'{entry.key}' names unknown joint '{name}'"
-                    + nearest_name(name, movable),
+                    + did_you_mean(name, movable),
                     entry.location,
                 )
     return JointStateSpec(

@@ -9,13 +9,13 @@ from tool0.control.lint_controller import (
     JOINT_MAPPINGS,
     complaint,
     controller_findings,
-    nearest,
     or_remove,
 )
 from tool0.control.parameter_tables import GAINS, LIMITS
 from tool0.description.finding import Finding
 from tool0.description.model import RobotModel
 from tool0.description.yaml_tree import Entry
+from tool0.errors import nearest_name
 
 OF_TOOL0 = ("gazebo-only", "not-enforced")
 """Rules that tell what tool0 does otherwise than Gazebo: no fault of the file."""
@@ -72,7 +72,7 @@ def _lint_other(
             "indent it",
         )
     elif name != "gazebo_ros_control":
-        near = nearest("type", list(children))
+        near = nearest_name("type", list(children))
         yield complaint(
             entry,
             "no-type",
@@ -108,7 +108,7 @@ def _unknown_joints(names: Entry, known: Collection[str] | None) -> Iterator[Fin
                 entry,
                 "unknown-joint",
                 f"the robot has no joint '{name}'",
-                or_remove(nearest(name, unused) or nearest(name, known)),
+                or_remove(nearest_name(name, unused) or nearest_name(name, known)),
             )
 
 
@@ -118,7 +118,7 @@ def _lint_limits(limits: Entry, known: Collection[str] | None) -> Iterator[Findi
         keys = joint.children or {}
         for name, entry in keys.items():
             if name not in LIMITS:
-                near = or_remove(nearest(name, LIMITS))
+                near = or_remove(nearest_name(name, LIMITS))
                 yield complaint(entry, "unread-key", "nothing reads it", near)
             kind = name.partition("_")[2]
             flag = f"has_{kind}_limits"

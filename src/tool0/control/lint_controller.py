@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import final
@@ -10,6 +9,7 @@ from typing import final
 from tool0.control.parameter_tables import parameters_of, readers_of
 from tool0.description.finding import Finding, Severity
 from tool0.description.yaml_tree import Entry
+from tool0.errors import nearest_name
 
 JOINT_MAPPINGS = ("gains", "constraints", "velocity_ff")
 """Namespaces whose keys are joints."""
@@ -120,7 +120,7 @@ def _unread(
     if is_by_joint and rest and "/" not in rest:
         near = None
         if first == "constraints" and rest not in (known or ()):
-            near = nearest(rest, ("goal_time", "stopped_velocity_tolerance"))
+            near = nearest_name(rest, ("goal_time", "stopped_velocity_tolerance"))
         if near is None:
             return _not_a_joint(entry, rest, reader.joints, known)
         return complaint(
@@ -142,7 +142,7 @@ def _unread(
             f"{reader.type_name} has no use for {first}: its interface needs no PID",
             "remove it",
         )
-    near = nearest(path.rpartition("/")[2], _siblings(pattern, reader.patterns))
+    near = nearest_name(path.rpartition("/")[2], _siblings(pattern, reader.patterns))
     return complaint(
         entry, "unread-key", f"{reader.kind} does not read it", or_remove(near)
     )
@@ -164,19 +164,13 @@ def _siblings(pattern: str, patterns: frozenset[str]) -> list[str]:
 def _not_a_joint(
     entry: Entry, name: str, joints: Sequence[str], known: Collection[str] | None
 ) -> Finding:
-    near = or_remove(nearest(name, joints))
+    near = or_remove(nearest_name(name, joints))
     if known is not None and name not in known:
         return complaint(
             entry, "unknown-joint", f"the robot has no joint '{name}'", near
         )
     message = f"'{name}' is not among the controller's joints"
     return complaint(entry, "unread-key", message, near)
-
-
-def nearest(name: str, valid: Collection[str]) -> str | None:
-    """Return the valid name most like ``name``, if any is."""
-    close = difflib.get_close_matches(name, sorted(valid), n=1, cutoff=0.6)
-    return close[0] if close else None
 
 
 def or_remove(near: str | None) -> str:

@@ -13,7 +13,7 @@ from tool0.control.hardware_port import HardwarePort
 from tool0.control.intent import Intent
 from tool0.control.parameters import Robot
 from tool0.description.model import Joint
-from tool0.errors import ClaimError, ControlError, GoalRejectedError, nearest_name
+from tool0.errors import ClaimError, ControlError, GoalRejectedError, did_you_mean
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.pick import as_slice
 
@@ -209,7 +209,7 @@ class ControllerManager:
                     refuse(
                         f"Could not {verb} controller with name '{name}' because no "
                         "controller with this name is loaded"
-                        + nearest_name(name, list(self._loaded))
+                        + did_you_mean(name, list(self._loaded))
                     )
         for name in self._loaded:
             is_running = self._loaded[name].controller is not None
@@ -337,4 +337,4 @@ class ControllerManager:
         valid = list(self._loaded)
         if name in self._config.names:
             raise ControlError(f"controller '{name}' is not loaded; load it first")
-        raise ControlError(f"unknown controller '{name}'{nearest_name(name, valid)}")
+        raise ControlError(f"unknown controller '{name}'{did_you_mean(name, valid)}")

@@ -10,7 +10,7 @@ from tool0.control.pid import Gains
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_tree import Entry
 from tool0.description.yaml_values import Namespace
-from tool0.errors import ConfigError, nearest_name
+from tool0.errors import ConfigError, did_you_mean, nearest_name
 
 INTERFACE_OF_PACKAGE = {
     "effort_controllers": Interface.EFFORT,
@@ -46,7 +46,7 @@ def controlled_joint(
     if joint is None:
         raise ConfigError(
             f"Could not find joint '{name}' in {wanted}: the robot has no such joint"
-            + nearest_name(name, list(robot.interfaces)),
+            + did_you_mean(name, list(robot.interfaces)),
             entry.location,
         )
     has = robot.interfaces.get(name)
@@ -101,10 +101,11 @@ def read_gains(parameters: Namespace, path: str, why: str) -> Gains:
     if gains is None:
         outer = parameters.find(path.rpartition("/")[0]) or parameters.entry
         present = list(outer.children or ())
-        hint = nearest_name(path.rpartition("/")[2], present) if present else ""
+        near = nearest_name(path.rpartition("/")[2], present)
+        hint = f"; did you mean '{near}'?" if near else ""
         raise ConfigError(
             f"No p gain specified for pid: '{parameters.entry.key}' lacks "
-            f"'{path}/p', which {why}" + (hint if hint.startswith("; did") else ""),
+            f"'{path}/p', which {why}" + hint,
             outer.location,
         )
     if gains.find("p") is None:

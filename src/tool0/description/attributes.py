@@ -8,7 +8,7 @@ from xml.dom.minidom import Element
 
 from tool0.description.transform import Pose, Vector3
 from tool0.description.xml_source import children, locate
-from tool0.errors import DescriptionError, ModelError, SourceLocation, nearest_name
+from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
 
 
 def required(element: Element, attribute: str) -> str:
@@ -116,7 +116,7 @@ def positive(element: Element, attribute: str) -> float:
 def choice(text: str, valid: Sequence[str], element: Element, what: str) -> str:
     """Return ``text`` if it is one of ``valid``, or raise DescriptionError."""
     if text not in valid:
-        hint = nearest_name(text, list(valid))
+        hint = did_you_mean(text, list(valid))
         raise DescriptionError(f"unknown {what} '{text}'{hint}", locate(element))
     return text
 
@@ -126,7 +126,7 @@ def require_known(
 ) -> None:
     """Raise ModelError unless ``name`` is one of ``valid``; ``what`` comes first."""
     if name not in valid:
-        raise ModelError(f"{what} '{name}'{nearest_name(name, list(valid))}", location)
+        raise ModelError(f"{what} '{name}'{did_you_mean(name, list(valid))}", location)
 
 
 def text_of(element: Element) -> str:

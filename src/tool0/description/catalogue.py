@@ -25,7 +25,7 @@ from tool0.description.presets import (
 )
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file, to_text
-from tool0.errors import DescriptionError, SourceLocation, nearest_name
+from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 
 if TYPE_CHECKING:
     from xml.dom.minidom import Document
@@ -210,7 +210,7 @@ def _models(mark: str) -> tuple[str, ...]:
 
 def _check(kind: str, name: str, valid: tuple[str, ...]) -> None:
     if name not in valid:
-        hint = nearest_name(name, valid)
+        hint = did_you_mean(name, valid)
         is_told = hint.startswith("; valid")
         more = "" if is_told else f" (there are: {', '.join(valid)})"
         raise DescriptionError(f"unknown {kind} '{name}'{hint}{more}")

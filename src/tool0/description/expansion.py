@@ -24,7 +24,7 @@ from xml.dom.minidom import Document, Node
 from tool0.description.packages import find_package
 from tool0.description.parameters import load_parameters
 from tool0.description.xml_source import locate, parse_file
-from tool0.errors import DescriptionError, SourceLocation, nearest_name
+from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 
 logger = logging.getLogger(__name__)
 
@@ -72,7 +72,7 @@ class _Run:
         """Raise DescriptionError if an argument was given that no file reads."""
         for name in self._args:
             if name not in self._known:
-                hint = nearest_name(name, self._known)
+                hint = did_you_mean(name, self._known)
                 raise DescriptionError(
                     f"no file declares the argument '{name}'{hint}",
                     SourceLocation(path),
@@ -121,7 +121,7 @@ class _Run:
         try:
             return args[name]
         except KeyError:
-            hint = nearest_name(name, set(args))
+            hint = did_you_mean(name, set(args))
             raise DescriptionError(
                 f"the argument '{name}' has neither value nor default{hint}"
             ) from None

@@ -15,7 +15,7 @@ from typing import TypeVar, final
 
 from tool0.description.shapes import Geometry
 from tool0.description.transform import Pose, Vector3
-from tool0.errors import LimitsError, ModelError, SourceLocation, nearest_name
+from tool0.errors import LimitsError, ModelError, SourceLocation, did_you_mean
 
 Item = TypeVar("Item")
 
@@ -354,5 +354,5 @@ def _find(kind: str, name: str, items: Mapping[str, Item]) -> Item:
     try:
         return items[name]
     except KeyError:
-        hint = nearest_name(name, list(items))
+        hint = did_you_mean(name, list(items))
         raise ModelError(f"unknown {kind} '{name}'{hint}") from None

@@ -15,7 +15,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from types import MappingProxyType
 
-from tool0.errors import DescriptionError, SourceLocation, nearest_name
+from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 
 BUNDLED = Path(__file__).resolve().parent.parent / "ros_packages"
 
@@ -45,7 +45,7 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
             seen.add(package_name(folder))
     looked = ", ".join(map(str, (BUNDLED, *search_path())))
     raise DescriptionError(
-        f"there is no ROS package '{name}' in {looked}{nearest_name(name, seen)}; "
+        f"there is no ROS package '{name}' in {looked}{did_you_mean(name, seen)}; "
         "add the folder that holds it to ROS_PACKAGE_PATH",
         location,
     )

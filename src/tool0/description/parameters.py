@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, final
 
-from tool0.errors import DescriptionError, SourceLocation, nearest_name
+from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 
 Constructor = Callable[[Any, Any], Any]
 
@@ -25,7 +25,7 @@ class Parameters(dict[str, Any]):
         try:
             return dict.__getitem__(self, key)
         except KeyError:
-            hint = nearest_name(str(key), [str(name) for name in self])
+            hint = did_you_mean(str(key), [str(name) for name in self])
             raise AttributeError(f"{self._place} has no key '{key}'{hint}") from None
 
     __getitem__ = __getattr__

@@ -51,7 +51,7 @@ from tool0.errors import (
     ConfigError,
     DescriptionError,
     SourceLocation,
-    nearest_name,
+    did_you_mean,
 )
 
 SCENE_FOLDER = Path(__file__).resolve().parent.parent / "scenes"
@@ -82,7 +82,7 @@ def scene_path(given: Path | str) -> Path:
     shipped = shipped_scenes()
     if path.name not in shipped:
         raise ConfigError(
-            f"no scene '{path.name}'{nearest_name(path.name, list(shipped))}; name a "
+            f"no scene '{path.name}'{did_you_mean(path.name, list(shipped))}; name a "
             f"YAML file, or a built-in one: {', '.join(shipped)}"
         )
     return shipped[path.name]

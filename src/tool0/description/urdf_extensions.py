@@ -32,7 +32,7 @@ from tool0.description.model import (
     Transmission,
 )
 from tool0.description.xml_source import children, locate
-from tool0.errors import DescriptionError, LimitsError, ModelError, nearest_name
+from tool0.errors import DescriptionError, LimitsError, ModelError, did_you_mean
 
 logger = logging.getLogger(__name__)
 
@@ -112,7 +112,7 @@ def to_interface(text: str, element: Element | None = None) -> Interface:
     if name in valid:
         hint = f"; did you mean '{_PREFIX}{name}'?"
     else:
-        hint = nearest_name(text, [item.value for item in Interface])
+        hint = did_you_mean(text, [item.value for item in Interface])
     raise DescriptionError(
         f"unknown hardware interface '{text}'{hint}", locate(element)
     )
@@ -142,7 +142,7 @@ def apply_gazebo(
                 "%s: <gazebo> refers to '%s', which is no link: it has no effect%s",
                 locate(element),
                 reference,
-                nearest_name(reference, [*links, *joints]),
+                did_you_mean(reference, [*links, *joints]),
             )
             continue
         changed[reference] = _with_contact(changed[reference], element)

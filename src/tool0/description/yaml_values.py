@@ -10,7 +10,7 @@ from typing import final
 
 from tool0.description.transform import Vector3
 from tool0.description.yaml_tree import Entry
-from tool0.errors import ConfigError, SourceLocation, nearest_name
+from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 
 
 @final
@@ -55,7 +55,7 @@ class Namespace:
         for name, entry in (self.entry.children or {}).items():
             if name not in valid:
                 raise ConfigError(
-                    f"unknown key '{entry.key}'{nearest_name(name, valid)}",
+                    f"unknown key '{entry.key}'{did_you_mean(name, valid)}",
                     entry.location,
                 )
 
@@ -138,8 +138,8 @@ class Namespace:
 
     def missing(self, path: str, kind: str) -> ConfigError:
         """Return the error that ``path`` must be there."""
-        near = nearest_name(path, list(self.names())) if list(self.names()) else ""
-        hint = near if near.startswith("; did") else ""
+        near = nearest_name(path, list(self.names()))
+        hint = f"; did you mean '{near}'?" if near else ""
         return ConfigError(
             f"'{self.entry.key}' lacks '{path}', {kind}{hint}", self.location
         )

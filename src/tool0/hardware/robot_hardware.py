@@ -13,7 +13,7 @@ from typing import final
 
 from tool0.description.model import Interface, JointLimits, RobotModel
 from tool0.description.transform import Vector3
-from tool0.errors import ModelError, nearest_name
+from tool0.errors import ModelError, did_you_mean
 from tool0.hardware.drive_bounds import DriveBounds
 from tool0.hardware.joint_dynamics import STANDARD_GRAVITY, JointDynamics
 from tool0.hardware.joint_state import JointState
@@ -52,7 +52,7 @@ class RobotHardware:
         overrides = dict(limits or {})
         for name in overrides:
             if name not in model.transmission_by_joint:
-                hint = nearest_name(name, list(model.transmission_by_joint))
+                hint = did_you_mean(name, list(model.transmission_by_joint))
                 raise ModelError(f"limits given for undriven joint '{name}'{hint}")
         self.joint_names = tuple(joint_names)
         self.index = {name: i for i, name in enumerate(self.joint_names)}

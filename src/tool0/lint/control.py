@@ -9,9 +9,8 @@ from typing import final
 from tool0.control.config import ControllerConfig
 from tool0.control.parameter_tables import parameters_of
 from tool0.description.finding import Finding
-from tool0.errors import SourceLocation
+from tool0.errors import SourceLocation, nearest_name
 from tool0.lint.launch.model import LaunchFile, Node
-from tool0.lint.robot.names import nearest
 
 _SPAWNERS = ("spawner", "spawner.py")
 _TAKES_VALUE = ("--namespace", "--timeout", "-t", "--shutdown-timeout")
@@ -66,7 +65,7 @@ def request_findings(
     for request in wanted:
         if request.name in known:
             continue
-        near = nearest(request.name, known)
+        near = nearest_name(request.name, known)
         where = ", ".join(files) or "and no YAML is loaded"
         yield Finding(
             location=request.location,

@@ -23,7 +23,7 @@ from tool0.errors import (
     ConfigError,
     ControlError,
     EngineUnavailableError,
-    nearest_name,
+    did_you_mean,
 )
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware
@@ -261,7 +261,7 @@ def _controller_names(
     for name in (*_names(start or ()), *_names(stopped or ())):
         if name not in defined:
             raise ConfigError(
-                f"no controller '{name}' in the YAML{nearest_name(name, set(defined))}"
+                f"no controller '{name}' in the YAML{did_you_mean(name, set(defined))}"
             )
     wanted = _names(start) if start is not None else DEFAULT_CONTROLLERS
     started = tuple(name for name in wanted if name in defined)
@@ -313,7 +313,7 @@ def _engine(
     gazebo_gui: bool,
 ) -> Engine:
     if name not in ENGINES:
-        hint = nearest_name(name, set(ENGINES))
+        hint = did_you_mean(name, set(ENGINES))
         raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
     if name == "gazebo":
         if description.model.loops:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel
-from tool0.errors import LimitsError, ModelError, nearest_name
+from tool0.errors import LimitsError, ModelError, did_you_mean
 
 
 def joint_positions(
@@ -26,7 +26,7 @@ def joint_positions(
     joints = {joint.name: joint for joint in model.movable_joints}
     for name, value in given.items():
         if name not in joints:
-            raise ModelError(f"unknown joint '{name}'{nearest_name(name, set(joints))}")
+            raise ModelError(f"unknown joint '{name}'{did_you_mean(name, set(joints))}")
         joint = joints[name]
         if joint.mimic is not None:
             raise ModelError(

@@ -9,7 +9,7 @@ from tool0.control.goal_check import check_position
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
 from tool0.control.segment import MotionPlan
-from tool0.errors import ControlError, GoalRejectedError, nearest_name
+from tool0.errors import ControlError, GoalRejectedError, did_you_mean
 from tool0.runtime.joint_motion import plan_motion
 
 
@@ -70,7 +70,7 @@ def planned_motion(
         if name not in spec.joints:
             raise GoalRejectedError(
                 f"joint '{name}' is not one of '{spec.name}'"
-                + nearest_name(name, spec.joints),
+                + did_you_mean(name, spec.joints),
                 GoalRejectedError.INVALID_JOINTS,
             )
         if not math.isfinite(position):

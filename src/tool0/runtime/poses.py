@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import final
 
 from tool0.description.catalogue import RobotDescription, named_poses
-from tool0.errors import ControlError, nearest_name
+from tool0.errors import ControlError, did_you_mean
 from tool0.runtime.saved_poses import LONGEST_NAME, SavedPoses, poses_file
 
 
@@ -58,7 +58,7 @@ class PoseBook:
             return self.own[name]
         poses = self.all()
         if name not in poses:
-            raise ControlError(f"unknown pose '{name}'{nearest_name(name, set(poses))}")
+            raise ControlError(f"unknown pose '{name}'{did_you_mean(name, set(poses))}")
         return poses[name]
 
     def save(self, name: str, positions: Mapping[str, float]) -> None:

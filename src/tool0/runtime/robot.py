@@ -18,7 +18,7 @@ from tool0.description.finding import Finding
 from tool0.description.forward_kinematics import link_pose
 from tool0.description.model import JointLimits
 from tool0.description.transform import Transform
-from tool0.errors import ControlError, nearest_name
+from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.engine import Contact, Engine
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Bus, Snapshot, Subscription
@@ -182,7 +182,7 @@ class Robot:
         names = [status.name for status in self.controllers()]
         if name not in names:
             raise ControlError(
-                f"no controller '{name}' is loaded{nearest_name(name, names)}"
+                f"no controller '{name}' is loaded{did_you_mean(name, names)}"
             )
         return ControllerHandle(name, self._loop)
 

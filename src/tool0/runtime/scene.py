@@ -15,7 +15,7 @@ from tool0.description.scene import (
 )
 from tool0.description.shapes import Geometry, mesh
 from tool0.description.transform import Pose, Transform, from_quaternion
-from tool0.errors import ControlError, nearest_name
+from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.engine import ObjectState
 from tool0.runtime import commands as ask
 from tool0.runtime.bus import Snapshot
@@ -177,5 +177,5 @@ def object_pose(snapshot: Snapshot, name: str) -> Transform:
 
 def _unknown(name: str, names: list[str]) -> ControlError:
     return ControlError(
-        f"there is no object '{name}' in the scene{nearest_name(name, names)}"
+        f"there is no object '{name}' in the scene{did_you_mean(name, names)}"
     )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, final
 from tool0.description.camera import Camera
 from tool0.description.model import RobotModel
 from tool0.description.transform import Transform
-from tool0.errors import RenderError, nearest_name
+from tool0.errors import RenderError, did_you_mean
 from tool0.runtime.bus import Snapshot
 
 if TYPE_CHECKING:
@@ -177,5 +177,5 @@ class CameraHandle:
 def find_camera(cameras: Mapping[str, CameraHandle], name: str) -> CameraHandle:
     """Return the camera ``name``, or raise RenderError."""
     if name not in cameras:
-        raise RenderError(f"no camera '{name}'{nearest_name(name, list(cameras))}")
+        raise RenderError(f"no camera '{name}'{did_you_mean(name, list(cameras))}")
     return cameras[name]

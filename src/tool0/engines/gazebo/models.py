@@ -28,7 +28,7 @@ from tool0.errors import (
     EngineUnavailableError,
     ModelError,
     SourceLocation,
-    nearest_name,
+    did_you_mean,
 )
 from tool0.hardware.bodies import Matrix
 from tool0.hardware.engine import Contact, ObjectState
@@ -158,7 +158,7 @@ class Models:
         except EngineUnavailableError:
             raise
         except EngineError as error:
-            hint = nearest_name(name, set(self._objects))
+            hint = did_you_mean(name, set(self._objects))
             raise EngineError(f"{error}{hint}") from None
         self._objects.pop(name, None)
 
@@ -202,7 +202,7 @@ class Models:
         """
         links = self._names.body_of_link
         if link not in links:
-            hint = nearest_name(link, set(links))
+            hint = did_you_mean(link, set(links))
             raise ModelError(f"there is no link '{link}'{hint}")
         if self._object(name).mass is None:
             raise EngineError(f"object '{name}' has no mass: it cannot move")
@@ -215,7 +215,7 @@ class Models:
     def _object(self, name: str) -> SceneObject:
         item = self._objects.get(name)
         if item is None:
-            hint = nearest_name(name, set(self._objects))
+            hint = did_you_mean(name, set(self._objects))
             raise EngineError(f"there is no object '{name}'{hint}")
         return item
 

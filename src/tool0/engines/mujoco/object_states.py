@@ -9,7 +9,7 @@ from tool0.description.scene import Scene
 from tool0.description.transform import pose_matrix
 from tool0.engines.mujoco.model import quat_wxyz
 from tool0.engines.mujoco.objects import free_joint_name
-from tool0.errors import EngineError, nearest_name
+from tool0.errors import EngineError, did_you_mean
 from tool0.hardware.engine import ObjectState
 
 Vector3 = tuple[float, float, float]
@@ -98,7 +98,7 @@ class ObjectStates:
     def check_there(self, name: str) -> None:
         """Raise EngineError unless there is an object ``name``."""
         if name not in self.names:
-            hint = nearest_name(name, set(self.names))
+            hint = did_you_mean(name, set(self.names))
             raise EngineError(f"there is no object '{name}'{hint}")
 
     def check_movable(self, name: str) -> None:

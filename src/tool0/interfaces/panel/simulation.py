@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, final
 
 from tool0.description.catalogue import named_poses
-from tool0.errors import ConfigError, ControlError, nearest_name
+from tool0.errors import ConfigError, ControlError, did_you_mean
 from tool0.interfaces.panel import protocol as ask
 from tool0.interfaces.panel.controller_info import controller_infos
 from tool0.interfaces.panel.happenings import Watcher
@@ -121,7 +121,7 @@ class SimulationSource:
                 if name not in defined:
                     raise ControlError(
                         f"no controller '{name}' in the YAML"
-                        f"{nearest_name(name, defined)}"
+                        f"{did_you_mean(name, defined)}"
                     )
                 for joint in positions:
                     self._robot.description.model.joint(joint)
@@ -200,7 +200,7 @@ class SimulationSource:
     def _gripper(self, name: str) -> Gripper:
         grippers = self._robot.grippers
         if name not in grippers:
-            hint = nearest_name(name, set(grippers))
+            hint = did_you_mean(name, set(grippers))
             raise ControlError(f"unknown gripper '{name}'{hint}")
         return grippers[name]
 

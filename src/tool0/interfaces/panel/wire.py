@@ -7,7 +7,7 @@ from typing import Final, final, get_args
 
 import msgspec
 
-from tool0.errors import Tool0Error, nearest_name
+from tool0.errors import Tool0Error, did_you_mean
 from tool0.interfaces.panel.protocol import ClientMessage, Problem, Reply, ServerMessage
 
 LONGEST: Final = 65536
@@ -75,12 +75,12 @@ def _explained(text: str, why: str) -> Unreadable:
     if not isinstance(kind, str):
         return _unreadable(id_, "a message has its name in 'type', as text")
     if kind not in _FIELDS:
-        hint = nearest_name(kind[:_SHOWN], set(_FIELDS))
+        hint = did_you_mean(kind[:_SHOWN], set(_FIELDS))
         return _unreadable(id_, f"unknown type '{kind[:_SHOWN]}'{hint}")
     valid = {"type", *_FIELDS[kind]}
     for field in given:
         if field not in valid:
-            hint = nearest_name(field[:_SHOWN], valid)
+            hint = did_you_mean(field[:_SHOWN], valid)
             return _unreadable(id_, f"'{kind}' has no field '{field[:_SHOWN]}'{hint}")
     return _unreadable(id_, f"'{kind}': {why}")
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from tool0.description.transform import Pose, Transform
-from tool0.errors import ControlError, nearest_name
+from tool0.errors import ControlError, did_you_mean
 from tool0.interfaces.socket.params import Params
 from tool0.interfaces.socket.served_robot import ServedArm, ServedGoal, ServedRobot
 from tool0.interfaces.socket.wire import Json
@@ -48,7 +48,7 @@ def _arm(robot: ServedRobot, params: Params) -> ServedArm:
     if name is None:
         return robot.arm
     if name not in robot.arms:
-        raise ControlError(f"no arm '{name}'{nearest_name(name, set(robot.arms))}")
+        raise ControlError(f"no arm '{name}'{did_you_mean(name, set(robot.arms))}")
     return robot.arms[name]
 
 

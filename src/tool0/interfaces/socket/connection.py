@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable
 from typing import final
 
-from tool0.errors import Tool0Error, TransportError, nearest_name
+from tool0.errors import Tool0Error, TransportError, did_you_mean
 from tool0.interfaces.socket.methods import CALLS, GOALS
 from tool0.interfaces.socket.params import Params
 from tool0.interfaces.socket.served_robot import ServedGoal, ServedRobot
@@ -128,7 +128,7 @@ class Connection:
                 goal.cancel()
             return {"status": goal.status.value}
         valid = {*CALLS, *GOALS, "hello", "goal.wait", "goal.status", "goal.cancel"}
-        raise TransportError(f"unknown method '{method}'{nearest_name(method, valid)}")
+        raise TransportError(f"unknown method '{method}'{did_you_mean(method, valid)}")
 
     def _hello(self, params: Params) -> Json:
         protocol = params.count("protocol", default=0)

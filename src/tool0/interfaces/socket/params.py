@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, NoReturn, final
 
 from tool0.description.transform import Vector3
-from tool0.errors import TransportError, nearest_name
+from tool0.errors import TransportError, did_you_mean
 
 
 @final
@@ -92,7 +92,7 @@ class Params:
         """Raise TransportError if the peer sent a key that nothing reads."""
         for key in self._raw:
             if key not in self._known:
-                hint = nearest_name(key, self._known)
+                hint = did_you_mean(key, self._known)
                 raise TransportError(f"{self._method}: unknown parameter '{key}'{hint}")
 
     def _take(self, key: str, *default: object) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
-from tool0.errors import TransportError, nearest_name
+from tool0.errors import TransportError, did_you_mean
 from tool0.interfaces.socket.params import Params
 from tool0.interfaces.socket.wire import Json
 
@@ -46,6 +46,6 @@ def shape_from_params(params: Params) -> Geometry:
             scale = params.vector("scale", (1.0, 1.0, 1.0))
             return Mesh(uri=file, path=Path(file), scale=scale)
     raise TransportError(
-        f"no kind of shape '{kind}'{nearest_name(kind, list(_KINDS))}; "
+        f"no kind of shape '{kind}'{did_you_mean(kind, list(_KINDS))}; "
         f"use {', '.join(_KINDS)}"
     )

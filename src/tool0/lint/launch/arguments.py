@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, final
 from xml.dom.minidom import Element
 
-from tool0.errors import SourceLocation, nearest_name
+from tool0.errors import SourceLocation, did_you_mean
 from tool0.lint.launch.model import Argument
 from tool0.lint.launch.scope import Scope
 from tool0.lint.launch.text import Activity, Text
@@ -161,7 +161,7 @@ class Arguments:
                     "unused-argument",
                     name,
                     "is given on the command line, and the file declares no such "
-                    "argument" + nearest_name(name, declared),
+                    "argument" + did_you_mean(name, declared),
                     severity="warning",
                 )
 

@@ -5,14 +5,13 @@ From https://wiki.ros.org/roslaunch/XML; ``if`` and ``unless`` may stand on ever
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable
 from typing import Final
 from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding, Severity
 from tool0.description.xml_source import children
-from tool0.errors import SourceLocation, nearest_name
+from tool0.errors import SourceLocation, did_you_mean, nearest_name
 
 _NODE: Final = (
     "pkg type name args machine output respawn respawn_delay required ns clear_params"
@@ -71,7 +70,7 @@ def check(
     for name, _ in element.attributes.items():
         if name in known or name.startswith("xmlns"):
             continue
-        is_near = bool(difflib.get_close_matches(name, known, n=1))
+        is_near = nearest_name(name, known) is not None
         obsolete = _OBSOLETE.get((tag, name))
         report(
             _finding(
@@ -80,7 +79,7 @@ def check(
                 name,
                 obsolete
                 or f"is no attribute of <{tag}>, and roslaunch ignores it"
-                + nearest_name(name, set(known)),
+                + did_you_mean(name, known),
                 severity="error" if is_near or obsolete else "warning",
                 remedy=f"remove {name}, or write the attribute that was meant",
             )
@@ -106,7 +105,7 @@ def _stranger(
     child: Element, tag: str, allowed: frozenset[str], around: SourceLocation
 ) -> Finding:
     name = child.tagName
-    hint = nearest_name(name, set(allowed)) if allowed else ""
+    hint = did_you_mean(name, allowed) if allowed else ""
     return _finding(
         getattr(child, "location", None) or around,
         "unknown-element",

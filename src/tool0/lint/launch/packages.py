@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -14,7 +13,7 @@ from tool0.description.packages import (
     find_package,
     package_name,
 )
-from tool0.errors import DescriptionError
+from tool0.errors import DescriptionError, nearest_name
 
 _STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
 """Found without ROS, too: tool0 does itself what this program is asked for."""
@@ -49,8 +48,7 @@ class Packages:
 
     def nearest(self, name: str) -> str | None:
         """Return the package given, or brought by tool0, that may have been meant."""
-        near = difflib.get_close_matches(name, self._known, n=1, cutoff=0.85)
-        return near[0] if near else None
+        return nearest_name(name, self._known, cutoff=0.85)
 
     def find(self, name: str) -> Path:
         """Return the folder of a package.

@@ -13,7 +13,7 @@ from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding
 from tool0.description.xml_source import children
-from tool0.errors import SourceLocation, nearest_name
+from tool0.errors import SourceLocation, did_you_mean
 from tool0.lint.launch import grammar, names, node_elements
 from tool0.lint.launch.arguments import Arguments, Given
 from tool0.lint.launch.attributes import namespace_of
@@ -277,6 +277,6 @@ def _check_passed(target: Target, launch: LaunchFile, scope: Scope) -> None:
             "unused-argument",
             passed.name,
             f"is no argument of {launch.file.name}, and roslaunch stops here"
-            + nearest_name(passed.name, declared),
+            + did_you_mean(passed.name, declared),
             f"remove it, or declare it in {names.canonical(str(launch.file))}",
         )

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final, final
 
 from tool0.description.finding import Severity
-from tool0.errors import DescriptionError, SourceLocation, nearest_name
+from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 from tool0.lint.launch.evaluation import (
     EvaluationError,
     Function,
@@ -147,7 +147,7 @@ class _Substitution:
                 else "takes one name"
             )
             self._problem("bad-substitution", whole, message, "")
-        valid = nearest_name(command, list(COMMANDS))
+        valid = did_you_mean(command, list(COMMANDS))
         self._problem(
             "bad-substitution", whole, f"nothing reads '{command}'{valid}", ""
         )
@@ -173,7 +173,7 @@ class _Substitution:
                 "missing-argument",
                 name,
                 "is used here, and no <arg> before it declares it"
-                + nearest_name(name, set(self.around.declared)),
+                + did_you_mean(name, set(self.around.declared)),
                 f'write <arg name="{name}" default="…"/> above',
             )
         raise _UnresolvedError(f"argument '{name}' has no value")

@@ -9,8 +9,8 @@ from typing import final
 
 from tool0.description.finding import Finding
 from tool0.description.yaml_tree import Entry
+from tool0.errors import nearest_name
 from tool0.lint.robot.facts import RobotFacts
-from tool0.lint.robot.names import nearest
 
 _ENOUGH = 0.6
 """Share of a list's joints that the usual robot must have to be taken for it."""
@@ -49,7 +49,9 @@ class JointNames:
         for name, entry in entries:
             if name in known:
                 continue
-            near = nearest(name, known.difference(names)) or nearest(name, known)
+            near = nearest_name(name, known.difference(names)) or nearest_name(
+                name, known
+            )
             yield Finding(
                 location=entry.location,
                 rule="unknown-joint",

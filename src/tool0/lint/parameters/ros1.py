@@ -14,10 +14,9 @@ from tool0.control.parameters import INTERFACE_OF_PACKAGE, Robot
 from tool0.description.finding import Finding
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_tree import Entry
-from tool0.errors import ConfigError
+from tool0.errors import ConfigError, nearest_name
 from tool0.lint.parameters.names import JointNames
 from tool0.lint.robot.facts import RobotFacts
-from tool0.lint.robot.names import nearest
 
 OTHER_TYPES: Final = (
     "ackermann_steering_controller/AckermannSteeringController",
@@ -166,7 +165,7 @@ class _Controller:
             message = f"'{written}' is a controller of ROS 2, in a file for ROS 1"
             remedy = "write effort_controllers/… or position_controllers/…"
         else:
-            near = nearest(written, known, _TYPO)
+            near = nearest_name(written, known, _TYPO)
             package = written.partition("/")[0]
             of_package = [name for name in known if name.startswith(f"{package}/")]
             if near is not None:

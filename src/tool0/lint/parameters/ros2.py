@@ -9,6 +9,7 @@ from tool0.control.controller_types import TYPES as TYPES_OF_ROS1
 from tool0.control.lint_controller import complaint
 from tool0.description.finding import Finding, Severity
 from tool0.description.yaml_tree import Entry
+from tool0.errors import nearest_name
 from tool0.lint.parameters.names import JointNames
 from tool0.lint.parameters.ros2_tables import (
     COMMON,
@@ -18,7 +19,6 @@ from tool0.lint.parameters.ros2_tables import (
     TYPES,
 )
 from tool0.lint.robot.facts import RobotFacts
-from tool0.lint.robot.names import nearest
 
 PARAMETERS = "ros__parameters"
 _MANAGER = "controller_manager"
@@ -50,7 +50,7 @@ def controller_findings(root: Entry, robot: RobotFacts | None) -> Iterator[Findi
         if "type" in (entry.children or {}):
             declared[name] = (entry.children or {})["type"]
         elif name not in MANAGER and entry.children is None:
-            near = nearest(name, MANAGER, _TYPO)
+            near = nearest_name(name, MANAGER, _TYPO)
             if near is not None:
                 yield _unread(entry, "the controller manager", near)
     for name, entry in nodes.items():
@@ -105,7 +105,7 @@ def _misnamed(
     """Yield parameters whose controller is declared under a similar name."""
     without = [name for name in declared if name not in nodes]
     for name, entry in nodes.items():
-        near = nearest(name, without, _TYPO)
+        near = nearest_name(name, without, _TYPO)
         if name not in declared and near is not None:
             yield Finding(
                 location=entry.location,
@@ -163,7 +163,7 @@ class _Controller:
     def _unknown_type(self) -> Iterator[Finding]:
         if self._type in OTHER_TYPES:
             return
-        near = nearest(self._type, (*TYPES, *OTHER_TYPES), _TYPO)
+        near = nearest_name(self._type, (*TYPES, *OTHER_TYPES), _TYPO)
         if self._type in TYPES_OF_ROS1 and self._type not in TYPES:
             kind = self._type.partition("/")[2]
             same = [name for name in TYPES if name.endswith(f"/{kind}")]
@@ -250,7 +250,7 @@ class _Controller:
             if candidate.count("/") >= len(path) - 1
             and candidate.split("/")[: len(path) - 1] == pattern.split("/")[:-1]
         }
-        near = nearest(path[-1], siblings, _TYPO)
+        near = nearest_name(path[-1], siblings, _TYPO)
         severity: Severity = "error"
         kind = self._type.partition("/")[2]
         if near is not None:

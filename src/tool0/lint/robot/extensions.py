@@ -7,10 +7,11 @@ from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding
 from tool0.description.xml_source import children
+from tool0.errors import nearest_name
 from tool0.lint.robot.bodies import bodies
 from tool0.lint.robot.elements import attribute, place
 from tool0.lint.robot.facts import RobotFacts
-from tool0.lint.robot.names import nearest, short
+from tool0.lint.robot.names import short
 
 
 def extension_findings(root: Element, facts: RobotFacts) -> Iterator[Finding]:
@@ -19,7 +20,7 @@ def extension_findings(root: Element, facts: RobotFacts) -> Iterator[Finding]:
     for element in children(root, "gazebo"):
         name = attribute(element, "reference")
         if name and name not in known:
-            close = nearest(name, known)
+            close = nearest_name(name, known)
             yield Finding(
                 location=place(element),
                 rule="unknown-reference",
@@ -45,7 +46,7 @@ def _gearboxes(facts: RobotFacts) -> Iterator[Finding]:
                 reason = f"Gazebo has merged into '{short(merged)}'"
                 remedy = f"write <{role}>{merged}</{role}>"
             else:
-                close = nearest(name, facts.links)
+                close = nearest_name(name, facts.links)
                 reason = "the robot lacks"
                 remedy = (
                     f"write <{role}>{close}</{role}>"

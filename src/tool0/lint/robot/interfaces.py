@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from dataclasses import dataclass
 from typing import final
 
 from tool0.description.model import Interface
-from tool0.errors import SourceLocation
+from tool0.errors import SourceLocation, nearest_name
 
 _PACKAGE = "hardware_interface/"
 _NAMES = {item.value.removeprefix(_PACKAGE): item.value for item in Interface}
@@ -54,8 +53,5 @@ def meant_interface(text: str) -> str | None:
     for known in _KNOWN:
         if known == bare or known.removeprefix(_PACKAGE) == name:
             return known
-    close = difflib.get_close_matches(name, _NAMES, n=1, cutoff=0.8)
-    if close:
-        return _NAMES[close[0]]
-    close = difflib.get_close_matches(bare, _NAMES.values(), n=1, cutoff=0.8)
-    return close[0] if close else None
+    close = nearest_name(name, _NAMES, cutoff=0.8)
+    return _NAMES[close] if close else nearest_name(bare, _NAMES.values(), cutoff=0.8)

@@ -7,9 +7,10 @@ from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding
 from tool0.description.xml_source import children
+from tool0.errors import nearest_name
 from tool0.lint.robot.elements import attribute, child, number, place, vector
 from tool0.lint.robot.facts import MOVABLE, RobotFacts
-from tool0.lint.robot.names import nearest, short
+from tool0.lint.robot.names import short
 
 _TYPES = (*MOVABLE, "fixed")
 _LIMITED = ("revolute", "prismatic")
@@ -33,7 +34,7 @@ def joint_findings(root: Element, facts: RobotFacts) -> Iterator[Finding]:
 
 def _type(joint: Element, name: str, kind: str) -> Iterator[Finding]:
     if kind not in _TYPES:
-        close = nearest(kind, _TYPES)
+        close = nearest_name(kind, _TYPES)
         yield Finding(
             location=place(joint),
             rule="unknown-joint-type",

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tool0.description.finding import Finding
+from tool0.errors import nearest_name
 from tool0.lint.robot.bodies import bodies
 from tool0.lint.robot.facts import JointFacts, RobotFacts
-from tool0.lint.robot.names import nearest, short
+from tool0.lint.robot.names import short
 
 
 def mimic_findings(facts: RobotFacts, spawned: bool) -> Iterator[Finding]:
@@ -26,7 +27,7 @@ def _leader(joint: JointFacts, facts: RobotFacts) -> Iterator[Finding]:
     of = joint.mimic_of or ""
     leader = facts.joints.get(of)
     if leader is None:
-        close = nearest(of, facts.joints)
+        close = nearest_name(of, facts.joints)
         yield Finding(
             location=joint.location,
             rule="unknown-joint",

@@ -10,8 +10,8 @@ from typing import final
 
 from tool0.description.finding import Finding
 from tool0.description.packages import find_package
-from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.robot.names import nearest, short
+from tool0.errors import DescriptionError, SourceLocation, nearest_name
+from tool0.lint.robot.names import short
 
 _NAME = re.compile(r"[A-Za-z][\w-]{0,99}")
 _MOST_FILES = 500
@@ -45,7 +45,7 @@ class Packages:
 
     def unknown(self, name: str, user: str, location: SourceLocation) -> Finding:
         """Return that ``user`` needs a package that is nowhere to be seen."""
-        close = nearest(name, self._known, cutoff=0.85)
+        close = nearest_name(name, self._known, cutoff=0.85)
         is_name = _NAME.fullmatch(name) is not None
         return Finding(
             location=location,
@@ -77,4 +77,4 @@ def nearest_file(path: Path) -> str | None:
     except (OSError, ValueError):
         return None
     same = [name for name in names if name.lower() == path.name.lower()]
-    return same[0] if same else nearest(path.name, names, cutoff=0.7)
+    return same[0] if same else nearest_name(path.name, names, cutoff=0.7)

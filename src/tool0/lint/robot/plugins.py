@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tool0.description.finding import Finding
+from tool0.errors import nearest_name
 from tool0.lint.robot.facts import PluginFacts, RobotFacts
-from tool0.lint.robot.names import nearest, quoted, short
+from tool0.lint.robot.names import quoted, short
 
 LIBRARY = "libgazebo_ros_control.so"
 _FILES = (LIBRARY, LIBRARY.removeprefix("lib"), LIBRARY.removesuffix(".so"))
@@ -108,7 +109,7 @@ def _file(plugin: PluginFacts) -> Iterator[Finding]:
         )
     elif plugin.is_control_of_ros2 or plugin.filename.rpartition("/")[2] in _FILES:
         return
-    elif plugin.is_control or nearest(plugin.filename, (LIBRARY,), cutoff=0.9):
+    elif plugin.is_control or nearest_name(plugin.filename, (LIBRARY,), cutoff=0.9):
         yield _misspelt(plugin)
 
 
@@ -129,7 +130,7 @@ def _parameters(plugin: PluginFacts, known: tuple[str, ...]) -> Iterator[Finding
     for name, _, location in plugin.parameters:
         if name in known:
             continue
-        close = nearest(name, known)
+        close = nearest_name(name, known)
         yield Finding(
             location=location,
             rule="unread-parameter",
@@ -149,7 +150,7 @@ def _joints(plugin: PluginFacts, facts: RobotFacts) -> Iterator[Finding]:
         name = plugin.parameter(role)
         if name and name in facts.joints:
             continue
-        close = nearest(name or "", facts.joints)
+        close = nearest_name(name or "", facts.joints)
         yield Finding(
             location=places.get(role, plugin.location),
             rule="unknown-joint",

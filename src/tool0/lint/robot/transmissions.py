@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from tool0.description.finding import Finding
 from tool0.description.model import Interface
-from tool0.errors import SourceLocation
+from tool0.errors import SourceLocation, nearest_name
 from tool0.lint.robot.facts import RobotFacts, TransmissionFacts
 from tool0.lint.robot.interfaces import InterfaceFacts
-from tool0.lint.robot.names import nearest, quoted, short
+from tool0.lint.robot.names import quoted, short
 
 SIMPLE = "transmission_interface/SimpleTransmission"
 _OTHERS = (
@@ -66,7 +66,7 @@ def _type(transmission: TransmissionFacts) -> Iterator[Finding]:
         return
     known = {name.rpartition("/")[2]: name for name in (SIMPLE, *_OTHERS)}
     # HalfDifferentialTransmission, a robot's own, is 0.92 like the nearest of these.
-    close = nearest(transmission.type.rpartition("/")[2], known, cutoff=0.93)
+    close = nearest_name(transmission.type.rpartition("/")[2], known, cutoff=0.93)
     is_typo = close is not None and transmission.type not in _OTHERS
     yield Finding(
         location=transmission.location,
@@ -152,7 +152,7 @@ def _joints(
 
 def _unknown(transmission: TransmissionFacts, name: str, facts: RobotFacts) -> Finding:
     movable = [joint.name for joint in facts.joints.values() if joint.is_movable]
-    close = nearest(name, movable)
+    close = nearest_name(name, movable)
     return Finding(
         location=transmission.location,
         rule="unknown-joint",

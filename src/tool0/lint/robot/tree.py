@@ -7,10 +7,10 @@ from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding
 from tool0.description.xml_source import children
-from tool0.errors import SourceLocation
+from tool0.errors import SourceLocation, nearest_name
 from tool0.lint.robot.elements import attribute, place
 from tool0.lint.robot.facts import JointFacts, RobotFacts
-from tool0.lint.robot.names import nearest, quoted, short
+from tool0.lint.robot.names import quoted, short
 
 _REFUSED = "so ROS refuses the whole robot_description"
 
@@ -81,7 +81,7 @@ def _unknown_links(facts: RobotFacts) -> Iterator[Finding]:
                     remedy=f'write <{role} link="…"/> in it',
                 )
             elif name not in facts.links:
-                close = nearest(name, facts.links)
+                close = nearest_name(name, facts.links)
                 yield Finding(
                     location=joint.location,
                     rule="unknown-link",
