@@ -267,7 +267,7 @@ def _commanded(simulation: Simulation, chain: ArmChain) -> Mapping[str, float]:
     try:
         name = _controller(simulation, chain)
         state = simulation.loop.call(
-            lambda: core.trajectory_controller(name).state(), publishes=False
+            lambda: core.trajectory_controller(name).setpoint().state(), publishes=False
         )
     except ControlError:
         return measured
@@ -281,7 +281,7 @@ def _at_rest(simulation: Simulation, name: str) -> Mapping[str, float]:
 
     def read() -> Any:
         controller = core.trajectory_controller(name)
-        state = controller.state()
+        state = controller.setpoint().state()
         return state, controller.query_state(state.time + _AFTER_ANY_MOTION)
 
     state, end = simulation.loop.call(read, publishes=False)
