@@ -12,7 +12,6 @@ from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
 from tool0.lint.absence import absence_judged
 from tool0.lint.bounded import OutOfBoundsError, bounded
-from tool0.lint.document import document_findings
 from tool0.lint.launch.packages import Packages, packages_around
 from tool0.lint.launch_file import ReadLaunch
 from tool0.lint.package_file import package_findings
@@ -25,7 +24,6 @@ from tool0.lint.robot_file import (
     read_xacro_source,
 )
 from tool0.lint.sources import Kind, Source, collect, read_text
-from tool0.lint.upstream import edit_findings, known_findings
 
 R = TypeVar("R")
 P = ParamSpec("P")
@@ -91,8 +89,6 @@ class _Check:
             self._urdf_files,
             self._yaml_files,
             self._package_files,
-            self._documents,
-            self._edits,
         ):
             look()
         judged = [absence_judged(finding) for finding in self._findings]
@@ -212,22 +208,6 @@ class _Check:
             )
             self._findings += found or ()
 
-    def _documents(self) -> None:
-        for source in self._sources.of(Kind.DOCUMENT):
-            found = self._try(source, _listed, document_findings, source.path)
-            self._findings += found or ()
-
-    def _edits(self) -> None:
-        kinds = (Kind.XACRO, Kind.LAUNCH, Kind.URDF, Kind.PARAMETERS)
-        for source in self._sources.of(*kinds):
-            self._findings += self._try(source, self._edits_of, source.path) or ()
-
-    def _edits_of(self, file: Path) -> list[Finding]:
-        text = file.read_text(encoding="utf-8", errors="replace")
-        package = self._places.package_of(file.absolute())
-        known = known_findings(text, SourceLocation(file, 1), self._is_here)
-        return [*edit_findings(file, text, package), *known]
-
     # --- parts ---
 
     def _read_robot(
@@ -273,13 +253,6 @@ class _Check:
             )
         )
         return None
-
-    def _is_here(self, package: str) -> bool:
-        try:
-            self._places.find(package)
-        except Tool0Error:
-            return False
-        return True
 
 
 def _listed(work: Callable[P, Iterable[R]], *args: P.args, **kw: P.kwargs) -> list[R]:

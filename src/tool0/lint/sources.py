@@ -12,7 +12,6 @@ from typing import final
 
 from tool0.description.packages import package_name
 from tool0.errors import ConfigError, SourceLocation
-from tool0.lint.xml_comments import without_comments
 
 LARGEST = 5_000_000
 """[bytes] of a file that is read; descriptions are a hundredth of it."""
@@ -29,7 +28,6 @@ class Kind(Enum):
     LAUNCH = "launch file"
     PARAMETERS = "YAML"
     PACKAGE = "package.xml"
-    DOCUMENT = "text"
 
 
 @final
@@ -103,12 +101,12 @@ def _add(sources: Sources, file: Path, was_named: bool) -> None:
             kind, why = kind_of(file), "is of no kind that is understood"
     except OSError as error:
         kind, why = None, f"cannot be read: {error.strerror}"
-    if kind is not None and (was_named or kind is not Kind.DOCUMENT):
+    if kind is not None:
         sources.files.append(Source(file, kind, was_named))
     elif was_named:
         raise ConfigError(
             f"'{file}' {why}; tool0 check reads URDF, xacro, launch files, ros_control "
-            "YAML, package.xml, texts that show them (.md, .txt), and folders of these"
+            "YAML, package.xml, and folders of these"
         )
     elif "cannot" in why or "larger" in why:
         sources.skipped.append((file, why))
@@ -138,8 +136,6 @@ def kind_of(file: Path) -> Kind | None:
         return Kind.PACKAGE
     if suffix in (".yaml", ".yml"):
         return Kind.PARAMETERS
-    if suffix in (".md", ".txt", ".rst"):
-        return None if name == "CMakeLists.txt" else Kind.DOCUMENT
     if suffix == ".xacro":
         return Kind.XACRO
     if suffix in (".launch", ".test"):
@@ -147,10 +143,15 @@ def kind_of(file: Path) -> Kind | None:
     if suffix not in (".xml", ".urdf"):
         return None
     text = file.read_text(encoding="utf-8", errors="replace")
-    match = _ROOT.search(without_comments(text))
+    match = _ROOT.search(_without_comments(text))
     root = match[1] if match else ""
     if root == "launch":
         return Kind.LAUNCH
     if root == "robot" or suffix == ".urdf":
         return Kind.XACRO if "xmlns:xacro" in text else Kind.URDF
     return None
+
+
+def _without_comments(xml: str) -> str:
+    before, *rest = xml.split("<!--")
+    return before + "".join(part.partition("-->")[2] for part in rest)

@@ -16,7 +16,7 @@ from tool0.lint.sources import Kind, collect, kind_of
         ("package.xml", "<package/>", Kind.PACKAGE),
         ("a.yaml", "", Kind.PARAMETERS),
         ("a.yml", "", Kind.PARAMETERS),
-        ("README.md", "", Kind.DOCUMENT),
+        ("README.md", "", None),
         ("CMakeLists.txt", "", None),
         ("a.urdf.xacro", "", Kind.XACRO),
         ("a.launch", "", Kind.LAUNCH),
