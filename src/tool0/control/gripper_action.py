@@ -12,7 +12,7 @@ from tool0.control.goal_check import check_position
 from tool0.control.intent import PositionIntent
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Robot,
+    RobotJoints,
     read_gains,
     single_joint,
 )
@@ -229,7 +229,7 @@ class GripperActionController:
         )
 
 
-def parse(parameters: Namespace, robot: Robot) -> GripperActionSpec:
+def parse(parameters: Namespace, robot: RobotJoints) -> GripperActionSpec:
     """Return the checked parameters of a GripperActionController."""
     type_name = parameters.text("type")
     interface = INTERFACE_OF_PACKAGE[type_name.partition("/")[0]]

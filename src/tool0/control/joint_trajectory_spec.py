@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, final
 
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Robot,
+    RobotJoints,
     controlled_joints,
     read_gains,
 )
@@ -69,7 +69,7 @@ class JointTrajectorySpec:
         return JointTrajectoryController(self, indices, state)
 
 
-def parse(parameters: Namespace, robot: Robot) -> JointTrajectorySpec:
+def parse(parameters: Namespace, robot: RobotJoints) -> JointTrajectorySpec:
     """Return the checked parameters of a JointTrajectoryController."""
     type_name = parameters.text("type")
     interface = INTERFACE_OF_PACKAGE[type_name.partition("/")[0]]

@@ -11,7 +11,7 @@ from tool0.control.config import ControllerConfig
 from tool0.control.controller import Controller, ControllerSpec
 from tool0.control.hardware_port import HardwarePort
 from tool0.control.intent import Intent
-from tool0.control.parameters import Robot
+from tool0.control.parameters import RobotJoints
 from tool0.description.model import Joint
 from tool0.errors import ClaimError, ControlError, GoalRejectedError, did_you_mean
 from tool0.hardware.joint_state import JointState
@@ -79,7 +79,7 @@ class ControllerManager:
         """
         self._hardware = hardware
         self._config = config
-        self._robot = Robot(joints, hardware.interfaces)
+        self._robot = RobotJoints(joints, hardware.interfaces)
         self._loaded: dict[str, _Loaded] = {}
         self._updates: list[tuple[Controller, slice | None, tuple[int, ...]]] = []
         self._running: list[tuple[str, Controller]] = []

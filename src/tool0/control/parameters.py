@@ -22,8 +22,8 @@ INTERFACE_OF_PACKAGE = {
 
 @final
 @dataclass(frozen=True, slots=True)
-class Robot:
-    """What a controller's parameters are checked against."""
+class RobotJoints:
+    """The joints that a controller's parameters may name."""
 
     joints: Mapping[str, Joint]
     interfaces: Mapping[str, Interface]
@@ -31,7 +31,7 @@ class Robot:
 
 
 def controlled_joint(
-    robot: Robot, name: str, interface: Interface | None, entry: Entry
+    robot: RobotJoints, name: str, interface: Interface | None, entry: Entry
 ) -> Joint:
     """Return the joint called ``name``, if a controller may command it.
 
@@ -46,7 +46,7 @@ def controlled_joint(
     if joint is None:
         raise ConfigError(
             f"Could not find joint '{name}' in {wanted}: the robot has no such joint"
-            + did_you_mean(name, list(robot.interfaces)),
+            + did_you_mean(name, robot.interfaces),
             entry.location,
         )
     has = robot.interfaces.get(name)
@@ -67,12 +67,12 @@ def controlled_joint(
 
 
 def controlled_joints(
-    robot: Robot, parameters: Namespace, interface: Interface
+    robot: RobotJoints, parameters: Namespace, interface: Interface
 ) -> tuple[Joint, ...]:
     """Return the joints of the list ``joints``, each of them named once."""
     names = parameters.texts("joints")
     entry = parameters.find("joints")
-    items = (entry.items if entry is not None else None) or []
+    items = [] if entry is None else entry.items
     for name, item in zip(names, items, strict=True):
         if names.count(name) > 1:
             raise ConfigError(f"'{item.key}' names joint '{name}' twice", item.location)
@@ -82,7 +82,9 @@ def controlled_joints(
     )
 
 
-def single_joint(robot: Robot, parameters: Namespace, interface: Interface) -> Joint:
+def single_joint(
+    robot: RobotJoints, parameters: Namespace, interface: Interface
+) -> Joint:
     """Return the joint that ``joint`` names."""
     name = parameters.text("joint")
     entry = parameters.find("joint") or parameters.entry
@@ -100,8 +102,7 @@ def read_gains(parameters: Namespace, path: str, why: str) -> Gains:
     gains = parameters.namespace(path)
     if gains is None:
         outer = parameters.find(path.rpartition("/")[0]) or parameters.entry
-        present = list(outer.children or ())
-        near = nearest_name(path.rpartition("/")[2], present)
+        near = nearest_name(path.rpartition("/")[2], outer.children)
         hint = f"; did you mean '{near}'?" if near else ""
         raise ConfigError(
             f"No p gain specified for pid: '{parameters.entry.key}' lacks "
@@ -113,6 +114,7 @@ def read_gains(parameters: Namespace, path: str, why: str) -> Gains:
             f"No p gain specified for pid: '{gains.entry.key}' lacks 'p', which {why}",
             gains.location,
         )
+    gains.accept("publish_state")
     clamp = abs(gains.number("i_clamp", 0.0))
     return Gains(
         p=gains.number("p"),

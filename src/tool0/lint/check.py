@@ -15,7 +15,7 @@ from tool0.lint.bounded import OutOfBoundsError, bounded
 from tool0.lint.launch.packages import Packages, packages_around
 from tool0.lint.launch_file import ReadLaunch
 from tool0.lint.package_file import package_findings
-from tool0.lint.parameters.file import YamlText, yaml_findings
+from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.robot.facts import RobotFacts
 from tool0.lint.robot_file import (
     ReadRobot,

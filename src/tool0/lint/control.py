@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import final
 
 from tool0.control.config import ControllerConfig
-from tool0.control.parameter_tables import parameters_of
+from tool0.control.controller_types import TYPES, parameters_of
 from tool0.description.finding import Finding
 from tool0.errors import SourceLocation, nearest_name
 from tool0.lint.launch.model import LaunchFile, Node
@@ -101,20 +101,18 @@ def _fights(started: Sequence[Request], config: ControllerConfig) -> Iterator[Fi
 
 
 def _claimed(name: str, config: ControllerConfig) -> Iterator[str]:
-    entry = (config.tree.root.children or {}).get(name)
-    keys: Mapping[str, object] = (entry and entry.children) or {}
+    """Yield the joints that a controller commands."""
+    entry = config.tree.root.children.get(name)
     if entry is None or _only_reads(config.types.get(name, "")):
         return
-    children = entry.children or {}
-    if "joint" in children:
-        yield str(children["joint"].scalar)
-    for item in (children["joints"].items if "joints" in keys else None) or ():
-        yield str(item.scalar)
+    if "joint" in entry.children:
+        yield str(entry.children["joint"].scalar)
+    if "joints" in entry.children:
+        yield from (str(item.scalar) for item in entry.children["joints"].items)
 
 
 def _only_reads(type_name: str) -> bool:
     """Return whether a controller only publishes."""
-    try:
+    if type_name in TYPES:
         return "publish_rate" in parameters_of(type_name)
-    except KeyError:
-        return "state" in type_name.lower() or "sensor" in type_name.lower()
+    return "state" in type_name.lower() or "sensor" in type_name.lower()

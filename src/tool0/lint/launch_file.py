@@ -16,7 +16,7 @@ from tool0.lint.launch.comments import commented_elements
 from tool0.lint.launch.model import LaunchFile
 from tool0.lint.launch.packages import Packages
 from tool0.lint.launch.reader import read_launch
-from tool0.lint.parameters.file import YamlText, yaml_findings
+from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.robot.facts import RobotFacts
 
 

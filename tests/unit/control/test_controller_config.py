@@ -8,13 +8,13 @@ from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES, parser_of
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_trajectory_spec import JointTrajectorySpec
-from tool0.control.parameters import Robot
+from tool0.control.parameters import RobotJoints
 from tool0.control.pid import Gains
 from tool0.description.model import Interface, Joint, JointLimits, JointType
 from tool0.errors import ConfigError, SourceLocation
 
 DATA = Path(__file__).parents[2] / "data" / "controllers"
-TOY = Robot(JOINTS, dict.fromkeys(("hip", "slide", "wheel"), Interface.EFFORT))
+TOY = RobotJoints(JOINTS, dict.fromkeys(("hip", "slide", "wheel"), Interface.EFFORT))
 ARM_JOINTS = (
     "shoulder_pan_joint",
     "shoulder_lift_joint",
@@ -23,7 +23,7 @@ ARM_JOINTS = (
     "wrist_2_joint",
     "wrist_3_joint",
 )
-REAL = Robot(
+REAL = RobotJoints(
     {
         name: Joint(name=name, type=JointType.REVOLUTE, parent="x", child=name)
         for name in (*ARM_JOINTS, "finger_joint")

@@ -5,9 +5,8 @@ import pytest
 from toy_robot import ARM, JOINTS
 
 from tool0.control.config import ControllerConfig
-from tool0.control.controller_types import TYPES
+from tool0.control.controller_types import TYPES, parameters_of
 from tool0.control.lint import lint
-from tool0.control.parameter_tables import parameters_of
 from tool0.description.model import Joint, JointType, RobotModel
 
 DATA = Path(__file__).parents[2] / "data" / "controllers"

@@ -6,16 +6,14 @@ from collections.abc import Iterator
 from typing import Final, final
 
 from tool0.control.config import ControllerConfig
-from tool0.control.controller_types import TYPES
+from tool0.control.controller_types import TYPES, parameters_of
 from tool0.control.lint import OF_TOOL0, lint_joints
-from tool0.control.lint_controller import complaint
-from tool0.control.parameter_tables import parameters_of
-from tool0.control.parameters import INTERFACE_OF_PACKAGE, Robot
+from tool0.control.parameters import INTERFACE_OF_PACKAGE, RobotJoints
 from tool0.description.finding import Finding
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_tree import Entry
 from tool0.errors import ConfigError, nearest_name
-from tool0.lint.parameters.names import JointNames
+from tool0.lint.parameters.joint_names import JointNames
 from tool0.lint.robot.facts import RobotFacts
 
 OTHER_TYPES: Final = (
@@ -66,7 +64,7 @@ def controller_findings(
     ]
     yield from linted
     wrong = {f.key.partition("/")[0] for f in linted if f.severity == "error"}
-    for name, entry in (config.tree.root.children or {}).items():
+    for name, entry in config.tree.root.children.items():
         if name in config.names:
             found = _Controller(config, name, entry, robot, names).findings()
             for finding in found:
@@ -77,9 +75,9 @@ def controller_findings(
                 follows = finding.rule == "controller-fails" and name in wrong
                 if not said and not follows:
                     yield finding
-        elif robot is None and "pid_gains" in (entry.children or {}):
-            gains = (entry.children or {})["pid_gains"]  # the linter knows no joints
-            yield from names.unknown(list((gains.children or {}).items()))
+        elif robot is None and "pid_gains" in entry.children:
+            gains = entry.children["pid_gains"]  # the linter knows no joints
+            yield from names.unknown(list(gains.children.items()))
 
 
 def _is_ours(finding: Finding, config: ControllerConfig) -> bool:
@@ -91,12 +89,11 @@ def _is_ours(finding: Finding, config: ControllerConfig) -> bool:
         return True
     if finding.key in _OF_MOVEIT:
         return False
-    entry = (config.tree.root.children or {})[finding.key]
-    keys = entry.children or {}
+    entry = config.tree.root.children[finding.key]
     return (
         "controller" in finding.key
         or "meant to be" in finding.remedy
-        or len(_LIKE_A_CONTROLLER & keys.keys()) > 1
+        or len(_LIKE_A_CONTROLLER & entry.children.keys()) > 1
     )
 
 
@@ -114,7 +111,7 @@ class _Controller:
     ) -> None:
         self._config, self._name, self._entry = config, name, entry
         self._robot, self._names = robot, names
-        self._keys = entry.children or {}
+        self._keys = entry.children
         self._type_entry = self._keys["type"]
         self._type = str(self._type_entry.scalar)
 
@@ -154,7 +151,7 @@ class _Controller:
         if "joint" in self._keys:
             found.append(self._keys["joint"])
         if "joints" in self._keys:
-            found += self._keys["joints"].items or []
+            found += self._keys["joints"].items
         return [(str(entry.scalar), entry) for entry in found]
 
     def _unknown_type(self) -> Iterator[Finding]:
@@ -177,7 +174,7 @@ class _Controller:
             else:
                 return  # somebody's own
             message = f"there is no controller type '{written}', so it does not load"
-        yield complaint(self._type_entry, "unknown-type", message, remedy)
+        yield self._type_entry.finding("unknown-type", message, remedy)
 
     def _interfaces(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
         """Yield joints that this controller cannot command."""
@@ -191,15 +188,13 @@ class _Controller:
                 continue
             offered = robot.interfaces_of(name)
             if not offered and joint.mimic_of:
-                yield complaint(
-                    entry,
+                yield entry.finding(
                     "no-transmission",
                     f"'{name}' follows '{joint.mimic_of}' and takes no command",
                     f"name '{joint.mimic_of}' instead",
                 )
             elif not offered:
-                yield complaint(
-                    entry,
+                yield entry.finding(
                     "no-transmission",
                     f"'{name}' has no <transmission>, so ros_control cannot find it",
                     "give it one in the robot's description",
@@ -207,8 +202,7 @@ class _Controller:
             elif wanted is not None and not offered[0].written.endswith(wanted.value):
                 is_clear = offered[0].meant is not None
                 if is_clear or offered[0].written:
-                    yield complaint(
-                        entry,
+                    yield entry.finding(
                         "interface-mismatch",
                         f"{self._type} commands {wanted.value}, but the <transmission> "
                         f"of '{name}' ({offered[0].location}) offers "
@@ -227,30 +221,23 @@ class _Controller:
             if pattern not in patterns:
                 continue
             for name, _ in joints:
-                gains = self._at(path.format(name))
-                if gains is not None and "p" in (gains.children or {}):
+                gains = self._entry.find(path.format(name))
+                if gains is not None and "p" in gains.children:
                     continue
-                outer = gains or self._at(path.format(name).rpartition("/")[0])
-                yield complaint(
-                    outer or self._entry,
+                outer = gains or self._entry.find(path.format(name).rpartition("/")[0])
+                yield (outer or self._entry).finding(
                     "missing-gains",
                     f"lacks the gains of '{name}': {self._type} closes the loop itself "
                     "and needs at least p",
                     f"write {self._name}/{path.format(name)}: {{p: …, i: …, d: …}}",
                 )
 
-    def _at(self, path: str) -> Entry | None:
-        entry: Entry | None = self._entry
-        for part in path.split("/") if path else ():
-            entry = None if entry is None else (entry.children or {}).get(part)
-        return entry
-
     def _values(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
         """Yield what else keeps the controller from loading."""
         interface = INTERFACE_OF_PACKAGE.get(
             self._type.partition("/")[0], Interface.EFFORT
         )
-        toy = Robot(
+        toy = RobotJoints(
             {
                 name: Joint(
                     name=name, type=JointType.CONTINUOUS, parent="world", child=name
