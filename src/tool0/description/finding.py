@@ -37,3 +37,26 @@ class Finding:
         """Return ``file:line: key: message; remedy``."""
         said = ": ".join(part for part in (self.key, self.text) if part)
         return f"{self.location}: {said}"
+
+
+def error_at(
+    location: SourceLocation, rule: str, key: str, message: str, remedy: str = ""
+) -> Finding:
+    """Return an error; the arguments are those of ``Finding``."""
+    return Finding(
+        location=location, rule=rule, key=key, message=message, remedy=remedy
+    )
+
+
+def warning_at(
+    location: SourceLocation, rule: str, key: str, message: str, remedy: str = ""
+) -> Finding:
+    """Return a warning; the arguments are those of ``Finding``."""
+    return Finding(
+        location=location,
+        rule=rule,
+        severity="warning",
+        key=key,
+        message=message,
+        remedy=remedy,
+    )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ParamSpec, TypeVar, final
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
 from tool0.lint.absence import absence_judged
@@ -246,10 +246,11 @@ class _Check:
             message = getattr(error, "message", str(error))
             where = getattr(error, "location", None) or where
         self._findings.append(
-            Finding(
-                location=where,
-                rule="unreadable",
-                message=message,
+            error_at(
+                where,
+                "unreadable",
+                "",
+                message,
             )
         )
         return None

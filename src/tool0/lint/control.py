@@ -8,7 +8,7 @@ from typing import final
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES, parameters_of
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.errors import SourceLocation, nearest_name
 from tool0.lint.launch.model import LaunchFile, Node
 
@@ -67,13 +67,13 @@ def request_findings(
             continue
         near = nearest_name(request.name, known)
         where = ", ".join(files) or "and no YAML is loaded"
-        yield Finding(
-            location=request.location,
-            rule="no-controller",
-            key=request.name,
-            message=f"no YAML that is loaded defines the controller '{request.name}' "
+        yield error_at(
+            request.location,
+            "no-controller",
+            request.name,
+            f"no YAML that is loaded defines the controller '{request.name}' "
             f"({where}), so it does not load",
-            remedy=f"did you mean '{near}'?"
+            f"did you mean '{near}'?"
             if near
             else f"defined are: {', '.join(known) or 'none'}",
         )
@@ -90,13 +90,13 @@ def _fights(started: Sequence[Request], config: ControllerConfig) -> Iterator[Fi
             if other.name == request.name or pair in told:
                 continue
             told.add(pair)
-            yield Finding(
-                location=request.location,
-                rule="two-controllers",
-                key=request.name,
-                message=f"'{other.name}' and '{request.name}' are both started, and "
+            yield error_at(
+                request.location,
+                "two-controllers",
+                request.name,
+                f"'{other.name}' and '{request.name}' are both started, and "
                 f"both command '{joint}': the manager refuses the second",
-                remedy=f"start one of them; load the other stopped ({other.location})",
+                f"start one of them; load the other stopped ({other.location})",
             )
 
 

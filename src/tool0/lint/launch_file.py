@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import final
 
 from tool0.control.config import ControllerConfig
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, warning_at
 from tool0.description.yaml_tree import Tree
 from tool0.errors import ConfigError
 from tool0.lint.control import request_findings, requests
@@ -110,12 +110,11 @@ def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Findin
                 continue
             file = element.getAttribute("file")
             if file and Path(file).name not in loaded:
-                yield Finding(
-                    location=location,
-                    rule="commented-out",
-                    severity="warning",
-                    key="rosparam",
-                    message=f"is commented out, and nothing else loads '{file}': what "
+                yield warning_at(
+                    location,
+                    "commented-out",
+                    "rosparam",
+                    f"is commented out, and nothing else loads '{file}': what "
                     "stands in it has no effect",
-                    remedy="load it, or delete the line and the file",
+                    "load it, or delete the line and the file",
                 )

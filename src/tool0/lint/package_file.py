@@ -8,7 +8,7 @@ from pathlib import Path
 from xml.dom.minidom import Element
 
 from tool0.description.attributes import text_of
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.description.xml_source import LocatedElement, children, locate, parse_file
 from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.launch.packages import Packages
@@ -47,29 +47,31 @@ def package_findings(
     try:
         root = parse_file(file).documentElement
     except DescriptionError as error:
-        yield Finding(
-            location=error.location or SourceLocation(file),
-            rule="bad-xml",
-            message=error.message,
+        yield error_at(
+            error.location or SourceLocation(file),
+            "bad-xml",
+            "",
+            error.message,
         )
         return
     if not isinstance(root, LocatedElement) or root.tagName != "package":
-        yield Finding(
-            location=SourceLocation(file, 1),
-            rule="bad-package",
-            message='a package.xml begins with <package format="3">',
+        yield error_at(
+            SourceLocation(file, 1),
+            "bad-package",
+            "",
+            'a package.xml begins with <package format="3">',
         )
         return
     present = {item.tagName for item in children(root)}
     here = root.location or SourceLocation(file)
     for tag in _REQUIRED:
         if tag not in present:
-            yield Finding(
-                location=here,
-                rule="bad-package",
-                key=tag,
-                message=f"<{tag}> is missing, so catkin refuses the package",
-                remedy=f"add <{tag}>",
+            yield error_at(
+                here,
+                "bad-package",
+                tag,
+                f"<{tag}> is missing, so catkin refuses the package",
+                f"add <{tag}>",
             )
     name = next((text_of(item) for item in children(root, "name")), "")
     declared = {

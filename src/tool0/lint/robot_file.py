@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import final
 
 from tool0.description.expansion import expand
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.description.packages import preferring
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import LocatedElement, children, parse_file
@@ -114,6 +114,9 @@ def _resolved(path: Path) -> Path:
 def _as_finding(error: Tool0Error, rule: str, file: Path) -> Finding:
     location: SourceLocation | None = getattr(error, "location", None)
     message: str = getattr(error, "message", str(error))
-    return Finding(
-        location=location or SourceLocation(file), rule=rule, message=message
+    return error_at(
+        location or SourceLocation(file),
+        rule,
+        "",
+        message,
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final, final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.description.xml_source import parse_text
 from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.launch.packages import Packages
@@ -119,11 +119,16 @@ def _root(path: Path) -> Element | Finding:
         if root is not None and root.tagName == "launch":
             return root
         tag = "nothing" if root is None else f"<{root.tagName}>"
-        return Finding(
-            location=where,
-            rule="not-launch",
-            key=path.name,
-            message=f"is no launch file: it holds {tag} where <launch> should be",
-            remedy="put all of it into <launch>…</launch>",
+        return error_at(
+            where,
+            "not-launch",
+            path.name,
+            f"is no launch file: it holds {tag} where <launch> should be",
+            "put all of it into <launch>…</launch>",
         )
-    return Finding(location=where, rule="not-xml", key=path.name, message=message)
+    return error_at(
+        where,
+        "not-xml",
+        path.name,
+        message,
+    )

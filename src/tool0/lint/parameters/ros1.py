@@ -9,7 +9,7 @@ from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES, parameters_of
 from tool0.control.lint import OF_TOOL0, lint_joints
 from tool0.control.parameters import INTERFACE_OF_PACKAGE, RobotJoints
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_tree import Entry
 from tool0.errors import ConfigError, nearest_name
@@ -137,12 +137,12 @@ class _Controller:
         publishes = "publish_rate" in patterns
         for key in ("publish_rate",) if publishes else ("joints", "joint"):
             if key in patterns and key not in self._keys:
-                yield Finding(
-                    location=self._entry.location,
-                    rule="missing-key",
-                    key=f"{self._name}/{key}",
-                    message=f"is missing, and {self._type} does not load without",
-                    remedy=f"write '{key}' under '{self._name}'",
+                yield error_at(
+                    self._entry.location,
+                    "missing-key",
+                    f"{self._name}/{key}",
+                    f"is missing, and {self._type} does not load without",
+                    f"write '{key}' under '{self._name}'",
                 )
 
     def _joints(self) -> list[tuple[str, Entry]]:
@@ -249,9 +249,9 @@ class _Controller:
         try:
             self._config.spec(self._name, toy)
         except ConfigError as error:
-            yield Finding(
-                location=error.location or self._entry.location,
-                rule="controller-fails",
-                key=self._name,
-                message=error.message,
+            yield error_at(
+                error.location or self._entry.location,
+                "controller-fails",
+                self._name,
+                error.message,
             )

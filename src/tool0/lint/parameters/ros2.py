@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import final
 
 from tool0.control.controller_types import TYPES as TYPES_OF_ROS1
-from tool0.description.finding import Finding, Severity
+from tool0.description.finding import Finding, Severity, error_at
 from tool0.description.yaml_tree import Entry
 from tool0.errors import nearest_name
 from tool0.lint.parameters.joint_names import JointNames
@@ -104,13 +104,13 @@ def _misnamed(
     for name, entry in nodes.items():
         near = nearest_name(name, without, _TYPO)
         if name not in declared and near is not None:
-            yield Finding(
-                location=entry.location,
-                rule="no-controller",
-                key=name,
-                message="the controller manager declares no such controller, so these "
+            yield error_at(
+                entry.location,
+                "no-controller",
+                name,
+                "the controller manager declares no such controller, so these "
                 "parameters are read by none",
-                remedy=f"did you mean '{near}'?",
+                f"did you mean '{near}'?",
             )
 
 

@@ -11,7 +11,7 @@ from typing import final
 from tool0.control.config import ControllerConfig, joint_limit_parameters
 from tool0.control.controller_types import TYPES, parameters_of
 from tool0.control.lint import gain_parameters
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.description.yaml_tree import Tree
 from tool0.errors import ConfigError, SourceLocation
 from tool0.lint.parameters import ros1, ros2
@@ -60,11 +60,12 @@ def yaml_findings(
         try:
             Tree().load(meant.text, meant.location)
         except ConfigError as error:
-            yield Finding(
-                location=error.location or text.location,
-                rule="not-yaml",
-                message=error.message,
-                remedy="look at the quotes, colons and indentation around there",
+            yield error_at(
+                error.location or text.location,
+                "not-yaml",
+                "",
+                error.message,
+                "look at the quotes, colons and indentation around there",
             )
             continue
         trees.append(meant)
@@ -93,13 +94,13 @@ def _flat_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
     row, key, inside = found[0]
     others = len(found) - 1
     more = f" ({others} more like it below)" if others else ""
-    yield Finding(
-        location=SourceLocation(first.file, (first.line or 1) + row),
-        rule="flat-yaml",
-        key=key,
-        message=f"is empty, since '{inside}' after it is not indented: its parameters "
+    yield error_at(
+        SourceLocation(first.file, (first.line or 1) + row),
+        "flat-yaml",
+        key,
+        f"is empty, since '{inside}' after it is not indented: its parameters "
         f"are set beside it, where nothing reads them{more}",
-        remedy=f"indent what belongs to '{key}' by two spaces",
+        f"indent what belongs to '{key}' by two spaces",
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, warning_at
 from tool0.description.xml_source import children
 from tool0.lint.robot.elements import attribute, child, length, number, vector
 from tool0.lint.robot.facts import JointFacts, RobotFacts
@@ -92,17 +92,12 @@ def _too_strong(joint: JointFacts, effort: float, load: _Load) -> Finding:
             f" that reaches {load.reach:.2g} m at most, which is "
             f"{effort / load.reach:.0f} N or more at its tip"
         )
-    return Finding(
-        location=joint.limits.location if joint.limits else joint.location,
-        rule="absurd-effort",
-        severity="warning",
-        key=joint.name,
-        message=(
-            f"{message}: its limit stops nothing, so a controller crushes or throws "
-            "what it touches"
-        ),
-        remedy=(
-            f"give the motor's own limit in {unit}; that of a Robotiq 2F-85, whose "
-            "fingers press with 235 N, is about 23 N·m"
-        ),
+    return warning_at(
+        joint.limits.location if joint.limits else joint.location,
+        "absurd-effort",
+        joint.name,
+        f"{message}: its limit stops nothing, so a controller crushes or throws "
+        "what it touches",
+        f"give the motor's own limit in {unit}; that of a Robotiq 2F-85, whose "
+        "fingers press with 235 N, is about 23 N·m",
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.xml_source import children
 from tool0.errors import nearest_name
 from tool0.lint.robot.bodies import bodies
@@ -21,16 +21,13 @@ def extension_findings(root: Element, facts: RobotFacts) -> Iterator[Finding]:
         name = attribute(element, "reference")
         if name and name not in known:
             close = nearest_name(name, known)
-            yield Finding(
-                location=place(element),
-                rule="unknown-reference",
-                severity="warning",
-                key=name,
-                message=(
-                    f'<gazebo reference="{short(name)}"> is about neither a link nor '
-                    "a joint of the robot, so it does nothing"
-                ),
-                remedy=(f'write reference="{close}"' if close else "remove it"),
+            yield warning_at(
+                place(element),
+                "unknown-reference",
+                name,
+                f'<gazebo reference="{short(name)}"> is about neither a link nor '
+                "a joint of the robot, so it does nothing",
+                f'write reference="{close}"' if close else "remove it",
             )
     yield from _gearboxes(facts)
 
@@ -53,14 +50,12 @@ def _gearboxes(facts: RobotFacts) -> Iterator[Finding]:
                     if close
                     else "name one of its links"
                 )
-            yield Finding(
-                location=gearbox.location,
-                rule="unknown-link",
-                key=gearbox.name,
-                message=(
-                    f"gearbox '{short(gearbox.name)}' has the {role} '{short(name)}', "
-                    f"which {reason}: Gazebo does not make the gearbox, and the "
-                    "finger hangs loose"
-                ),
-                remedy=remedy,
+            yield error_at(
+                gearbox.location,
+                "unknown-link",
+                gearbox.name,
+                f"gearbox '{short(gearbox.name)}' has the {role} '{short(name)}', "
+                f"which {reason}: Gazebo does not make the gearbox, and the "
+                "finger hangs loose",
+                remedy,
             )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.xml_source import children
 from tool0.errors import nearest_name
 from tool0.lint.robot.elements import attribute, child, number, place, vector
@@ -35,15 +35,13 @@ def joint_findings(root: Element, facts: RobotFacts) -> Iterator[Finding]:
 def _type(joint: Element, name: str, kind: str) -> Iterator[Finding]:
     if kind not in _TYPES:
         close = nearest_name(kind, _TYPES)
-        yield Finding(
-            location=place(joint),
-            rule="unknown-joint-type",
-            key=name,
-            message=(
-                f"joint '{short(name)}' has the type '{short(kind)}', which URDF does "
-                "not know, so ROS refuses the whole robot_description"
-            ),
-            remedy=f'write type="{close}"' if close else f"write {', '.join(_TYPES)}",
+        yield error_at(
+            place(joint),
+            "unknown-joint-type",
+            name,
+            f"joint '{short(name)}' has the type '{short(kind)}', which URDF does "
+            "not know, so ROS refuses the whole robot_description",
+            f'write type="{close}"' if close else f"write {', '.join(_TYPES)}",
         )
 
 
@@ -51,15 +49,13 @@ def _axis(joint: Element, name: str) -> Iterator[Finding]:
     axis = child(joint, "axis")
     direction = vector(axis, "xyz")
     if axis is not None and direction is not None and not any(direction):
-        yield Finding(
-            location=place(axis),
-            rule="zero-axis",
-            key=name,
-            message=(
-                f"the axis of joint '{short(name)}' has no direction, so that it turns "
-                "about none"
-            ),
-            remedy='give it one, such as <axis xyz="0 0 1"/>',
+        yield error_at(
+            place(axis),
+            "zero-axis",
+            name,
+            f"the axis of joint '{short(name)}' has no direction, so that it turns "
+            "about none",
+            'give it one, such as <axis xyz="0 0 1"/>',
         )
 
 
@@ -68,46 +64,37 @@ def _limit(joint: Element, name: str, kind: str) -> Iterator[Finding]:
     needed = ("effort", "velocity")
     if limit is None:
         if kind in _LIMITED:
-            yield Finding(
-                location=place(joint),
-                rule="no-limit",
-                key=name,
-                message=(
-                    f"{kind} joint '{short(name)}' has no <limit>, so ROS refuses the "
-                    "whole robot_description"
-                ),
-                remedy=(
-                    'write <limit lower="…" upper="…" effort="…" velocity="…"/>'
-                    + ("; without end is type continuous" * (kind == "revolute"))
-                ),
+            yield error_at(
+                place(joint),
+                "no-limit",
+                name,
+                f"{kind} joint '{short(name)}' has no <limit>, so ROS refuses the "
+                "whole robot_description",
+                'write <limit lower="…" upper="…" effort="…" velocity="…"/>'
+                + ("; without end is type continuous" * (kind == "revolute")),
             )
         return
     missing = [item for item in needed if not attribute(limit, item)]
     if missing:
-        yield Finding(
-            location=place(limit),
-            rule="no-limit",
-            key=name,
-            message=(
-                f"the <limit> of joint '{short(name)}' lacks {' and '.join(missing)}, "
-                "so ROS refuses the whole robot_description"
-            ),
-            remedy="give it " + " ".join(f'{item}="…"' for item in missing),
+        yield error_at(
+            place(limit),
+            "no-limit",
+            name,
+            f"the <limit> of joint '{short(name)}' lacks {' and '.join(missing)}, "
+            "so ROS refuses the whole robot_description",
+            "give it " + " ".join(f'{item}="…"' for item in missing),
         )
     yield from _range(limit, name, kind)
     velocity = number(limit, "velocity")
     if velocity is not None and velocity > _FASTEST[kind]:
         unit = "m/s" if kind == "prismatic" else "rad/s"
-        yield Finding(
-            location=place(limit),
-            rule="absurd-velocity",
-            severity="warning",
-            key=name,
-            message=(
-                f"joint '{short(name)}' may move at {velocity:g} {unit}, so its limit "
-                "stops nothing that goes wrong"
-            ),
-            remedy=f"give the real joint's speed in {unit}, not in degrees or mm",
+        yield warning_at(
+            place(limit),
+            "absurd-velocity",
+            name,
+            f"joint '{short(name)}' may move at {velocity:g} {unit}, so its limit "
+            "stops nothing that goes wrong",
+            f"give the real joint's speed in {unit}, not in degrees or mm",
         )
 
 
@@ -119,27 +106,22 @@ def _range(limit: Element, name: str, kind: str) -> Iterator[Finding]:
     if lower is None or upper is None:
         return
     if lower > upper:
-        yield Finding(
-            location=place(limit),
-            rule="limits-swapped",
-            key=name,
-            message=(
-                f"joint '{short(name)}' has its lower limit {lower:g} above its upper "
-                f"{upper:g}: there is nowhere it may be"
-            ),
-            remedy=f'write lower="{upper:g}" upper="{lower:g}"',
+        yield error_at(
+            place(limit),
+            "limits-swapped",
+            name,
+            f"joint '{short(name)}' has its lower limit {lower:g} above its upper "
+            f"{upper:g}: there is nowhere it may be",
+            f'write lower="{upper:g}" upper="{lower:g}"',
         )
     elif lower == upper:
-        yield Finding(
-            location=place(limit),
-            rule="no-range",
-            severity="warning",
-            key=name,
-            message=(
-                f"joint '{short(name)}' may only be at {lower:g}, so it never moves; "
-                "what is not written is 0"
-            ),
-            remedy='give lower="…" and upper="…", or make it type="fixed"',
+        yield warning_at(
+            place(limit),
+            "no-range",
+            name,
+            f"joint '{short(name)}' may only be at {lower:g}, so it never moves; "
+            "what is not written is 0",
+            'give lower="…" and upper="…", or make it type="fixed"',
         )
 
 
@@ -148,13 +130,11 @@ def _no_power(joint: Element, name: str) -> Iterator[Finding]:
     for what in ("effort", "velocity"):
         value = number(limit, what)
         if limit is not None and value is not None and value <= 0:
-            yield Finding(
-                location=place(limit),
-                rule="no-power",
-                key=name,
-                message=(
-                    f"joint '{short(name)}' has the {what} limit {value:g}, to which "
-                    "ros_control clamps every command: it will never move"
-                ),
-                remedy=f'give the motor\'s {what}="…", above zero',
+            yield error_at(
+                place(limit),
+                "no-power",
+                name,
+                f"joint '{short(name)}' has the {what} limit {value:g}, to which "
+                "ros_control clamps every command: it will never move",
+                f'give the motor\'s {what}="…", above zero',
             )

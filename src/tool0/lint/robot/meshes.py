@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.mesh_files import MESH_SUFFIXES
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation
@@ -44,12 +44,12 @@ class _Meshes:
         location = place(mesh)
         scale = vector(mesh, "scale")
         if scale is not None and not all(scale):
-            yield Finding(
-                location=location,
-                rule="zero-scale",
-                key=attribute(mesh, "filename"),
-                message="the <mesh> has a scale of zero, so it is flat, or a point",
-                remedy='write scale="0.001 0.001 0.001" for a mesh in mm, or no scale',
+            yield error_at(
+                location,
+                "zero-scale",
+                attribute(mesh, "filename"),
+                "the <mesh> has a scale of zero, so it is flat, or a point",
+                'write scale="0.001 0.001 0.001" for a mesh in mm, or no scale',
             )
         uri = attribute(mesh, "filename")
         if uri not in self._done:
@@ -73,15 +73,13 @@ class _Meshes:
             return
         suffix = os.path.splitext(uri)[1].lower()  # noqa: PTH122  # of a URI
         if suffix not in MESH_SUFFIXES:
-            yield Finding(
-                location=location,
-                rule="unsupported-mesh",
-                key=uri,
-                message=(
-                    f"Gazebo and RViz read no mesh such as '{short(uri)}': the link is "
-                    "neither seen nor touched"
-                ),
-                remedy=f"convert it to one of {', '.join(MESH_SUFFIXES)}",
+            yield error_at(
+                location,
+                "unsupported-mesh",
+                uri,
+                f"Gazebo and RViz read no mesh such as '{short(uri)}': the link is "
+                "neither seen nor touched",
+                f"convert it to one of {', '.join(MESH_SUFFIXES)}",
             )
         yield from self._file(uri, location)
 
@@ -124,16 +122,13 @@ def _plain(uri: str, location: SourceLocation) -> Iterator[Finding]:
     elif uri.startswith("/"):
         yield from _exists(Path(uri), uri, location)
     else:
-        yield Finding(
-            location=location,
-            rule="relative-mesh",
-            severity="warning",
-            key=uri,
-            message=(
-                f"the path '{short(uri)}' counts from nowhere: RViz does not find it, "
-                "and Gazebo looks in the folder that it was started in"
-            ),
-            remedy="write package://PACKAGE/PATH",
+        yield warning_at(
+            location,
+            "relative-mesh",
+            uri,
+            f"the path '{short(uri)}' counts from nowhere: RViz does not find it, "
+            "and Gazebo looks in the folder that it was started in",
+            "write package://PACKAGE/PATH",
         )
 
 
@@ -153,10 +148,10 @@ def _exists(path: Path, uri: str, location: SourceLocation) -> Iterator[Finding]
 def _unresolved(
     uri: str, location: SourceLocation, message: str, remedy: str
 ) -> Finding:
-    return Finding(
-        location=location,
-        rule="unresolved-uri",
-        key=uri,
-        message=message,
-        remedy=remedy,
+    return error_at(
+        location,
+        "unresolved-uri",
+        uri,
+        message,
+        remedy,
     )

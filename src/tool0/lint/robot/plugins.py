@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at, warning_at
 from tool0.errors import nearest_name
 from tool0.lint.robot.facts import PluginFacts, RobotFacts
 from tool0.lint.robot.names import quoted, short
@@ -60,21 +60,17 @@ def _two(facts: RobotFacts) -> Iterator[Finding]:
             if plugin.location == earlier.location
             else f"at {earlier.location}"
         )
-        yield Finding(
-            location=plugin.location,
-            rule="two-plugins",
-            key=plugin.name,
-            message=(
-                f"a second {LIBRARY}, '{short(plugin.name)}'; the first, "
-                f"'{short(earlier.name)}', is {where}. Each makes a "
-                "controller manager for every joint of the robot: their commands "
-                "fight over the joints, and in one namespace the services of one "
-                "hide those of the other"
-            ),
-            remedy=(
-                "keep one; an arm's and a gripper's macro often bring one each: "
-                "remove the gripper's"
-            ),
+        yield error_at(
+            plugin.location,
+            "two-plugins",
+            plugin.name,
+            f"a second {LIBRARY}, '{short(plugin.name)}'; the first, "
+            f"'{short(earlier.name)}', is {where}. Each makes a "
+            "controller manager for every joint of the robot: their commands "
+            "fight over the joints, and in one namespace the services of one "
+            "hide those of the other",
+            "keep one; an arm's and a gripper's macro often bring one each: "
+            "remove the gripper's",
         )
 
 
@@ -83,29 +79,24 @@ def _none(facts: RobotFacts, spawned: bool) -> Iterator[Finding]:
         return
     if any(plugin.is_control or plugin.is_control_of_ros2 for plugin in facts.plugins):
         return
-    yield Finding(
-        location=facts.transmissions[0].location,
-        rule="no-plugin",
-        severity="warning",
-        key=facts.name,
-        message=(
-            f"the robot has transmissions, yet no {LIBRARY}: in Gazebo there is no "
-            "controller manager, spawners wait for it in vain and the arm falls"
-        ),
-        remedy=(
-            f'add <gazebo><plugin name="ros_control" filename="{LIBRARY}"/></gazebo>'
-        ),
+    yield warning_at(
+        facts.transmissions[0].location,
+        "no-plugin",
+        facts.name,
+        f"the robot has transmissions, yet no {LIBRARY}: in Gazebo there is no "
+        "controller manager, spawners wait for it in vain and the arm falls",
+        f'add <gazebo><plugin name="ros_control" filename="{LIBRARY}"/></gazebo>',
     )
 
 
 def _file(plugin: PluginFacts) -> Iterator[Finding]:
     if not plugin.filename:
-        yield Finding(
-            location=plugin.location,
-            rule="unnamed",
-            key="<plugin>",
-            message="this <plugin> names no file, so Gazebo loads nothing",
-            remedy=f'write filename="…", such as filename="{LIBRARY}"',
+        yield error_at(
+            plugin.location,
+            "unnamed",
+            "<plugin>",
+            "this <plugin> names no file, so Gazebo loads nothing",
+            f'write filename="…", such as filename="{LIBRARY}"',
         )
     elif plugin.is_control_of_ros2 or plugin.filename.rpartition("/")[2] in _FILES:
         return
@@ -114,15 +105,13 @@ def _file(plugin: PluginFacts) -> Iterator[Finding]:
 
 
 def _misspelt(plugin: PluginFacts) -> Finding:
-    return Finding(
-        location=plugin.location,
-        rule="unknown-plugin",
-        key=plugin.name,
-        message=(
-            f"there is no plugin '{short(plugin.filename)}', so Gazebo has no "
-            "controller manager"
-        ),
-        remedy=f'write filename="{LIBRARY}"',
+    return error_at(
+        plugin.location,
+        "unknown-plugin",
+        plugin.name,
+        f"there is no plugin '{short(plugin.filename)}', so Gazebo has no "
+        "controller manager",
+        f'write filename="{LIBRARY}"',
     )
 
 
@@ -151,17 +140,13 @@ def _joints(plugin: PluginFacts, facts: RobotFacts) -> Iterator[Finding]:
         if name and name in facts.joints:
             continue
         close = nearest_name(name or "", facts.joints)
-        yield Finding(
-            location=places.get(role, plugin.location),
-            rule="unknown-joint",
-            key=name or plugin.name,
-            message=(
-                f"plugin '{short(plugin.name)}' has the <{role}> '{short(name or '')}'"
-                ", which the robot lacks: it does nothing, and the finger hangs loose"
-            ),
-            remedy=(
-                f"write <{role}>{close}</{role}>"
-                if close
-                else "name one of the robot's joints"
-            ),
+        yield error_at(
+            places.get(role, plugin.location),
+            "unknown-joint",
+            name or plugin.name,
+            f"plugin '{short(plugin.name)}' has the <{role}> '{short(name or '')}'"
+            ", which the robot lacks: it does nothing, and the finger hangs loose",
+            f"write <{role}>{close}</{role}>"
+            if close
+            else "name one of the robot's joints",
         )

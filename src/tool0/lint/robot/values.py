@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.description.xml_source import children
 from tool0.lint.robot.elements import attribute, descendants, is_number, place
 from tool0.lint.robot.names import short
@@ -49,16 +49,14 @@ def _values(element: Element, owner: str) -> Iterator[Finding]:
         if is_good and len(words) == count:
             continue
         numbers = "a number" if count == 1 else f"{count} numbers"
-        yield Finding(
-            location=place(element),
-            rule="not-a-number",
-            key=owner,
-            message=(
-                f'<{element.tagName} {name}="{short(text)}"> of '
-                f"'{short(owner)}' is not {numbers} that a robot could have, so ROS "
-                "refuses it, or takes it for another"
-            ),
-            remedy=_advice(text, numbers),
+        yield error_at(
+            place(element),
+            "not-a-number",
+            owner,
+            f'<{element.tagName} {name}="{short(text)}"> of '
+            f"'{short(owner)}' is not {numbers} that a robot could have, so ROS "
+            "refuses it, or takes it for another",
+            _advice(text, numbers),
         )
 
 

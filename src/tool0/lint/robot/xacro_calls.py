@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.lint.robot.elements import place
 from tool0.lint.robot.names import short
 from tool0.lint.robot.xacro_macros import macros_of, own_elements, parameters_of
@@ -40,14 +40,12 @@ def _is_empty(call: Element, prefix: str) -> bool:
 
 def _hard_coded(macro: Element, call: Element, prefix: str) -> Finding:
     outer, inner = macro.getAttribute("name"), call.tagName
-    return Finding(
-        location=place(call),
-        rule="hardcoded-prefix",
-        key=outer,
-        message=(
-            f"macro '{short(outer)}' takes a {prefix}, yet hands an empty one to "
-            f"<{short(inner)}>: what that makes never has a prefix, so a second one "
-            "in the same robot collides, and so does a base_link of both"
-        ),
-        remedy=f'write <{short(inner)} {prefix}="${{{prefix}}}" …>',
+    return error_at(
+        place(call),
+        "hardcoded-prefix",
+        outer,
+        f"macro '{short(outer)}' takes a {prefix}, yet hands an empty one to "
+        f"<{short(inner)}>: what that makes never has a prefix, so a second one "
+        "in the same robot collides, and so does a base_link of both",
+        f'write <{short(inner)} {prefix}="${{{prefix}}}" …>',
     )

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.lint.robot.elements import attribute, descendants, place
 from tool0.lint.robot.names import short
 from tool0.lint.robot.packages import Packages, nearest_file
@@ -64,13 +64,11 @@ def _missing(element: Element, text: str, packages: Packages) -> Iterator[Findin
     if text and os.path.isfile(path):  # noqa: PTH113  # Path.is_file may raise
         return
     close = nearest_file(path)
-    yield Finding(
-        location=location,
-        rule="missing-include",
-        key=text,
-        message=(
-            f"there is no file '{short(str(path))}' to include, so xacro fails, and "
-            "robot_description stays empty"
-        ),
-        remedy=f"there is '{close}'; write that" if close else "check the path",
+    yield error_at(
+        location,
+        "missing-include",
+        text,
+        f"there is no file '{short(str(path))}' to include, so xacro fails, and "
+        "robot_description stays empty",
+        f"there is '{close}'; write that" if close else "check the path",
     )

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from xml.dom.minidom import Element
 
 from tool0.description.attributes import text_of
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.lint.robot.elements import attribute, descendants, place
 from tool0.lint.robot.interfaces import is_interface, meant_interface
 from tool0.lint.robot.names import short
@@ -47,13 +47,11 @@ def _values(element: Element) -> Iterator[tuple[str, str]]:
 def _typo(element: Element, name: str, text: str, meant: str) -> Finding:
     of = f" of '{short(name)}'" if name else ""
     kind = "default" if element.tagName in {"xacro:macro", "xacro:arg"} else "value"
-    return Finding(
-        location=place(element),
-        rule="interface-typo",
-        key=name or text,
-        message=(
-            f"the {kind} '{short(text)}'{of} is no hardware interface: "
-            "gazebo_ros_control stops at a joint that gets it, and no controller runs"
-        ),
-        remedy=f"write {meant}",
+    return error_at(
+        place(element),
+        "interface-typo",
+        name or text,
+        f"the {kind} '{short(text)}'{of} is no hardware interface: "
+        "gazebo_ros_control stops at a joint that gets it, and no controller runs",
+        f"write {meant}",
     )

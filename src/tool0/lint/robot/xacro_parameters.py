@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from xml.dom.minidom import Element
 
 from tool0.description.attributes import text_of
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, warning_at
 from tool0.description.xml_source import children
 from tool0.lint.robot.elements import attribute, descendants, place
 from tool0.lint.robot.names import short
@@ -32,16 +32,13 @@ def _unused(root: Element) -> Iterator[Finding]:
             if parameter.name in used or not parameter.name:
                 continue
             name = macro.getAttribute("name")
-            yield Finding(
-                location=place(macro),
-                rule="unused-parameter",
-                severity="warning",
-                key=parameter.name,
-                message=(
-                    f"macro '{short(name)}' takes '{short(parameter.name)}', which "
-                    "nothing in this file uses: whatever is given for it does nothing"
-                ),
-                remedy=(
+            yield warning_at(
+                place(macro),
+                "unused-parameter",
+                parameter.name,
+                f"macro '{short(name)}' takes '{short(parameter.name)}', which "
+                "nothing in this file uses: whatever is given for it does nothing",
+                (
                     f'use <xacro:insert_block name="{parameter.name}"/>'
                     if parameter.is_block
                     else f"use it, as ${{{short(parameter.name)}}}"
@@ -71,15 +68,12 @@ def _declared_twice(root: Element) -> Iterator[Finding]:
         earlier = first.setdefault(name, element)
         if earlier is element or attribute(earlier, "default") == default:
             continue
-        yield Finding(
-            location=place(element),
-            rule="duplicate-arg",
-            severity="warning",
-            key=name,
-            message=(
-                f"the argument '{short(name)}' is declared again with the default "
-                f"'{short(default)}', which does nothing: the first counts, "
-                f"'{short(attribute(earlier, 'default'))}' at {place(earlier)}"
-            ),
-            remedy="remove one of the two",
+        yield warning_at(
+            place(element),
+            "duplicate-arg",
+            name,
+            f"the argument '{short(name)}' is declared again with the default "
+            f"'{short(default)}', which does nothing: the first counts, "
+            f"'{short(attribute(earlier, 'default'))}' at {place(earlier)}",
+            "remove one of the two",
         )
