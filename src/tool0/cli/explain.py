@@ -13,7 +13,7 @@ from tool0.errors import ConfigError, DescriptionError
 
 if TYPE_CHECKING:
     from tool0.description.finding import Finding
-    from tool0.lint.launch.item import Item
+    from tool0.lint.launch.explanation import Item
     from tool0.lint.launch.packages import Packages
 
 OK, HAS_ERRORS = 0, 1
@@ -39,10 +39,10 @@ def explain(
         words: The launch file, or its package and its name; then its arguments.
         format: For people or for programs.
     """
-    from tool0.lint.launch.contents import contents
+    from tool0.lint.launch.argument_flow import argument_ways
+    from tool0.lint.launch.explanation import contents
     from tool0.lint.launch.packages import Packages, packages_around
     from tool0.lint.launch.reader import read_launch
-    from tool0.lint.launch.ways import argument_ways
     from tool0.lint.launch.xacro_files import xacro_robots
 
     names = [word for word in words if ":=" not in word]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import final
 
 from tool0.description.finding import Finding
-from tool0.lint.launch.item import Item
+from tool0.lint.launch.explanation import Item
 from tool0.lint.launch.packages import Packages
 
 WIDTH = 100

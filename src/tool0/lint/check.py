@@ -10,11 +10,10 @@ from typing import ParamSpec, TypeVar, final
 from tool0.description.finding import Finding, error_at
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
-from tool0.lint.absence import absence_judged
 from tool0.lint.bounded import OutOfBoundsError, bounded
 from tool0.lint.launch.packages import Packages, packages_around
 from tool0.lint.launch_file import ReadLaunch
-from tool0.lint.package_file import package_findings
+from tool0.lint.package_file import absence_judged, package_findings
 from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.robot.facts import RobotFacts
 from tool0.lint.robot_file import (

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
+from xml.dom.minidom import Element
+from xml.parsers import expat
 
 from tool0.control.config import ControllerConfig
-from tool0.description.finding import Finding, warning_at
+from tool0.control.controller_types import TYPES, parameters_of
+from tool0.description.finding import Finding, error_at, warning_at
+from tool0.description.xml_source import LocatedElement, children, parse_text
 from tool0.description.yaml_tree import Tree
-from tool0.errors import ConfigError
-from tool0.lint.control import request_findings, requests
-from tool0.lint.launch.comments import commented_elements
-from tool0.lint.launch.model import LaunchFile
+from tool0.errors import ConfigError, DescriptionError, SourceLocation, nearest_name
+from tool0.lint.launch.model import LaunchFile, Node
 from tool0.lint.launch.packages import Packages
 from tool0.lint.launch.reader import read_launch
+from tool0.lint.launch.session import read_bounded
 from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.robot.facts import RobotFacts
 
@@ -118,3 +122,169 @@ def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Findin
                     "stands in it has no effect",
                     "load it, or delete the line and the file",
                 )
+
+
+_PREFIX = '<comment xmlns:xacro="http://www.ros.org/wiki/xacro">'
+
+
+def commented_elements(file: Path) -> list[tuple[SourceLocation, Element]]:
+    """Return the elements in an XML file's comments, with where they are written.
+
+    A comment that is not well-formed, as prose with brackets in it, holds none; nor
+    does a file that cannot be read.  Of elements in one another the outermost counts.
+    """
+    try:
+        text = read_bounded(file)
+    except DescriptionError:
+        return []
+    found = []
+    for line, comment in _comments(text):
+        if "<" not in comment:
+            continue
+        try:
+            root = parse_text(f"{_PREFIX}{comment}</comment>", file).documentElement
+        except (DescriptionError, ValueError):
+            continue
+        if root is not None:
+            _move(root, line - 1)
+            found += [(_place(element), element) for element in children(root)]
+    return found
+
+
+def _comments(text: bytes) -> list[tuple[int, str]]:
+    """Return the comments, each with its first line, up to where XML ends to be so."""
+    found: list[tuple[int, str]] = []
+    parser = expat.ParserCreate()
+    parser.CommentHandler = lambda data: found.append((parser.CurrentLineNumber, data))
+    with suppress(expat.ExpatError, LookupError, ValueError):
+        parser.Parse(text, True)  # what came before a mistake counts
+    return found
+
+
+def _move(root: Element, lines: int) -> None:
+    """Add ``lines`` to the place of every element."""
+    for element in _all(root):
+        if element.location is not None and element.location.line is not None:
+            element.location = SourceLocation(
+                element.location.file, element.location.line + lines
+            )
+
+
+def _all(root: Element) -> Iterator[LocatedElement]:
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        waiting += children(element)
+        if isinstance(element, LocatedElement):
+            yield element
+
+
+def _place(element: Element) -> SourceLocation:
+    place: SourceLocation | None = getattr(element, "location", None)
+    return place or SourceLocation(None)
+
+
+_SPAWNERS = ("spawner", "spawner.py")
+_TAKES_VALUE = ("--namespace", "--timeout", "-t", "--shutdown-timeout")
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A controller that a node asks the controller manager for."""
+
+    name: str
+    is_started: bool
+    location: SourceLocation
+
+
+def requests(launch: LaunchFile) -> Iterator[Request]:
+    """Yield the controllers that the nodes of a launch file load or start."""
+    for node in launch.nodes():
+        if node.package.resolved == "controller_manager":
+            yield from _requests_of(node)
+
+
+def _requests_of(node: Node) -> Iterator[Request]:
+    words = list(node.words)
+    is_started = "--stopped" not in words
+    if node.type.resolved not in _SPAWNERS:
+        if node.type.resolved != "controller_manager" or not words:
+            return
+        command = words.pop(0)
+        if command not in ("spawn", "start", "load"):
+            return
+        is_started = command != "load"
+    location = node.place.location if node.args is None else node.args.location
+    skip = False
+    for word in words:
+        if not skip and not word.startswith("-") and ":=" not in word:
+            yield Request(word, is_started, location)
+        skip = word in _TAKES_VALUE
+
+
+def request_findings(
+    wanted: Sequence[Request], config: ControllerConfig, files: Sequence[str]
+) -> Iterator[Finding]:
+    """Yield controllers that no YAML defines, and those that fight over a joint.
+
+    Args:
+        wanted: What the launch file asks for.
+        config: All parameters that it loads.
+        files: The YAML files that these came from, for messages.
+    """
+    known = config.names
+    for request in wanted:
+        if request.name in known:
+            continue
+        near = nearest_name(request.name, known)
+        where = ", ".join(files) or "and no YAML is loaded"
+        yield error_at(
+            request.location,
+            "no-controller",
+            request.name,
+            f"no YAML that is loaded defines the controller '{request.name}' "
+            f"({where}), so it does not load",
+            f"did you mean '{near}'?"
+            if near
+            else f"defined are: {', '.join(known) or 'none'}",
+        )
+    yield from _fights([item for item in wanted if item.is_started], config)
+
+
+def _fights(started: Sequence[Request], config: ControllerConfig) -> Iterator[Finding]:
+    claims: dict[str, Request] = {}
+    told: set[tuple[str, str]] = set()
+    for request in started:
+        for joint in _claimed(request.name, config):
+            other = claims.setdefault(joint, request)
+            pair = (other.name, request.name)
+            if other.name == request.name or pair in told:
+                continue
+            told.add(pair)
+            yield error_at(
+                request.location,
+                "two-controllers",
+                request.name,
+                f"'{other.name}' and '{request.name}' are both started, and "
+                f"both command '{joint}': the manager refuses the second",
+                f"start one of them; load the other stopped ({other.location})",
+            )
+
+
+def _claimed(name: str, config: ControllerConfig) -> Iterator[str]:
+    """Yield the joints that a controller commands."""
+    entry = config.tree.root.children.get(name)
+    if entry is None or _only_reads(config.types.get(name, "")):
+        return
+    if "joint" in entry.children:
+        yield str(entry.children["joint"].scalar)
+    if "joints" in entry.children:
+        yield from (str(item.scalar) for item in entry.children["joints"].items)
+
+
+def _only_reads(type_name: str) -> bool:
+    """Return whether a controller only publishes."""
+    if type_name in TYPES:
+        return "publish_rate" in parameters_of(type_name)
+    return "state" in type_name.lower() or "sensor" in type_name.lower()

@@ -6,9 +6,9 @@ import shlex
 from xml.dom.minidom import Element
 
 from tool0.lint.launch import names
+from tool0.lint.launch.model import Text
 from tool0.lint.launch.scope import Scope
 from tool0.lint.launch.session import is_file
-from tool0.lint.launch.text import Text
 
 
 def require_file(text: Text, what: str, scope: Scope) -> None:

@@ -10,16 +10,17 @@ from tool0.errors import DescriptionError
 from tool0.lint.launch import grammar, names
 from tool0.lint.launch.attributes import namespace_of, split
 from tool0.lint.launch.model import (
+    Activity,
     Environment,
     Machine,
     Node,
     Parameter,
     Remap,
     Rosparam,
+    Text,
 )
 from tool0.lint.launch.param_elements import in_node, read_node_param, read_rosparam
 from tool0.lint.launch.scope import Scope
-from tool0.lint.launch.text import Activity, Text
 
 _NODE_KEYS = ("pkg", "type", "name", "args", "ns", "clear_params", "if", "unless")
 

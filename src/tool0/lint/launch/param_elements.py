@@ -12,13 +12,14 @@ from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.launch import names
 from tool0.lint.launch.attributes import require_file, split
 from tool0.lint.launch.model import (
+    Activity,
     NamedText,
     Parameter,
     Rosparam,
+    Text,
 )
 from tool0.lint.launch.scope import Scope
 from tool0.lint.launch.session import is_file, read_bounded
-from tool0.lint.launch.text import Activity, Text
 from tool0.lint.launch.xacro_files import xacro_call
 
 _SOURCES: tuple[Literal["value", "textfile", "binfile", "command"], ...] = (

@@ -15,15 +15,13 @@ from tool0.description.finding import Finding
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
 from tool0.lint.launch import grammar, names, node_elements
-from tool0.lint.launch.arguments import Arguments, Given
+from tool0.lint.launch.arguments import Arguments, Given, Target, target_of
 from tool0.lint.launch.attributes import namespace_of
-from tool0.lint.launch.includes import Target, target_of
-from tool0.lint.launch.model import Entry, Include, LaunchFile, Node
+from tool0.lint.launch.model import Activity, Entry, Include, LaunchFile, Node, Text
 from tool0.lint.launch.packages import Packages
 from tool0.lint.launch.param_elements import read_param, read_rosparam
 from tool0.lint.launch.scope import Scope
 from tool0.lint.launch.session import MAX_ELEMENTS, MAX_FILES, MAX_NESTING, Session
-from tool0.lint.launch.text import Activity, Text
 
 
 def read_launch(

@@ -10,10 +10,17 @@ from xml.dom.minidom import Element
 from tool0.description.finding import Finding, Severity
 from tool0.errors import SourceLocation
 from tool0.lint.launch import names
-from tool0.lint.launch.model import Environment, Parameter, Remap
+from tool0.lint.launch.model import (
+    Activity,
+    Condition,
+    Environment,
+    Parameter,
+    Place,
+    Remap,
+    Text,
+)
 from tool0.lint.launch.session import Session
 from tool0.lint.launch.substitution import Surroundings, resolve
-from tool0.lint.launch.text import Activity, Condition, Place, Text
 
 
 @final

@@ -17,9 +17,9 @@ from tool0.lint.launch.evaluation import (
     NotUnderstoodError,
     evaluate,
 )
+from tool0.lint.launch.model import Text
 from tool0.lint.launch.names import converted
 from tool0.lint.launch.packages import Packages
-from tool0.lint.launch.text import Text
 
 COMMANDS: Final = ("find", "env", "optenv", "dirname", "anon", "arg", "eval")
 MAX_LENGTH: Final = 100_000

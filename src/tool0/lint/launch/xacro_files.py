@@ -11,11 +11,10 @@ from xml.dom.minidom import Element
 
 from tool0.description.xml_source import children, parse_text
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.launch.model import LaunchFile, Parameter
+from tool0.lint.launch.model import LaunchFile, Parameter, Text
 from tool0.lint.launch.packages import Packages
 from tool0.lint.launch.session import read_bounded
 from tool0.lint.launch.substitution import Surroundings, resolve
-from tool0.lint.launch.text import Text
 
 MAX_FILES: Final = 200
 _GIVEN = re.compile(r"""(\w+):=['"]?((?:\$\([^()]*\)|[^\s'"$])*)""")

@@ -12,11 +12,9 @@ from tool0.description.finding import Finding, Severity, error_at, warning_at
 from tool0.description.model import Inertial
 from tool0.description.urdf_links import principal_moments
 from tool0.description.xml_source import children
-from tool0.lint.robot.bodies import bodies
-from tool0.lint.robot.elements import attribute, child, number, place
+from tool0.lint.robot.bodies import bodies, extent_of
+from tool0.lint.robot.elements import attribute, child, number, place, short
 from tool0.lint.robot.facts import RobotFacts
-from tool0.lint.robot.names import short
-from tool0.lint.robot.shapes import extent_of
 
 _WORLD = "world"
 _DENSEST = 22600.0

@@ -13,8 +13,7 @@ from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.mesh_files import MESH_SUFFIXES
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation
-from tool0.lint.robot.elements import attribute, descendants, place, vector
-from tool0.lint.robot.names import short
+from tool0.lint.robot.elements import attribute, descendants, place, short, vector
 from tool0.lint.robot.packages import Packages, nearest_file
 
 _SCHEMES = ("package", "file", "model", "http", "https")

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from tool0.description.finding import Finding, error_at, warning_at
 from tool0.errors import nearest_name
 from tool0.lint.robot.bodies import bodies
+from tool0.lint.robot.elements import short
 from tool0.lint.robot.facts import JointFacts, RobotFacts
-from tool0.lint.robot.names import short
 
 
 def mimic_findings(facts: RobotFacts, spawned: bool) -> Iterator[Finding]:

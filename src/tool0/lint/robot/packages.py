@@ -11,7 +11,7 @@ from typing import final
 from tool0.description.finding import Finding
 from tool0.description.packages import find_package
 from tool0.errors import DescriptionError, SourceLocation, nearest_name
-from tool0.lint.robot.names import short
+from tool0.lint.robot.elements import short
 
 _NAME = re.compile(r"[A-Za-z][\w-]{0,99}")
 _MOST_FILES = 500

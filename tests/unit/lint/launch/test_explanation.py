@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from tool0.lint.launch.contents import contents
-from tool0.lint.launch.item import Item
+from tool0.lint.launch.argument_flow import argument_ways
+from tool0.lint.launch.explanation import Item, contents
 from tool0.lint.launch.packages import Packages, packages_around
 from tool0.lint.launch.reader import read_launch
-from tool0.lint.launch.ways import argument_ways
 from tool0.lint.launch.xacro_files import xacro_robots
 
 DATA = Path(__file__).parents[3] / "data" / "launch" / "src"

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tool0.lint.launch.comments import commented_elements
-from tool0.lint.launch.contents import contents
+from tool0.lint.launch.argument_flow import argument_ways
+from tool0.lint.launch.explanation import contents
 from tool0.lint.launch.grammar import ATTRIBUTES
 from tool0.lint.launch.packages import Packages
 from tool0.lint.launch.reader import read_launch
-from tool0.lint.launch.ways import argument_ways
 from tool0.lint.launch.xacro_files import xacro_robots
+from tool0.lint.launch_file import commented_elements
 
 pytestmark = pytest.mark.slow
 

@@ -9,12 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from tool0.lint.launch.comments import commented_elements
-from tool0.lint.launch.model import Argument, LaunchFile
+from tool0.lint.launch.model import Activity, Argument, LaunchFile
 from tool0.lint.launch.packages import Packages, packages_around
 from tool0.lint.launch.reader import read_launch
 from tool0.lint.launch.session import MAX_BYTES
-from tool0.lint.launch.text import Activity
+from tool0.lint.launch_file import commented_elements
 
 DATA = Path(__file__).parents[3] / "data" / "launch" / "src"
 BRING_UP = DATA / "arm_gazebo" / "launch" / "arm_bringup.launch"

@@ -3,7 +3,7 @@ from __future__ import annotations
 from robot_xml import ARM, check, joint, link, only, root_of, rules
 
 from tool0.description.xml_source import parse_text
-from tool0.lint.robot.rules import robot_findings
+from tool0.lint.robot_file import robot_findings
 
 
 def test_a_good_robot_is_silent() -> None:

@@ -1,12 +1,12 @@
-"""What a launch file includes, starts and sets, explained."""
+"""A launch file explained: a tree of what it includes, starts and sets."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import final
 
 from tool0.errors import SourceLocation
-from tool0.lint.launch.item import Item
 from tool0.lint.launch.model import (
     Entry,
     Include,
@@ -14,10 +14,27 @@ from tool0.lint.launch.model import (
     Machine,
     Node,
     Parameter,
+    Place,
     Rosparam,
+    Text,
 )
-from tool0.lint.launch.text import Place, Text
 from tool0.lint.launch.xacro_files import XacroFile, xacro_call
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Item:
+    """Something in a launch file, and what is in it."""
+
+    kind: str
+    """``include``, ``node``, ``param``, ``argument``, ``use`` and so on."""
+    name: str
+    value: str | None = None
+    """None if it has none, or none that is known."""
+    location: SourceLocation
+    note: str = ""
+    """What else is to be said: why it has no value, why it is switched off."""
+    items: tuple[Item, ...] = ()
 
 
 def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
