@@ -17,10 +17,10 @@ from promised import require_ros
 
 from tool0.description.yaml_tree import Tree
 from tool0.installation.ros1.library import DEBIAN
-from tool0.lint.launch import names
+from tool0.lint.launch import grammar
 from tool0.lint.launch.model import LaunchFile, Parameter, Rosparam
-from tool0.lint.launch.packages import Packages
 from tool0.lint.launch.reader import read_launch
+from tool0.lint.packages import PackageIndex
 
 SOURCES = Path(__file__).parents[1] / "data" / "launch" / "src"
 ASK = """
@@ -89,8 +89,8 @@ def parameter(param: Parameter) -> dict[str, object]:
     text = param.content.resolved
     value: object = None
     if param.source == "value" and text is not None:
-        kinds = {"auto": names.converted, "int": int, "double": float}
-        kinds |= {"bool": names.as_boolean, "yaml": yaml.safe_load}
+        kinds = {"auto": grammar.converted, "int": int, "double": float}
+        kinds |= {"bool": grammar.as_boolean, "yaml": yaml.safe_load}
         value = kinds.get(param.type, str)(text.strip())
     return {param.full_name: value}
 
@@ -106,7 +106,7 @@ def yaml_of(rosparam: Rosparam) -> dict[str, object]:
     for leaf in tree.root.leaves():
         name = f"{rosparam.namespace}/{leaf.key.removeprefix('value')}"
         if not leaf.is_null:
-            found[names.canonical(name)] = leaf.plain()
+            found[grammar.canonical(name)] = leaf.plain()
     return found
 
 
@@ -127,7 +127,7 @@ def ours(launch: LaunchFile) -> Any:
 
 
 def read(file: Path, **arguments: str) -> LaunchFile:
-    return read_launch(file, arguments, Packages())
+    return read_launch(file, arguments, PackageIndex())
 
 
 def test_what_is_read_is_what_roslaunch_reads(packages: Path) -> None:

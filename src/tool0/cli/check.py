@@ -10,7 +10,7 @@ import tyro
 from tool0.cli.parsing import parse
 
 if TYPE_CHECKING:
-    from tool0.lint.check import Report
+    from tool0.lint.check import CheckReport
 
 Format = Literal["text", "json"]
 
@@ -51,7 +51,7 @@ def check(
     return FOUND if is_bad else CLEAN
 
 
-def _text(report: Report) -> str:
+def _text(report: CheckReport) -> str:
     lines = []
     for finding in report.findings:
         said = ": ".join(part for part in (finding.key, finding.message) if part)
@@ -72,7 +72,7 @@ def _count(number: int, what: str) -> str:
     return f"{number or 'no'} {what}" + ("" if number == 1 else "s")
 
 
-def _json(report: Report) -> str:
+def _json(report: CheckReport) -> str:
     import json
 
     return json.dumps(

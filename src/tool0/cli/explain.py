@@ -14,7 +14,7 @@ from tool0.errors import ConfigError, DescriptionError
 if TYPE_CHECKING:
     from tool0.description.finding import Finding
     from tool0.lint.launch.explanation import Item
-    from tool0.lint.launch.packages import Packages
+    from tool0.lint.packages import PackageIndex
 
 OK, HAS_ERRORS = 0, 1
 
@@ -39,20 +39,20 @@ def explain(
         words: The launch file, or its package and its name; then its arguments.
         format: For people or for programs.
     """
-    from tool0.lint.launch.argument_flow import argument_ways
+    from tool0.lint.launch.argument_flow import argument_flow
     from tool0.lint.launch.explanation import contents
-    from tool0.lint.launch.packages import Packages, packages_around
     from tool0.lint.launch.reader import read_launch
     from tool0.lint.launch.xacro_files import xacro_robots
+    from tool0.lint.packages import PackageIndex, packages_around
 
     names = [word for word in words if ":=" not in word]
     file = _file(names)
     pairs = [word.split(":=", 1) for word in words if ":=" in word]
     given = {name: value for name, value in pairs if name and value}  # as roslaunch
-    packages = Packages(packages_around(file))
+    packages = PackageIndex(packages_around(file))
     launch = read_launch(file, given, packages)
     robots = xacro_robots(launch, packages)
-    tree, arguments = contents(launch, robots), argument_ways(launch, robots)
+    tree, arguments = contents(launch, robots), argument_flow(launch, robots)
     if format == "json":
         print(json.dumps(_json(tree, arguments, launch.findings)))
     else:
@@ -80,9 +80,9 @@ def _file(names: list[str]) -> Path:
 
 def _in_package(package: str, name: str) -> Path:
     """Return the file of a package, wherever it lies in it, as roslaunch does."""
-    from tool0.lint.launch.packages import Packages, packages_around
+    from tool0.lint.packages import PackageIndex, packages_around
 
-    packages: Packages = Packages(packages_around(Path.cwd() / name))
+    packages: PackageIndex = PackageIndex(packages_around(Path.cwd() / name))
     try:
         folder = packages.find(package)
     except DescriptionError as error:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, final
 
 from tool0.errors import SourceLocation
+
+_LONGEST = 100
+_MOST_QUOTED = 8
 
 Severity = Literal["error", "warning"]
 """An error will fail, or do something else than it says; what is suspicious, yet may
@@ -60,3 +64,19 @@ def warning_at(
         message=message,
         remedy=remedy,
     )
+
+
+def quoted(names: Iterable[str]) -> str:
+    """Return some of ``names`` for a sentence: ``'a', 'b' and 3 more``."""
+    items = [f"'{short(name)}'" for name in names]
+    left_out = len(items) - _MOST_QUOTED
+    more = f" and {left_out} more" if left_out > 0 else ""
+    return ", ".join(items[:_MOST_QUOTED]) + more
+
+
+def short(text: str) -> str:
+    """Return ``text`` without its middle if it is too long for a sentence."""
+    if len(text) <= _LONGEST:
+        return text
+    half = _LONGEST // 2 - 1
+    return f"{text[:half]}…{text[-half:]}"

@@ -10,11 +10,11 @@ from typing import ParamSpec, TypeVar, final
 from tool0.description.finding import Finding, error_at
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
-from tool0.lint.bounded import OutOfBoundsError, bounded
-from tool0.lint.launch.packages import Packages, packages_around
 from tool0.lint.launch_file import ReadLaunch
 from tool0.lint.package_file import absence_judged, package_findings
+from tool0.lint.packages import PackageIndex, packages_around
 from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
+from tool0.lint.resource_limits import ResourceLimitError, run_limited
 from tool0.lint.robot.facts import RobotFacts
 from tool0.lint.robot_file import (
     ReadRobot,
@@ -22,7 +22,7 @@ from tool0.lint.robot_file import (
     read_robot,
     read_xacro_source,
 )
-from tool0.lint.sources import Kind, Source, collect, read_text
+from tool0.lint.sources import FileKind, Source, collect, read_text
 
 R = TypeVar("R")
 P = ParamSpec("P")
@@ -33,7 +33,7 @@ _Expansion = tuple[Path, tuple[tuple[str, str], ...]]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Report:
+class CheckReport:
     """What came of it."""
 
     findings: tuple[Finding, ...]
@@ -52,7 +52,7 @@ class Report:
         return len(self.findings) - self.n_errors
 
 
-def check(paths: Iterable[Path]) -> Report:
+def check(paths: Iterable[Path]) -> CheckReport:
     """Check files and folders, each file within bounds of time and memory.
 
     Raises:
@@ -74,13 +74,13 @@ class _Check:
             if source.was_named:
                 for name, folder in packages_around(source.path).items():
                     self._packages.setdefault(name, folder)
-        self._places = Packages(self._packages)
+        self._places = PackageIndex(self._packages)
         self._findings: list[Finding] = []
         self._notes = [f"{path}: {why}" for path, why in self._sources.skipped]
         self._loaded: set[Path] = set()
         self._robots: dict[_Expansion, ReadRobot | None] = {}
 
-    def report(self) -> Report:
+    def report(self) -> CheckReport:
         """Look into everything."""
         for look in (
             self._launch_files,
@@ -94,7 +94,7 @@ class _Check:
         self._notes += [item for item in judged if isinstance(item, str)]
         findings = [item for item in judged if isinstance(item, Finding)]
         once = {_identity(item): item for item in sorted(findings, key=_place)}
-        return Report(
+        return CheckReport(
             findings=tuple(once.values()),
             files=tuple(source.path for source in self._sources.files),
             notes=tuple(dict.fromkeys(self._notes)),
@@ -104,7 +104,7 @@ class _Check:
 
     def _launch_files(self) -> None:
         read: dict[Path, ReadLaunch] = {}
-        for source in self._sources.of(Kind.LAUNCH):
+        for source in self._sources.of(FileKind.LAUNCH):
             answer = self._try(source, launch_file.read, source.path, self._packages)
             if answer is not None:
                 read[source.path] = answer
@@ -130,13 +130,13 @@ class _Check:
         self._loaded |= {
             y.location.file.resolve() for y in read.yamls if y.location.file
         }
-        source = Source(path, Kind.LAUNCH, was_named=False)
+        source = Source(path, FileKind.LAUNCH, was_named=False)
         found = self._try(source, _listed, launch_file.control_findings, read, facts)
         self._findings += found or ()
 
     def _xacro_files(self) -> None:
         read: dict[Path, XacroSource] = {}
-        for source in self._sources.of(Kind.XACRO):
+        for source in self._sources.of(FileKind.XACRO):
             answer = self._try(source, read_xacro_source, source.path, self._packages)
             if answer is not None:
                 self._findings += answer.findings
@@ -158,14 +158,14 @@ class _Check:
             self._findings += read.findings
 
     def _urdf_files(self) -> None:
-        for source in self._sources.of(Kind.URDF):
+        for source in self._sources.of(FileKind.URDF):
             if source.path.resolve() in self._loaded:
                 continue
             read = self._read_robot(source.path, None)
             self._findings += () if read is None else read.findings
 
     def _yaml_files(self) -> None:
-        for source in self._sources.of(Kind.PARAMETERS):
+        for source in self._sources.of(FileKind.PARAMETERS):
             if source.path.resolve() in self._loaded:
                 continue
             text = self._try(source, read_text, source.path)
@@ -201,7 +201,7 @@ class _Check:
 
     def _package_files(self) -> None:
         files = self._sources.files
-        for source in self._sources.of(Kind.PACKAGE):
+        for source in self._sources.of(FileKind.PACKAGE):
             found = self._try(
                 source, _listed, package_findings, source.path, files, self._packages
             )
@@ -217,7 +217,7 @@ class _Check:
         key = (file.resolve(), tuple(sorted((args or {}).items())))
         if key not in self._robots:
             self._robots[key] = self._try(
-                Source(file, Kind.XACRO, was_named=False),
+                Source(file, FileKind.XACRO, was_named=False),
                 read_robot,
                 file,
                 args,
@@ -236,8 +236,8 @@ class _Check:
         """Return what ``work`` returns; if it does not, that is a finding."""
         where = SourceLocation(source.path)
         try:
-            return bounded(work, *arguments, **keywords)
-        except OutOfBoundsError as error:
+            return run_limited(work, *arguments, **keywords)
+        except ResourceLimitError as error:
             message = str(error)
         except RecursionError:
             message = "things stand too deep in one another to be read"

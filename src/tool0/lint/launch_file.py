@@ -16,17 +16,17 @@ from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.xml_source import LocatedElement, children, parse_text
 from tool0.description.yaml_tree import Tree
 from tool0.errors import ConfigError, DescriptionError, SourceLocation, nearest_name
+from tool0.lint.launch.load_context import read_limited
 from tool0.lint.launch.model import LaunchFile, Node
-from tool0.lint.launch.packages import Packages
 from tool0.lint.launch.reader import read_launch
-from tool0.lint.launch.session import read_bounded
+from tool0.lint.packages import PackageIndex
 from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.robot.facts import RobotFacts
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Robot:
+class LoadedRobot:
     """A robot that a launch file puts on the parameter server."""
 
     file: Path
@@ -40,7 +40,7 @@ class ReadLaunch:
     """A launch file as far as it could be read."""
 
     findings: tuple[Finding, ...]
-    robots: tuple[Robot, ...] = ()
+    robots: tuple[LoadedRobot, ...] = ()
     yamls: tuple[YamlText, ...] = ()
     included: tuple[Path, ...] = ()
     spawns: bool = False
@@ -55,7 +55,7 @@ def read(file: Path, packages: Mapping[str, Path]) -> ReadLaunch:
         file: The launch file.
         packages: Name → folder of packages that come before all others.
     """
-    launch = read_launch(file, {}, Packages(packages))
+    launch = read_launch(file, {}, PackageIndex(packages))
     yamls = []
     for rosparam in launch.rosparams():
         if rosparam.command == "load" and rosparam.yaml is not None:
@@ -87,18 +87,20 @@ def control_findings(read: ReadLaunch, robot: RobotFacts | None) -> Iterator[Fin
     yield from request_findings(wanted, ControllerConfig(tree), list(files))
 
 
-def _robots(launch: LaunchFile) -> Iterator[Robot]:
+def _robots(launch: LaunchFile) -> Iterator[LoadedRobot]:
     for parameter in launch.parameters():
         words = parameter.words
         if parameter.source == "command" and words and _is_xacro(words[0]):
             pairs = [word.partition(":=") for word in words[1:] if ":=" in word]
             files = [w for w in words[1:] if ":=" not in w and not w.startswith("-")]
             if files:
-                yield Robot(Path(files[-1]), {key: value for key, _, value in pairs})
+                yield LoadedRobot(
+                    Path(files[-1]), {key: value for key, _, value in pairs}
+                )
         elif parameter.source == "textfile" and parameter.content.resolved:
             path = Path(parameter.content.resolved)
             if path.suffix == ".urdf":
-                yield Robot(path, None)
+                yield LoadedRobot(path, None)
 
 
 def _is_xacro(program: str) -> bool:
@@ -134,7 +136,7 @@ def commented_elements(file: Path) -> list[tuple[SourceLocation, Element]]:
     does a file that cannot be read.  Of elements in one another the outermost counts.
     """
     try:
-        text = read_bounded(file)
+        text = read_limited(file)
     except DescriptionError:
         return []
     found = []

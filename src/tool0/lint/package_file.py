@@ -12,8 +12,8 @@ from tool0.description.attributes import text_of
 from tool0.description.finding import Finding, error_at
 from tool0.description.xml_source import LocatedElement, children, locate, parse_file
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.launch.packages import Packages
-from tool0.lint.sources import Kind, Source
+from tool0.lint.packages import PackageIndex
+from tool0.lint.sources import FileKind, Source
 
 DEPENDENCIES = ("depend", "exec_depend", "run_depend", "build_depend", "test_depend")
 _REQUIRED = ("name", "version", "description", "maintainer", "license")
@@ -78,7 +78,7 @@ def package_findings(
     declared = {
         text_of(item) for item in children(root) if item.tagName in DEPENDENCIES
     }
-    reached, is_whole = _reached(declared, Packages(given))
+    reached, is_whole = _reached(declared, PackageIndex(given))
     for used, where in sorted(_used(file.parent, sources).items()):
         if used in declared or used == name:
             continue
@@ -102,7 +102,7 @@ def package_findings(
 
 
 def _reached(
-    declared: Iterable[str], packages: Packages
+    declared: Iterable[str], packages: PackageIndex
 ) -> tuple[dict[str, str], bool]:
     """Return what else gets installed and by which dependency, and if that is all."""
     by: dict[str, str] = {}
@@ -124,7 +124,7 @@ def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
     """Return the packages that files below a folder use, and where first."""
     found: dict[str, SourceLocation] = {}
     for source in sources:
-        if source.kind not in (Kind.LAUNCH, Kind.XACRO, Kind.URDF):
+        if source.kind not in (FileKind.LAUNCH, FileKind.XACRO, FileKind.URDF):
             continue
         if not source.path.is_relative_to(folder):
             continue

@@ -1,4 +1,4 @@
-"""All rules for one robot, expanded if it is xacro, and for one xacro file as written."""
+"""All rules for one robot, expanded from xacro or not, and for one xacro file."""
 
 from __future__ import annotations
 

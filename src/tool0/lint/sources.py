@@ -20,7 +20,7 @@ _IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 _ROOT = re.compile(r"<\s*([A-Za-z_][\w.-]*)(?=[\s/>])")
 
 
-class Kind(Enum):
+class FileKind(Enum):
     """What a file is."""
 
     URDF = "URDF"
@@ -36,7 +36,7 @@ class Source:
     """A file to check."""
 
     path: Path
-    kind: Kind
+    kind: FileKind
     was_named: bool
     """Whether a person named it, rather than a folder above it."""
 
@@ -52,7 +52,7 @@ class Sources:
     skipped: list[tuple[Path, str]] = field(default_factory=list)
     """What was not looked into, and why."""
 
-    def of(self, *kinds: Kind) -> Iterator[Source]:
+    def of(self, *kinds: FileKind) -> Iterator[Source]:
         return (source for source in self.files if source.kind in kinds)
 
 
@@ -129,26 +129,26 @@ def read_text(file: Path) -> str:
         ) from None
 
 
-def kind_of(file: Path) -> Kind | None:
+def kind_of(file: Path) -> FileKind | None:
     """Return what a file is, by its name and, for XML, by its outermost element."""
     name, suffix = file.name, file.suffix.lower()
     if name == "package.xml":
-        return Kind.PACKAGE
+        return FileKind.PACKAGE
     if suffix in (".yaml", ".yml"):
-        return Kind.PARAMETERS
+        return FileKind.PARAMETERS
     if suffix == ".xacro":
-        return Kind.XACRO
+        return FileKind.XACRO
     if suffix in (".launch", ".test"):
-        return Kind.LAUNCH
+        return FileKind.LAUNCH
     if suffix not in (".xml", ".urdf"):
         return None
     text = file.read_text(encoding="utf-8", errors="replace")
     match = _ROOT.search(_without_comments(text))
     root = match[1] if match else ""
     if root == "launch":
-        return Kind.LAUNCH
+        return FileKind.LAUNCH
     if root == "robot" or suffix == ".urdf":
-        return Kind.XACRO if "xmlns:xacro" in text else Kind.URDF
+        return FileKind.XACRO if "xmlns:xacro" in text else FileKind.URDF
     return None
 
 

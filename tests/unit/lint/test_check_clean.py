@@ -41,7 +41,7 @@ def test_a_urdf_that_we_make_is_clean(tmp_path: Path, gripper_model: str) -> Non
 @pytest.fixture
 def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let work be done here: a child for each example takes too long."""
-    monkeypatch.setattr(module, "bounded", lambda work, *a, **k: work(*a, **k))
+    monkeypatch.setattr(module, "run_limited", lambda work, *a, **k: work(*a, **k))
 
 
 def mangled(text: str, seed: int) -> str:

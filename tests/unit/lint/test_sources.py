@@ -7,28 +7,32 @@ from check_files import write
 
 from tool0.errors import ConfigError
 from tool0.lint import sources
-from tool0.lint.sources import Kind, collect, kind_of
+from tool0.lint.sources import FileKind, collect, kind_of
 
 
 @pytest.mark.parametrize(
     ("name", "text", "kind"),
     [
-        ("package.xml", "<package/>", Kind.PACKAGE),
-        ("a.yaml", "", Kind.PARAMETERS),
-        ("a.yml", "", Kind.PARAMETERS),
+        ("package.xml", "<package/>", FileKind.PACKAGE),
+        ("a.yaml", "", FileKind.PARAMETERS),
+        ("a.yml", "", FileKind.PARAMETERS),
         ("README.md", "", None),
         ("CMakeLists.txt", "", None),
-        ("a.urdf.xacro", "", Kind.XACRO),
-        ("a.launch", "", Kind.LAUNCH),
-        ("a.launch.xml", "<?xml version='1.0'?><!-- <x> -->\n<launch>", Kind.LAUNCH),
-        ("a.xml", "<!-- --><robot name='r'>", Kind.URDF),
-        ("a.urdf", "", Kind.URDF),
-        ("b.urdf", "<robot xmlns:xacro='x'>", Kind.XACRO),
+        ("a.urdf.xacro", "", FileKind.XACRO),
+        ("a.launch", "", FileKind.LAUNCH),
+        (
+            "a.launch.xml",
+            "<?xml version='1.0'?><!-- <x> -->\n<launch>",
+            FileKind.LAUNCH,
+        ),
+        ("a.xml", "<!-- --><robot name='r'>", FileKind.URDF),
+        ("a.urdf", "", FileKind.URDF),
+        ("b.urdf", "<robot xmlns:xacro='x'>", FileKind.XACRO),
         ("world.xml", "<sdf>", None),
         ("a.py", "", None),
     ],
 )
-def test_kinds(tmp_path: Path, name: str, text: str, kind: Kind | None) -> None:
+def test_kinds(tmp_path: Path, name: str, text: str, kind: FileKind | None) -> None:
     file = tmp_path / name
     file.write_text(text, encoding="utf-8")
     assert kind_of(file) is kind

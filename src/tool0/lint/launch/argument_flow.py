@@ -15,11 +15,11 @@ from tool0.lint.launch.model import (
     Environment,
     Include,
     LaunchFile,
-    Machine,
     Node,
     Parameter,
     Place,
     Remap,
+    RemoteMachine,
     Rosparam,
 )
 from tool0.lint.launch.xacro_files import XacroFile, xacro_call
@@ -188,7 +188,7 @@ def describe(entry: Entry) -> str:
             return f"remap {entry.from_name.resolved or entry.from_name.raw}"
         case Environment():
             return f"env {entry.name.resolved or entry.name.raw}"
-        case Machine():
+        case RemoteMachine():
             return "machine"
 
 
@@ -196,7 +196,7 @@ def _included(include: Include) -> str:
     return include.file.raw if include.path is None else include.path.name
 
 
-MAX_LOOKS = 300_000
+MAX_VISITS = 300_000
 """At entries, in search of what uses an argument: files may include files without
 number."""
 _ORIGINS = {
@@ -210,7 +210,7 @@ _ORIGINS = {
 }
 
 
-def argument_ways(
+def argument_flow(
     launch: LaunchFile, robots: Mapping[Parameter, XacroFile]
 ) -> tuple[Item, ...]:
     """Return an item for each file that has arguments, with their ways in it.
@@ -222,13 +222,13 @@ def argument_ways(
         launch: The file.
         robots: What its parameters have xacro read (``xacro_robots``).
     """
-    explainer = _Explainer(launch, robots)
+    explainer = _FlowExplainer(launch, robots)
     listed = [explainer.arguments(file) for file in launch.files()]
     return tuple(item for item in listed if item.items)
 
 
 @final
-class _Explainer:
+class _FlowExplainer:
     """Follows the arguments of one file and of those it includes."""
 
     def __init__(
@@ -236,7 +236,7 @@ class _Explainer:
     ) -> None:
         self._launch = launch
         self._robots = robots
-        self._left = MAX_LOOKS
+        self._left = MAX_VISITS
 
     def arguments(self, launch: LaunchFile) -> Item:
         """Return the arguments that are listed with one file."""

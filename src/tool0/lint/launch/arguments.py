@@ -13,6 +13,7 @@ from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
 from tool0.lint.launch import grammar
 from tool0.lint.launch.attributes import namespace_of, require_file
+from tool0.lint.launch.load_context import is_file
 from tool0.lint.launch.model import (
     Activity,
     Argument,
@@ -22,9 +23,8 @@ from tool0.lint.launch.model import (
     Passed,
     Text,
 )
-from tool0.lint.launch.node_elements import read_env
+from tool0.lint.launch.nodes import read_env
 from tool0.lint.launch.scope import Scope
-from tool0.lint.launch.session import is_file
 
 
 @final

@@ -5,10 +5,10 @@ from __future__ import annotations
 import shlex
 from xml.dom.minidom import Element
 
-from tool0.lint.launch import names
+from tool0.lint.launch import grammar
+from tool0.lint.launch.load_context import is_file
 from tool0.lint.launch.model import Text
 from tool0.lint.launch.scope import Scope
-from tool0.lint.launch.session import is_file
 
 
 def require_file(text: Text, what: str, scope: Scope) -> None:
@@ -68,4 +68,4 @@ def namespace_of(element: Element, scope: Scope) -> str | None:
         return scope.namespace
     if text.resolved is None or scope.namespace is None:
         return None
-    return names.as_namespace(names.join(scope.namespace, text.resolved))
+    return grammar.as_namespace(grammar.join(scope.namespace, text.resolved))

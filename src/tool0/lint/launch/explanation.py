@@ -11,10 +11,10 @@ from tool0.lint.launch.model import (
     Entry,
     Include,
     LaunchFile,
-    Machine,
     Node,
     Parameter,
     Place,
+    RemoteMachine,
     Rosparam,
     Text,
 )
@@ -44,7 +44,7 @@ def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
         launch: The file.
         robots: What its parameters have xacro read (``xacro_robots``).
     """
-    explainer = _Explainer(robots)
+    explainer = _ContentsExplainer(robots)
     return Item(
         kind="launch",
         name=str(launch.file),
@@ -54,7 +54,7 @@ def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
 
 
 @final
-class _Explainer:
+class _ContentsExplainer:
     """Explains the entries of one file and of those it includes."""
 
     def __init__(self, robots: Mapping[Parameter, XacroFile]) -> None:
@@ -71,7 +71,7 @@ class _Explainer:
                 return self._parameter(entry, entry.full_name)
             case Rosparam():
                 return _rosparam(entry)
-            case Machine():
+            case RemoteMachine():
                 texts = [f"{key}={_shown(text)}" for key, text in entry.settings]
                 return _item("machine", "", " ".join(texts), entry.place)
         kind = type(entry).__name__.lower().replace("environment", "env")

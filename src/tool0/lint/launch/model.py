@@ -136,7 +136,7 @@ class Environment:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Machine:
+class RemoteMachine:
     """A ``<machine>``."""
 
     place: Place
@@ -258,7 +258,9 @@ class Include:
         return (("file", self.file), *self.settings)
 
 
-Entry: TypeAlias = Remap | Environment | Machine | Parameter | Rosparam | Node | Include
+Entry: TypeAlias = (
+    Remap | Environment | RemoteMachine | Parameter | Rosparam | Node | Include
+)
 
 
 @final

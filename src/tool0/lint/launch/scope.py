@@ -9,7 +9,8 @@ from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding, Severity
 from tool0.errors import SourceLocation
-from tool0.lint.launch import names
+from tool0.lint.launch import grammar
+from tool0.lint.launch.load_context import LoadContext
 from tool0.lint.launch.model import (
     Activity,
     Condition,
@@ -19,8 +20,7 @@ from tool0.lint.launch.model import (
     Remap,
     Text,
 )
-from tool0.lint.launch.session import Session
-from tool0.lint.launch.substitution import Surroundings, resolve
+from tool0.lint.launch.substitution import SubstitutionContext, resolve
 
 
 @final
@@ -28,7 +28,7 @@ from tool0.lint.launch.substitution import Surroundings, resolve
 class Scope:
     """One context of roslaunch; a file has one, and each group in it a copy."""
 
-    session: Session
+    context: LoadContext
     file: Path
     namespace: str | None
     values: dict[str, Text]
@@ -103,11 +103,11 @@ class Scope:
 
     def resolved(self, raw: str, location: SourceLocation) -> Text:
         """Return a text with its words replaced, and report what is wrong with it."""
-        around = Surroundings(
+        around = SubstitutionContext(
             file=self.file,
             values=self.values,
             declared=frozenset(self.declared),
-            packages=self.session.packages,
+            packages=self.context.packages,
             anonymous=self._anonymous,
         )
         text, problems = resolve(raw, location, around)
@@ -122,7 +122,7 @@ class Scope:
                 severity=problem.severity,
             )
         length = len(raw) + len(text.resolved or "")
-        if not self.session.spend("characters", length):
+        if not self.context.spend("characters", length):
             return replace(text, resolved=None, reason="too much text in these files")
         return text
 
@@ -165,7 +165,7 @@ class Scope:
 
     def _anonymous(self, name: str) -> str:
         if name not in self.anonymous:
-            self.anonymous[name] = self.session.anonymous(name)
+            self.anonymous[name] = self.context.anonymous(name)
         return self.anonymous[name]
 
     def _conditions(self, element: Element) -> tuple[Condition, ...]:
@@ -177,7 +177,7 @@ class Scope:
                 continue
             word = None
             if text.resolved is not None:
-                word = names.as_boolean(text.resolved)
+                word = grammar.as_boolean(text.resolved)
                 if word is None:
                     self.report(
                         text.location,

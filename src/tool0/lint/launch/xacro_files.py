@@ -11,10 +11,10 @@ from xml.dom.minidom import Element
 
 from tool0.description.xml_source import children, parse_text
 from tool0.errors import DescriptionError, SourceLocation
+from tool0.lint.launch.load_context import read_limited
 from tool0.lint.launch.model import LaunchFile, Parameter, Text
-from tool0.lint.launch.packages import Packages
-from tool0.lint.launch.session import read_bounded
-from tool0.lint.launch.substitution import Surroundings, resolve
+from tool0.lint.launch.substitution import SubstitutionContext, resolve
+from tool0.lint.packages import PackageIndex
 
 MAX_FILES: Final = 200
 _GIVEN = re.compile(r"""(\w+):=['"]?((?:\$\([^()]*\)|[^\s'"$])*)""")
@@ -98,7 +98,9 @@ def xacro_call(parameter: Parameter) -> XacroCall | None:
     )
 
 
-def xacro_robots(launch: LaunchFile, packages: Packages) -> dict[Parameter, XacroFile]:
+def xacro_robots(
+    launch: LaunchFile, packages: PackageIndex
+) -> dict[Parameter, XacroFile]:
     """Return what every parameter that calls xacro has it read."""
     return {
         parameter: xacro_files(call, packages)
@@ -107,22 +109,22 @@ def xacro_robots(launch: LaunchFile, packages: Packages) -> dict[Parameter, Xacr
     }
 
 
-def xacro_files(call: XacroCall, packages: Packages) -> XacroFile:
+def xacro_files(call: XacroCall, packages: PackageIndex) -> XacroFile:
     """Return the file that a call loads, with all that it includes."""
     where = call.parameter.place.location
     if call.file is None:
         reason = call.parameter.content.reason or "no file is named"
         written = call.parameter.content.raw
         return XacroFile(file=None, written=written, location=where, reason=reason)
-    reader = _Reader(packages, call.args)
+    reader = _XacroReader(packages, call.args)
     return reader.read(call.file.absolute(), str(call.file), where)
 
 
 @final
-class _Reader:
+class _XacroReader:
     """Follows the includes of one call."""
 
-    def __init__(self, packages: Packages, args: Mapping[str, str]) -> None:
+    def __init__(self, packages: PackageIndex, args: Mapping[str, str]) -> None:
         self._packages = packages
         self._values = {name: _text(value) for name, value in args.items()}
         self._properties: dict[str, str] = {}
@@ -140,7 +142,7 @@ class _Reader:
             reason = f"it is one of more than {MAX_FILES}"
         else:
             try:
-                root = parse_text(read_bounded(file), file).documentElement
+                root = parse_text(read_limited(file), file).documentElement
             except DescriptionError as error:
                 reason = error.message
             except (LookupError, ValueError) as error:
@@ -201,7 +203,7 @@ class _Reader:
 
     def _resolve(self, raw: str, file: Path) -> Text:
         raw = _PROPERTY.sub(lambda m: self._properties.get(m[1], m[0]), raw[:10_000])
-        around = Surroundings(
+        around = SubstitutionContext(
             file=file,
             values=self._values,
             declared=frozenset(self._values),

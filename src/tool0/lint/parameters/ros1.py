@@ -66,7 +66,7 @@ def controller_findings(
     wrong = {f.key.partition("/")[0] for f in linted if f.severity == "error"}
     for name, entry in config.tree.root.children.items():
         if name in config.names:
-            found = _Controller(config, name, entry, robot, names).findings()
+            found = _Ros1Controller(config, name, entry, robot, names).findings()
             for finding in found:
                 said = finding.rule == "missing-key" and any(
                     f"did you mean '{finding.key.rpartition('/')[2]}'" in other.remedy
@@ -98,7 +98,7 @@ def _is_ours(finding: Finding, config: ControllerConfig) -> bool:
 
 
 @final
-class _Controller:
+class _Ros1Controller:
     """One controller of the YAML."""
 
     def __init__(

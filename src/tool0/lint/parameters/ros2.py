@@ -62,7 +62,7 @@ def controller_findings(root: Entry, robot: RobotFacts | None) -> Iterator[Findi
     yield from _misnamed(nodes, declared)
     for name, type_entry in declared.items():
         parameters = nodes.get(name)
-        yield from _Controller(name, type_entry, parameters, robot).findings()
+        yield from _Ros2Controller(name, type_entry, parameters, robot).findings()
 
 
 def _collect(root: Entry, nodes: dict[str, Entry]) -> Iterator[Finding]:
@@ -120,7 +120,7 @@ def _unread(entry: Entry, who: str, near: str) -> Finding:
 
 
 @final
-class _Controller:
+class _Ros2Controller:
     """One controller that the manager is to load."""
 
     def __init__(

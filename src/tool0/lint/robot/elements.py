@@ -1,12 +1,9 @@
-"""Reading XML that may be wrong, and naming it in messages of a bounded length.
-
-What cannot be read is None or empty; nothing here raises.
-"""
+"""Reading XML that may be wrong: what cannot be read is None or empty, never raised."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from xml.dom.minidom import Element
 
 from tool0.description.attributes import text_of
@@ -81,23 +78,3 @@ def descendants(element: Element) -> Iterator[Element]:
         found = waiting.pop()
         yield found
         waiting.extend(reversed(list(children(found))))
-
-
-_LONGEST = 100
-_MOST_QUOTED = 8
-
-
-def quoted(names: Iterable[str]) -> str:
-    """Return some of ``names`` for a sentence: ``'a', 'b' and 3 more``."""
-    items = [f"'{short(name)}'" for name in names]
-    left_out = len(items) - _MOST_QUOTED
-    more = f" and {left_out} more" if left_out > 0 else ""
-    return ", ".join(items[:_MOST_QUOTED]) + more
-
-
-def short(text: str) -> str:
-    """Return ``text`` without its middle if it is too long for a sentence."""
-    if len(text) <= _LONGEST:
-        return text
-    half = _LONGEST // 2 - 1
-    return f"{text[:half]}…{text[-half:]}"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, error_at, warning_at
+from tool0.description.finding import Finding, error_at, quoted, short, warning_at
 from tool0.description.xml_source import children
 from tool0.errors import nearest_name
 from tool0.lint.robot.bodies import bodies
-from tool0.lint.robot.elements import attribute, place, quoted, short
+from tool0.lint.robot.elements import attribute, place
 from tool0.lint.robot.facts import PluginFacts, RobotFacts
 
 LIBRARY = "libgazebo_ros_control.so"

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, Severity, error_at, warning_at
+from tool0.description.finding import Finding, Severity, error_at, short, warning_at
 from tool0.description.model import Inertial
 from tool0.description.urdf_links import principal_moments
 from tool0.description.xml_source import children
 from tool0.lint.robot.bodies import bodies, extent_of
-from tool0.lint.robot.elements import attribute, child, number, place, short
+from tool0.lint.robot.elements import attribute, child, number, place
 from tool0.lint.robot.facts import RobotFacts
 
 _WORLD = "world"

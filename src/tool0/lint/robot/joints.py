@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, error_at, warning_at
+from tool0.description.finding import Finding, error_at, short, warning_at
 from tool0.description.xml_source import children
 from tool0.errors import nearest_name
 from tool0.lint.robot.bodies import reach_of
@@ -19,7 +19,6 @@ from tool0.lint.robot.elements import (
     length,
     number,
     place,
-    short,
     vector,
 )
 from tool0.lint.robot.facts import MOVABLE, JointFacts, RobotFacts

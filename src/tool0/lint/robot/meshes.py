@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, error_at, warning_at
+from tool0.description.finding import Finding, error_at, short, warning_at
 from tool0.description.mesh_files import MESH_SUFFIXES
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation
-from tool0.lint.robot.elements import attribute, descendants, place, short, vector
-from tool0.lint.robot.packages import Packages, nearest_file
+from tool0.lint.packages import PackageIndex, nearest_file
+from tool0.lint.robot.elements import attribute, descendants, place, vector
 
 _SCHEMES = ("package", "file", "model", "http", "https")
 _ABROAD = ("model", "http", "https")
@@ -23,7 +23,7 @@ _ABROAD = ("model", "http", "https")
 
 def mesh_findings(root: Element, packages: Mapping[str, Path]) -> Iterator[Finding]:
     """Yield the meshes that cannot be loaded; each file and each package once."""
-    meshes = _Meshes(Packages(packages))
+    meshes = _Meshes(PackageIndex(packages))
     for link in children(root, "link"):
         for element in descendants(link):
             if element.tagName == "mesh":
@@ -34,7 +34,7 @@ def mesh_findings(root: Element, packages: Mapping[str, Path]) -> Iterator[Findi
 class _Meshes:
     """The meshes of one robot, and what has been said about them."""
 
-    def __init__(self, packages: Packages) -> None:
+    def __init__(self, packages: PackageIndex) -> None:
         self._packages = packages
         self._done: set[str] = set()
 
@@ -102,7 +102,7 @@ class _Meshes:
         self, uri: str, rest: str, location: SourceLocation
     ) -> Iterator[Finding]:
         name, _, inside = rest.partition("/")
-        folder = self._packages.find(name)
+        folder = self._packages.get(name)
         if folder is not None:
             yield from _exists(folder / inside, uri, location)
         elif f"package://{name}/" not in self._done:

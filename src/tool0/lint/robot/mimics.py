@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tool0.description.finding import Finding, error_at, warning_at
+from tool0.description.finding import Finding, error_at, short, warning_at
 from tool0.errors import nearest_name
 from tool0.lint.robot.bodies import bodies
-from tool0.lint.robot.elements import short
 from tool0.lint.robot.facts import JointFacts, RobotFacts
 
 

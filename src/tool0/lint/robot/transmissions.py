@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tool0.description.finding import Finding, error_at, warning_at
+from tool0.description.finding import Finding, error_at, quoted, short, warning_at
 from tool0.description.model import Interface
 from tool0.errors import SourceLocation, nearest_name
-from tool0.lint.robot.elements import quoted, short
 from tool0.lint.robot.facts import RobotFacts, TransmissionFacts
 from tool0.lint.robot.interfaces import InterfaceFacts
 

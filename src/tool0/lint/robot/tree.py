@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, error_at
+from tool0.description.finding import Finding, error_at, quoted, short
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, nearest_name
-from tool0.lint.robot.elements import attribute, place, quoted, short
+from tool0.lint.robot.elements import attribute, place
 from tool0.lint.robot.facts import JointFacts, RobotFacts
 
 _REFUSED = "so ROS refuses the whole robot_description"

@@ -11,11 +11,11 @@ from typing import final
 from xml.dom.minidom import Element
 
 from tool0.description.attributes import text_of
-from tool0.description.finding import Finding, error_at, warning_at
+from tool0.description.finding import Finding, error_at, short, warning_at
 from tool0.description.xml_source import children
-from tool0.lint.robot.elements import attribute, descendants, place, short
+from tool0.lint.packages import PackageIndex, nearest_file
+from tool0.lint.robot.elements import attribute, descendants, place
 from tool0.lint.robot.interfaces import is_interface, meant_interface
-from tool0.lint.robot.packages import Packages, nearest_file
 
 # As xacro reads them: a name, perhaps := or = and a value, which may be quoted.
 _PARAMETER = re.compile(
@@ -25,7 +25,7 @@ _PARAMETER = re.compile(
 
 @final
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class MacroParameter:
     """One parameter of a macro: ``name`` or ``name:=default``."""
 
     name: str
@@ -56,7 +56,7 @@ def own_elements(macro: Element) -> Iterator[Element]:
         waiting.extend(reversed(list(children(element))))
 
 
-def parameters_of(macro: Element) -> tuple[Parameter, ...]:
+def parameters_of(macro: Element) -> tuple[MacroParameter, ...]:
     """Return the parameters of ``macro``; what makes no sense is left out."""
     text = macro.getAttribute("params")
     found = []
@@ -68,7 +68,7 @@ def parameters_of(macro: Element) -> tuple[Parameter, ...]:
         at = match.end()
         name, _, *values = match.groups()
         default = next((value for value in values if value is not None), None)
-        found.append(Parameter(name.lstrip("*"), default, name.startswith("*")))
+        found.append(MacroParameter(name.lstrip("*"), default, name.startswith("*")))
     return tuple(found)
 
 
@@ -80,13 +80,13 @@ _PATTERN = re.compile(r"[*?\[]")
 
 def include_findings(root: Element, known: Mapping[str, Path]) -> Iterator[Finding]:
     """Yield the includes of files that do not exist."""
-    packages = Packages(known)
+    packages = PackageIndex(known)
     named: set[str] = set()
     for element in descendants(root):
         if element.tagName != "xacro:include":
             continue
         text = attribute(element, "filename")
-        missing = [name for name in _FIND.findall(text) if packages.find(name) is None]
+        missing = [name for name in _FIND.findall(text) if packages.get(name) is None]
         for name in missing:
             if name not in named:
                 named.add(name)
@@ -97,7 +97,7 @@ def include_findings(root: Element, known: Mapping[str, Path]) -> Iterator[Findi
 
 def included_files(root: Element, known: Mapping[str, Path]) -> Iterator[Path]:
     """Yield the files that a xacro file includes, whatever its arguments are."""
-    packages = Packages(known)
+    packages = PackageIndex(known)
     for element in descendants(root):
         if element.tagName == "xacro:include":
             path = _included(element, attribute(element, "filename"), packages)
@@ -105,18 +105,18 @@ def included_files(root: Element, known: Mapping[str, Path]) -> Iterator[Path]:
                 yield path
 
 
-def _included(element: Element, text: str, packages: Packages) -> Path | None:
+def _included(element: Element, text: str, packages: PackageIndex) -> Path | None:
     """Return the file that an include is about, if it is always the same."""
     location = place(element)
     folder = Path() if location.file is None else location.file.parent
-    filled = _FIND.sub(lambda match: str(packages.find(match.group(1))), text)
+    filled = _FIND.sub(lambda match: str(packages.get(match.group(1))), text)
     filled = filled.replace("$(dirname)", str(folder))
     if "$" in filled or _PATTERN.search(text):
         return None
     return folder / filled  # an absolute one stays as it is
 
 
-def _missing(element: Element, text: str, packages: Packages) -> Iterator[Finding]:
+def _missing(element: Element, text: str, packages: PackageIndex) -> Iterator[Finding]:
     location, path = place(element), _included(element, text, packages)
     if path is None:
         return

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from tool0.lint.launch.load_context import MAX_BYTES
 from tool0.lint.launch.model import Activity, Argument, LaunchFile
-from tool0.lint.launch.packages import Packages, packages_around
 from tool0.lint.launch.reader import read_launch
-from tool0.lint.launch.session import MAX_BYTES
 from tool0.lint.launch_file import commented_elements
+from tool0.lint.packages import PackageIndex, packages_around
 
 DATA = Path(__file__).parents[3] / "data" / "launch" / "src"
 BRING_UP = DATA / "arm_gazebo" / "launch" / "arm_bringup.launch"
@@ -47,7 +47,7 @@ def argument(launch: LaunchFile, name: str) -> Argument:
 
 
 def bring_up(**arguments: str) -> LaunchFile:
-    packages = Packages(packages_around(BRING_UP))
+    packages = PackageIndex(packages_around(BRING_UP))
     return read_launch(BRING_UP, arguments, packages)
 
 

@@ -11,7 +11,7 @@ from xml.dom.minidom import Element
 from tool0.description.finding import Finding, error_at
 from tool0.description.xml_source import parse_text
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.launch.packages import Packages
+from tool0.lint.packages import PackageIndex
 
 MAX_NESTING: Final = 40
 """Of groups and includes in one another."""
@@ -27,10 +27,10 @@ _START: Final = re.compile(r"<(?:[^<>'\"]|'[^']*'|\"[^\"]*\")*>")
 
 
 @final
-class Session:
+class LoadContext:
     """One reading of a launch file and all that it includes."""
 
-    def __init__(self, packages: Packages) -> None:
+    def __init__(self, packages: PackageIndex) -> None:
         self.packages = packages
         self.nodes: dict[str, SourceLocation] = {}
         """Full names of nodes that are active beyond doubt, and where they stand."""
@@ -90,7 +90,7 @@ def is_file(path: str | Path) -> bool:
     return os.path.isfile(path)  # noqa: PTH113  # Path's raises if a name is too long
 
 
-def read_bounded(path: Path) -> bytes:
+def read_limited(path: Path) -> bytes:
     """Return what a file holds.
 
     Raises:
@@ -110,7 +110,7 @@ def read_bounded(path: Path) -> bytes:
 def _root(path: Path) -> Element | Finding:
     where = SourceLocation(path)
     try:
-        root = parse_text(read_bounded(path), path).documentElement
+        root = parse_text(read_limited(path), path).documentElement
     except DescriptionError as error:
         where, message = error.location or where, error.message
     except (LookupError, ValueError) as error:  # of encodings that expat knows not

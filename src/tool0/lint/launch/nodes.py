@@ -7,19 +7,19 @@ from xml.dom.minidom import Element
 
 from tool0.description.xml_source import children
 from tool0.errors import DescriptionError
-from tool0.lint.launch import grammar, names
+from tool0.lint.launch import grammar
 from tool0.lint.launch.attributes import namespace_of, split
 from tool0.lint.launch.model import (
     Activity,
     Environment,
-    Machine,
     Node,
     Parameter,
     Remap,
+    RemoteMachine,
     Rosparam,
     Text,
 )
-from tool0.lint.launch.param_elements import in_node, read_node_param, read_rosparam
+from tool0.lint.launch.params import in_node, read_node_param, read_rosparam
 from tool0.lint.launch.scope import Scope
 
 _NODE_KEYS = ("pkg", "type", "name", "args", "ns", "clear_params", "if", "unless")
@@ -33,7 +33,7 @@ def read_node(element: Element, scope: Scope) -> Node:
     outer = namespace_of(element, scope)
     own = None
     if name.resolved and outer is not None:
-        own = names.as_namespace(names.join(outer, name.resolved))
+        own = grammar.as_namespace(grammar.join(outer, name.resolved))
     _check_node(element, name, scope)
     inside = replace(
         scope,
@@ -80,7 +80,7 @@ def read_node(element: Element, scope: Scope) -> Node:
 
 def _check_package(package: Text, scope: Scope) -> None:
     """Report a node's package that is not here: roslaunch cannot start the node."""
-    name, packages = package.resolved, scope.session.packages
+    name, packages = package.resolved, scope.context.packages
     if not name:
         return
     try:
@@ -111,7 +111,7 @@ def _check_node(element: Element, name: Text, scope: Scope) -> None:
             "is a node's name with a namespace in it: roslaunch stops here",
             "write the namespace into ns",
         )
-    elif name.resolved is not None and not names.is_legal(name.resolved):
+    elif name.resolved is not None and not grammar.is_legal(name.resolved):
         scope.report(
             where,
             "bad-name",
@@ -146,7 +146,9 @@ def read_remap(element: Element, scope: Scope) -> Remap:
     )
     for key, text in remap.texts:
         name = text.resolved
-        if name is not None and (not name or not names.is_legal(names.canonical(name))):
+        if name is not None and (
+            not name or not grammar.is_legal(grammar.canonical(name))
+        ):
             scope.report(
                 text.location, "bad-name", key, f"'{name}' is no name that ROS accepts"
             )
@@ -171,8 +173,8 @@ def read_env(element: Element, scope: Scope) -> Environment:
     )
 
 
-def read_machine(element: Element, scope: Scope) -> Machine:
+def read_machine(element: Element, scope: Scope) -> RemoteMachine:
     """Return a ``<machine>``."""
     keys = [key for key, _ in element.attributes.items() if key not in ("if", "unless")]
     texts = [(key, scope.required(element, key)) for key in keys]
-    return Machine(place=scope.place(element), settings=tuple(texts))
+    return RemoteMachine(place=scope.place(element), settings=tuple(texts))
