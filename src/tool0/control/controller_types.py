@@ -7,8 +7,7 @@ from functools import cache
 from importlib import import_module
 
 from tool0.control.controller import ControllerSpec
-from tool0.control.parameters import INTERFACE_OF_PACKAGE, RobotJoints
-from tool0.description.model import Interface, Joint, JointType
+from tool0.control.parameters import RobotJoints
 from tool0.description.yaml_tree import Tree
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
@@ -80,12 +79,10 @@ def parameters_of(type_name: str) -> frozenset[str]:
     Raises:
         ConfigError: If there is no such type.
     """
-    interface = INTERFACE_OF_PACKAGE.get(type_name.partition("/")[0], Interface.EFFORT)
-    joint = Joint(name="*", type=JointType.CONTINUOUS, parent="world", child="*")
     tree = Tree()
     tree.load(_SAMPLE.format(type_name=type_name), SourceLocation(None, 1))
     sample = Namespace(tree.root.children["sample"])
-    parser_of(type_name)(sample, RobotJoints({"*": joint}, {"*": interface}))
+    parser_of(type_name)(sample, RobotJoints.assumed("*", type_name))
     return sample.read_keys() - {"type"}
 
 

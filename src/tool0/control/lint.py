@@ -12,6 +12,7 @@ from tool0.control.config import (
     joint_limit_parameters,
 )
 from tool0.control.controller_types import TYPES, parameters_of, readers_of
+from tool0.control.parameters import joint_entries
 from tool0.description.finding import Finding
 from tool0.description.model import RobotModel
 from tool0.description.yaml_tree import Entry
@@ -157,11 +158,7 @@ class _Controller:
     @property
     def joints(self) -> tuple[str, ...]:
         """The joints that it names."""
-        children = self.entry.children
-        names = [str(children["joint"].scalar)] if "joint" in children else []
-        if "joints" in children:
-            names += [str(item.scalar) for item in children["joints"].items]
-        return tuple(names)
+        return tuple(str(item.scalar) for item in joint_entries(self.entry))
 
     def findings(self) -> Iterator[Finding]:
         """Yield what the controller does not read, or reads in vain."""

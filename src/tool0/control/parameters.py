@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import final
 
 from tool0.control.pid import Gains
-from tool0.description.model import Interface, Joint
+from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_tree import Entry
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean, nearest_name
@@ -28,6 +28,33 @@ class RobotJoints:
     joints: Mapping[str, Joint]
     interfaces: Mapping[str, Interface]
     """The joints with a transmission, in the engine's order."""
+
+    @staticmethod
+    def assumed(names: Iterable[str], type_name: str) -> RobotJoints:
+        """Return joints that a controller of a type can command, for want of a robot.
+
+        Args:
+            names: The joints.
+            type_name: The controller's type, whose package tells the interface.
+        """
+        package = type_name.partition("/")[0]
+        interface = INTERFACE_OF_PACKAGE.get(package, Interface.EFFORT)
+        joints = {
+            name: Joint(
+                name=name, type=JointType.CONTINUOUS, parent="world", child=name
+            )
+            for name in names
+        }
+        return RobotJoints(joints, dict.fromkeys(joints, interface))
+
+
+def joint_entries(controller: Entry) -> list[Entry]:
+    """Return where a controller names its joints: ``joint`` and those of ``joints``."""
+    joint, joints = controller.find("joint"), controller.find("joints")
+    return [
+        *([] if joint is None else [joint]),
+        *([] if joints is None else joints.items),
+    ]
 
 
 def controlled_joint(

@@ -12,6 +12,7 @@ from xml.parsers import expat
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES, parameters_of
+from tool0.control.parameters import joint_entries
 from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.xml_source import LocatedElement, children, parse_text
 from tool0.description.yaml_tree import Tree
@@ -279,10 +280,7 @@ def _claimed(name: str, config: ControllerConfig) -> Iterator[str]:
     entry = config.tree.root.children.get(name)
     if entry is None or _only_reads(config.types.get(name, "")):
         return
-    if "joint" in entry.children:
-        yield str(entry.children["joint"].scalar)
-    if "joints" in entry.children:
-        yield from (str(item.scalar) for item in entry.children["joints"].items)
+    yield from (str(item.scalar) for item in joint_entries(entry))
 
 
 def _only_reads(type_name: str) -> bool:

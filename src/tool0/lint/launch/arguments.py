@@ -12,7 +12,6 @@ from xml.dom.minidom import Element
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
 from tool0.lint.launch import grammar
-from tool0.lint.launch.attributes import namespace_of, require_file
 from tool0.lint.launch.load_context import is_file
 from tool0.lint.launch.model import (
     Activity,
@@ -207,7 +206,7 @@ class Target:
 def target_of(element: Element, scope: Scope) -> Target:
     """Return what an ``<include>`` asks for."""
     file = scope.required(element, "file")
-    namespace = namespace_of(element, scope)
+    namespace = scope.namespace_of(element)
     passes_all = scope.boolean(element, "pass_all_args")
     given = _all_given(element, scope) if passes_all else {}
     passed, environment = _children(element, scope, given, passes_all=passes_all)
@@ -238,7 +237,7 @@ def _reason(file: Text, path: Path | None, scope: Scope) -> str:
     """Return why there is nothing to include, if so; report it."""
     if path is None:
         return file.reason or "no file is named"
-    require_file(file, "include", scope)
+    scope.require_file(file, "include")
     return "" if is_file(path) else f"{path} does not exist"
 
 

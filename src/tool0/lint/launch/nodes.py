@@ -8,7 +8,6 @@ from xml.dom.minidom import Element
 from tool0.description.xml_source import children
 from tool0.errors import DescriptionError
 from tool0.lint.launch import grammar
-from tool0.lint.launch.attributes import namespace_of, split
 from tool0.lint.launch.model import (
     Activity,
     Environment,
@@ -30,7 +29,7 @@ def read_node(element: Element, scope: Scope) -> Node:
     is_test = element.tagName == "test"
     has_name = element.hasAttribute("name") or not is_test
     name = scope.required(element, "name" if has_name else "test-name")
-    outer = namespace_of(element, scope)
+    outer = scope.namespace_of(element)
     own = None
     if name.resolved and outer is not None:
         own = grammar.as_namespace(grammar.join(outer, name.resolved))
@@ -69,7 +68,7 @@ def read_node(element: Element, scope: Scope) -> Node:
         name=name,
         full_name=None if own is None else own.removesuffix("/"),
         args=args,
-        words=() if args is None else split(args, scope),
+        words=() if args is None else scope.words(args),
         settings=tuple((key, scope.required(element, key)) for key in keys),
         parameters=(*(in_node(p, own) for p in scope.private), *parameters),
         rosparams=tuple(rosparams),

@@ -10,7 +10,6 @@ from xml.dom.minidom import Element
 
 from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.launch import grammar
-from tool0.lint.launch.attributes import require_file, split
 from tool0.lint.launch.load_context import is_file, read_limited
 from tool0.lint.launch.model import (
     Activity,
@@ -92,7 +91,7 @@ def _param(element: Element, scope: Scope) -> Parameter | None:
         )
     content = scope.required(element, given[0])
     if given[0] in ("textfile", "binfile"):
-        require_file(content, given[0], scope)
+        scope.require_file(content, given[0])
     elif given[0] == "value":
         _check_type(content, kind, scope)
     parameter = Parameter(
@@ -102,11 +101,11 @@ def _param(element: Element, scope: Scope) -> Parameter | None:
         type=kind,
         source=given[0],
         content=content,
-        words=split(content, scope) if given[0] == "command" else (),
+        words=scope.words(content) if given[0] == "command" else (),
     )
     call = xacro_call(parameter)
     if call is not None and call.file is not None:
-        require_file(replace(content, resolved=str(call.file)), "xacro", scope)
+        scope.require_file(replace(content, resolved=str(call.file)), "xacro")
     return parameter
 
 
@@ -179,7 +178,7 @@ def _yaml(element: Element, file: Text | None, scope: Scope) -> Text | None:
         return Text(raw=raw, resolved=raw, location=where)
     if file.resolved is None:
         return None
-    require_file(file, "rosparam", scope)
+    scope.require_file(file, "rosparam")
     path = Path(file.resolved)
     if not is_file(path) or scope.activity is Activity.INACTIVE:
         return None

@@ -16,7 +16,6 @@ from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
 from tool0.lint.launch import grammar, nodes
 from tool0.lint.launch.arguments import Arguments, Given, Target, target_of
-from tool0.lint.launch.attributes import namespace_of
 from tool0.lint.launch.load_context import (
     MAX_ELEMENTS,
     MAX_FILES,
@@ -170,7 +169,7 @@ class _FileReader:
             self._stop(element, scope, f"more than {MAX_NESTING} inside one another")
             return
         self._context.depth += 1
-        inside = scope.group(namespace_of(element, scope))
+        inside = scope.group(scope.namespace_of(element))
         self._read_children(element, inside)
         self._context.depth -= 1
 

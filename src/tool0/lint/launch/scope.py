@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, final
@@ -10,7 +11,7 @@ from xml.dom.minidom import Element
 from tool0.description.finding import Finding, Severity
 from tool0.errors import SourceLocation
 from tool0.lint.launch import grammar
-from tool0.lint.launch.load_context import LoadContext
+from tool0.lint.launch.load_context import LoadContext, is_file
 from tool0.lint.launch.model import (
     Activity,
     Condition,
@@ -140,6 +141,63 @@ class Scope:
             f'write {name}="true" or {name}="false"',
         )
         return False
+
+    def require_file(self, text: Text, user: str) -> None:
+        """Report a file that does not exist."""
+        if text.resolved is None or is_file(text.resolved):
+            return
+        self.report(
+            text.location,
+            "missing-file",
+            text.resolved,
+            f"does not exist, and {user} needs it",
+            "correct the path; $(find PACKAGE)/… begins in a package, $(dirname)/… in "
+            "the launch file's folder",
+        )
+
+    def words(self, text: Text) -> tuple[str, ...]:
+        """Return the words of a command line."""
+        if text.resolved is None:
+            return ()
+        try:
+            return tuple(shlex.split(text.resolved))
+        except ValueError as error:
+            self.report(
+                text.location,
+                "bad-command",
+                text.resolved.strip()[:40],
+                f"is no command line: {error}",
+                "close the quotation marks",
+            )
+            return ()
+
+    def namespace_of(self, element: Element) -> str | None:
+        """Return the namespace that an element's ``ns`` opens within this one."""
+        text = self.text(element, "ns")
+        clears = self.boolean(element, "clear_params")
+        is_node = element.tagName in ("node", "test")
+        if clears and not is_node and not (text is not None and text.raw):
+            self.report(
+                self.locate(element),
+                "bad-value",
+                "clear_params",
+                "needs ns beside it, to say which parameters go",
+                'write ns="…"',
+            )
+        if text is None:
+            return self.namespace
+        if text.resolved == "":
+            self.report(
+                text.location,
+                "bad-value",
+                "ns",
+                "is empty: roslaunch stops here",
+                "remove it, or name a namespace",
+            )
+            return self.namespace
+        if text.resolved is None or self.namespace is None:
+            return None
+        return grammar.as_namespace(grammar.join(self.namespace, text.resolved))
 
     def report(
         self,

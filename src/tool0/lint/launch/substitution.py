@@ -95,7 +95,7 @@ class _Substitution:
         """Return the text, or None if a word in it has no value."""
         try:
             if raw.startswith("$(eval ") and raw.endswith(")"):
-                return _bounded(self._evaluate(raw[7:-1]))
+                return _limited(self._evaluate(raw[7:-1]))
             if _BROKEN.search(raw):
                 self._problem(
                     "bad-substitution",
@@ -126,8 +126,8 @@ class _Substitution:
             end = match.end()
             if length > MAX_LENGTH:
                 break
-        text = _bounded("".join((*parts, raw[end:])))
-        text = _bounded(_FIND.sub(self._find, text))
+        text = _limited("".join((*parts, raw[end:])))
+        text = _limited(_FIND.sub(self._find, text))
         return text if is_whole and not self.reason else None
 
     def _word(self, whole: str, inside: str) -> str:
@@ -256,7 +256,7 @@ class _Substitution:
         )
 
 
-def _bounded(text: str) -> str:
+def _limited(text: str) -> str:
     if len(text) > MAX_LENGTH:
         raise _UnresolvedError(f"it would be longer than {MAX_LENGTH} characters")
     return text

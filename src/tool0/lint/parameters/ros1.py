@@ -8,9 +8,12 @@ from typing import Final, final
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES, parameters_of
 from tool0.control.lint import OF_TOOL0, lint_joints
-from tool0.control.parameters import INTERFACE_OF_PACKAGE, RobotJoints
+from tool0.control.parameters import (
+    INTERFACE_OF_PACKAGE,
+    RobotJoints,
+    joint_entries,
+)
 from tool0.description.finding import Finding, error_at
-from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_tree import Entry
 from tool0.errors import ConfigError, nearest_name
 from tool0.lint.parameters.joint_names import JointNames
@@ -119,7 +122,7 @@ class _Ros1Controller:
         if self._type not in TYPES:
             yield from self._unknown_type()
             return
-        joints = self._joints()
+        joints = [(str(item.scalar), item) for item in joint_entries(self._entry)]
         wrong = [
             *self._missing(),
             *self._names.unknown(joints),
@@ -144,15 +147,6 @@ class _Ros1Controller:
                     f"is missing, and {self._type} does not load without",
                     f"write '{key}' under '{self._name}'",
                 )
-
-    def _joints(self) -> list[tuple[str, Entry]]:
-        """Return the joints that it names, and where."""
-        found = []
-        if "joint" in self._keys:
-            found.append(self._keys["joint"])
-        if "joints" in self._keys:
-            found += self._keys["joints"].items
-        return [(str(entry.scalar), entry) for entry in found]
 
     def _unknown_type(self) -> Iterator[Finding]:
         written, known = self._type, (*TYPES, *OTHER_TYPES)
@@ -234,20 +228,9 @@ class _Ros1Controller:
 
     def _values(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
         """Yield what else keeps the controller from loading."""
-        interface = INTERFACE_OF_PACKAGE.get(
-            self._type.partition("/")[0], Interface.EFFORT
-        )
-        toy = RobotJoints(
-            {
-                name: Joint(
-                    name=name, type=JointType.CONTINUOUS, parent="world", child=name
-                )
-                for name, _ in joints
-            },
-            {name: interface for name, _ in joints},
-        )
+        robot = RobotJoints.assumed((name for name, _ in joints), self._type)
         try:
-            self._config.spec(self._name, toy)
+            self._config.spec(self._name, robot)
         except ConfigError as error:
             yield error_at(
                 error.location or self._entry.location,

@@ -14,8 +14,8 @@ from tool0.lint.parameters.ros2_tables import (
     COMMON,
     MANAGER,
     OTHER_TYPES,
-    REQUIRED,
     TYPES,
+    required_parameters,
 )
 from tool0.lint.robot.facts import RobotFacts
 
@@ -169,7 +169,9 @@ class _Ros2Controller:
         yield self._type_entry.finding("unknown-type", message, remedy)
 
     def _missing(self) -> Iterator[Finding]:
-        missing = [key for key in REQUIRED.get(self._type, ()) if key not in self._keys]
+        missing = [
+            key for key in required_parameters(self._type) if key not in self._keys
+        ]
         if not missing:
             return
         where = self._parameters or self._type_entry
