@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
-from xml.dom.minidom import Element
 from xml.parsers import expat
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import TYPES, parameters_of
 from tool0.control.parameters import joint_entries
 from tool0.description.finding import Finding, error_at, warning_at
-from tool0.description.xml_source import LocatedElement, children, parse_text
 from tool0.description.yaml_tree import Tree
 from tool0.errors import ConfigError, DescriptionError, SourceLocation, nearest_name
 from tool0.lint.launch.load_context import read_limited
 from tool0.lint.launch.model import LaunchFile, Node
 from tool0.lint.launch.reader import read_launch
+from tool0.lint.launch.xacro_files import xacro_call
 from tool0.lint.packages import PackageIndex
 from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.robot.facts import RobotFacts
+
+_ROSPARAM = re.compile(r"""<rosparam\b[^<>]*\bfile=["']([^"'<>]+)["'][^<>]*>""")
+_SPAWNERS = ("spawner", "spawner.py")
+_TAKES_VALUE = ("--namespace", "--timeout", "-t", "--shutdown-timeout")
 
 
 @final
@@ -75,7 +79,7 @@ def read(file: Path, packages: Mapping[str, Path]) -> ReadLaunch:
 def control_findings(read: ReadLaunch, robot: RobotFacts | None) -> Iterator[Finding]:
     """Yield what is wrong between a launch file's controllers, YAML and robot."""
     yield from yaml_findings(read.yamls, robot)
-    wanted = list(requests(read.launch)) if read.launch is not None else []
+    wanted = list(_spawn_requests(read.launch)) if read.launch is not None else []
     if not wanted:
         return
     tree = Tree()
@@ -83,40 +87,28 @@ def control_findings(read: ReadLaunch, robot: RobotFacts | None) -> Iterator[Fin
         try:
             tree.load(yaml.text, yaml.location)
         except ConfigError:
-            return  # what it defines is unknown, and it was told
+            return  # what it defines is unknown, which was reported
     files = dict.fromkeys(str(yaml.location.file) for yaml in read.yamls)
-    yield from request_findings(wanted, ControllerConfig(tree), list(files))
+    yield from _spawn_findings(wanted, ControllerConfig(tree), list(files))
 
 
 def _robots(launch: LaunchFile) -> Iterator[LoadedRobot]:
     for parameter in launch.parameters():
-        words = parameter.words
-        if parameter.source == "command" and words and _is_xacro(words[0]):
-            pairs = [word.partition(":=") for word in words[1:] if ":=" in word]
-            files = [w for w in words[1:] if ":=" not in w and not w.startswith("-")]
-            if files:
-                yield LoadedRobot(
-                    Path(files[-1]), {key: value for key, _, value in pairs}
-                )
+        call = xacro_call(parameter)
+        if call is not None and call.file is not None:
+            yield LoadedRobot(call.file, call.args)
         elif parameter.source == "textfile" and parameter.content.resolved:
             path = Path(parameter.content.resolved)
             if path.suffix == ".urdf":
                 yield LoadedRobot(path, None)
 
 
-def _is_xacro(program: str) -> bool:
-    return Path(program).name in ("xacro", "xacro.py")
-
-
 def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Finding]:
     """Yield YAML whose only <rosparam> is commented out."""
     loaded = {yaml.location.file.name for yaml in yamls if yaml.location.file}
     for child in launch.files():
-        for location, element in commented_elements(child.file):
-            if element.tagName != "rosparam":
-                continue
-            file = element.getAttribute("file")
-            if file and Path(file).name not in loaded:
+        for location, file in commented_rosparams(child.file):
+            if Path(file).name not in loaded:
                 yield warning_at(
                     location,
                     "commented-out",
@@ -127,73 +119,24 @@ def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Findin
                 )
 
 
-_PREFIX = '<comment xmlns:xacro="http://www.ros.org/wiki/xacro">'
-
-
-def commented_elements(file: Path) -> list[tuple[SourceLocation, Element]]:
-    """Return the elements in an XML file's comments, with where they are written.
-
-    A comment that is not well-formed, as prose with brackets in it, holds none; nor
-    does a file that cannot be read.  Of elements in one another the outermost counts.
-    """
-    try:
-        text = read_limited(file)
-    except DescriptionError:
-        return []
-    found = []
-    for line, comment in _comments(text):
-        if "<" not in comment:
-            continue
-        try:
-            root = parse_text(f"{_PREFIX}{comment}</comment>", file).documentElement
-        except (DescriptionError, ValueError):
-            continue
-        if root is not None:
-            _move(root, line - 1)
-            found += [(_place(element), element) for element in children(root)]
-    return found
-
-
-def _comments(text: bytes) -> list[tuple[int, str]]:
-    """Return the comments, each with its first line, up to where XML ends to be so."""
-    found: list[tuple[int, str]] = []
+def commented_rosparams(launch_file: Path) -> Iterator[tuple[SourceLocation, str]]:
+    """Yield each ``<rosparam file="…">`` in an XML file's comments: place and file."""
+    comments: list[tuple[int, str]] = []
     parser = expat.ParserCreate()
-    parser.CommentHandler = lambda data: found.append((parser.CurrentLineNumber, data))
-    with suppress(expat.ExpatError, LookupError, ValueError):
-        parser.Parse(text, True)  # what came before a mistake counts
-    return found
-
-
-def _move(root: Element, lines: int) -> None:
-    """Add ``lines`` to the place of every element."""
-    for element in _all(root):
-        if element.location is not None and element.location.line is not None:
-            element.location = SourceLocation(
-                element.location.file, element.location.line + lines
-            )
-
-
-def _all(root: Element) -> Iterator[LocatedElement]:
-    waiting = [root]
-    while waiting:
-        element = waiting.pop()
-        waiting += children(element)
-        if isinstance(element, LocatedElement):
-            yield element
-
-
-def _place(element: Element) -> SourceLocation:
-    place: SourceLocation | None = getattr(element, "location", None)
-    return place or SourceLocation(None)
-
-
-_SPAWNERS = ("spawner", "spawner.py")
-_TAKES_VALUE = ("--namespace", "--timeout", "-t", "--shutdown-timeout")
+    parser.CommentHandler = lambda data: comments.append(
+        (parser.CurrentLineNumber, data)
+    )
+    with suppress(DescriptionError, expat.ExpatError, LookupError, ValueError):
+        parser.Parse(read_limited(launch_file), True)  # up to the first mistake
+    for first_line, comment in comments:
+        for match in _ROSPARAM.finditer(comment):
+            line = first_line + comment.count("\n", 0, match.start())
+            yield SourceLocation(launch_file, line), match[1]
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Request:
+class SpawnRequest:
     """A controller that a node asks the controller manager for."""
 
     name: str
@@ -201,14 +144,14 @@ class Request:
     location: SourceLocation
 
 
-def requests(launch: LaunchFile) -> Iterator[Request]:
+def _spawn_requests(launch: LaunchFile) -> Iterator[SpawnRequest]:
     """Yield the controllers that the nodes of a launch file load or start."""
     for node in launch.nodes():
         if node.package.resolved == "controller_manager":
-            yield from _requests_of(node)
+            yield from _requests_of_node(node)
 
 
-def _requests_of(node: Node) -> Iterator[Request]:
+def _requests_of_node(node: Node) -> Iterator[SpawnRequest]:
     words = list(node.words)
     is_started = "--stopped" not in words
     if node.type.resolved not in _SPAWNERS:
@@ -222,14 +165,14 @@ def _requests_of(node: Node) -> Iterator[Request]:
     skip = False
     for word in words:
         if not skip and not word.startswith("-") and ":=" not in word:
-            yield Request(word, is_started, location)
+            yield SpawnRequest(word, is_started, location)
         skip = word in _TAKES_VALUE
 
 
-def request_findings(
-    wanted: Sequence[Request], config: ControllerConfig, files: Sequence[str]
+def _spawn_findings(
+    wanted: Sequence[SpawnRequest], config: ControllerConfig, files: Sequence[str]
 ) -> Iterator[Finding]:
-    """Yield controllers that no YAML defines, and those that fight over a joint.
+    """Yield controllers that no YAML defines, and those that claim the same joint.
 
     Args:
         wanted: What the launch file asks for.
@@ -252,19 +195,21 @@ def request_findings(
             if near
             else f"defined are: {', '.join(known) or 'none'}",
         )
-    yield from _fights([item for item in wanted if item.is_started], config)
+    yield from _conflicts([item for item in wanted if item.is_started], config)
 
 
-def _fights(started: Sequence[Request], config: ControllerConfig) -> Iterator[Finding]:
-    claims: dict[str, Request] = {}
-    told: set[tuple[str, str]] = set()
+def _conflicts(
+    started: Sequence[SpawnRequest], config: ControllerConfig
+) -> Iterator[Finding]:
+    claims: dict[str, SpawnRequest] = {}
+    reported: set[tuple[str, str]] = set()
     for request in started:
         for joint in _claimed(request.name, config):
             other = claims.setdefault(joint, request)
             pair = (other.name, request.name)
-            if other.name == request.name or pair in told:
+            if other.name == request.name or pair in reported:
                 continue
-            told.add(pair)
+            reported.add(pair)
             yield error_at(
                 request.location,
                 "two-controllers",

@@ -14,7 +14,7 @@ from tool0.lint.launch.explanation import contents
 from tool0.lint.launch.grammar import ATTRIBUTES
 from tool0.lint.launch.reader import read_launch
 from tool0.lint.launch.xacro_files import xacro_robots
-from tool0.lint.launch_file import commented_elements
+from tool0.lint.launch_file import commented_rosparams
 from tool0.lint.packages import PackageIndex
 
 pytestmark = pytest.mark.slow
@@ -64,7 +64,7 @@ def explained(content: bytes) -> None:
         robots = xacro_robots(launch, packages)
         assert contents(launch, robots).name == str(file)
         argument_flow(launch, robots)
-        commented_elements(file)
+        list(commented_rosparams(file))
 
 
 @settings(max_examples=60, deadline=10_000)
