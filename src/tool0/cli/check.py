@@ -77,20 +77,7 @@ def _json(report: CheckReport) -> str:
 
     return json.dumps(
         {
-            "findings": [
-                {
-                    "file": None
-                    if finding.location.file is None
-                    else str(finding.location.file),
-                    "line": finding.location.line,
-                    "severity": finding.severity,
-                    "rule": finding.rule,
-                    "key": finding.key,
-                    "message": finding.message,
-                    "remedy": finding.remedy,
-                }
-                for finding in report.findings
-            ],
+            "findings": [finding.as_json() for finding in report.findings],
             "files": [str(path) for path in report.files],
             "notes": list(report.notes),
             "errors": report.n_errors,

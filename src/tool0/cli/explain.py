@@ -106,18 +106,7 @@ def _json(
     return {
         "contents": _as_json(contents),
         "arguments": [_as_json(item) for item in arguments],
-        "findings": [
-            {
-                "severity": finding.severity,
-                "rule": finding.rule,
-                "file": str(finding.location.file),
-                "line": finding.location.line,
-                "key": finding.key,
-                "message": finding.message,
-                "remedy": finding.remedy,
-            }
-            for finding in findings
-        ],
+        "findings": [finding.as_json() for finding in findings],
     }
 
 

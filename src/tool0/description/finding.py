@@ -37,6 +37,19 @@ class Finding:
         """What is wrong, and what would be right: ``message; remedy``."""
         return "; ".join(part for part in (self.message, self.remedy) if part)
 
+    def as_json(self) -> dict[str, str | int | None]:
+        """Return the finding as plain values."""
+        file = self.location.file
+        return {
+            "file": None if file is None else str(file),
+            "line": self.location.line,
+            "severity": self.severity,
+            "rule": self.rule,
+            "key": self.key,
+            "message": self.message,
+            "remedy": self.remedy,
+        }
+
     def __str__(self) -> str:
         """Return ``file:line: key: message; remedy``."""
         said = ": ".join(part for part in (self.key, self.text) if part)

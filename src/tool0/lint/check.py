@@ -1,4 +1,4 @@
-"""All rules over all files that a person names."""
+"""All rules over all files that ``tool0 check`` is given."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tool0.description.finding import Finding, error_at
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
 from tool0.lint.launch_file import ReadLaunch
-from tool0.lint.package_file import absence_judged, package_findings
+from tool0.lint.package_file import judge_missing_package, package_findings
 from tool0.lint.packages import PackageIndex, packages_around
 from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.resource_limits import ResourceLimitError, run_limited
@@ -34,14 +34,14 @@ _Expansion = tuple[Path, tuple[tuple[str, str], ...]]
 @final
 @dataclass(frozen=True, slots=True)
 class CheckReport:
-    """What came of it."""
+    """The findings of one run, and what was checked."""
 
     findings: tuple[Finding, ...]
     """By file and line."""
     files: tuple[Path, ...]
-    """What was looked into."""
+    """What was checked."""
     notes: tuple[str, ...]
-    """What could not be looked into, and why: no fault of the files."""
+    """What could not be checked, and why: no fault of the files."""
 
     @property
     def n_errors(self) -> int:
@@ -81,16 +81,13 @@ class _Check:
         self._robots: dict[_Expansion, ReadRobot | None] = {}
 
     def report(self) -> CheckReport:
-        """Look into everything."""
-        for look in (
-            self._launch_files,
-            self._xacro_files,
-            self._urdf_files,
-            self._yaml_files,
-            self._package_files,
-        ):
-            look()
-        judged = [absence_judged(finding) for finding in self._findings]
+        """Check everything: what loads other files before what is loaded."""
+        self._launch_files()
+        self._xacro_files()
+        self._urdf_files()
+        self._yaml_files()
+        self._package_files()
+        judged = [judge_missing_package(finding) for finding in self._findings]
         self._notes += [item for item in judged if isinstance(item, str)]
         findings = [item for item in judged if isinstance(item, Finding)]
         once = {_identity(item): item for item in sorted(findings, key=_place)}
@@ -105,9 +102,10 @@ class _Check:
     def _launch_files(self) -> None:
         read: dict[Path, ReadLaunch] = {}
         for source in self._sources.of(FileKind.LAUNCH):
-            answer = self._try(source, launch_file.read, source.path, self._packages)
+            path = source.path
+            answer = self._try(path, launch_file.read, path, self._packages)
             if answer is not None:
-                read[source.path] = answer
+                read[path] = answer
         included = {path for answer in read.values() for path in answer.included}
         for path, answer in read.items():
             named = any(s.path == path and s.was_named for s in self._sources.files)
@@ -116,11 +114,10 @@ class _Check:
 
     def _launch_file(self, path: Path, read: ReadLaunch) -> None:
         own = {source.path.resolve() for source in self._sources.files}
-        self._findings += [  # and not what is wrong in those of others
-            finding
-            for finding in read.findings
-            if finding.location.file is None or finding.location.file.resolve() in own
-        ]
+        for finding in read.findings:  # but for those in other people's files
+            file = finding.location.file
+            if file is None or file.resolve() in own:
+                self._findings.append(finding)
         facts = None
         for robot in read.robots:
             answer = self._read_robot(robot.file, robot.args, spawned=read.spawns)
@@ -130,24 +127,23 @@ class _Check:
         self._loaded |= {
             y.location.file.resolve() for y in read.yamls if y.location.file
         }
-        source = Source(path, FileKind.LAUNCH, was_named=False)
-        found = self._try(source, _listed, launch_file.control_findings, read, facts)
-        self._findings += found or ()
+        self._apply(path, launch_file.control_findings, read, facts)
 
     def _xacro_files(self) -> None:
         read: dict[Path, XacroSource] = {}
         for source in self._sources.of(FileKind.XACRO):
-            answer = self._try(source, read_xacro_source, source.path, self._packages)
+            path = source.path
+            answer = self._try(path, read_xacro_source, path, self._packages)
             if answer is not None:
                 self._findings += answer.findings
-                read[source.path] = answer
+                read[path] = answer
         parts = {path for answer in read.values() for path in answer.includes}
         for path, answer in read.items():
             if answer.makes_a_robot and path.resolve() not in parts | self._loaded:
                 self._xacro_robot(path, answer)
 
     def _xacro_robot(self, path: Path, answer: XacroSource) -> None:
-        """Look into the robot that a file makes which nothing else loads."""
+        """Check the robot of a file that nothing else loads."""
         read = self._read_robot(path, {})
         if read is not None and read.facts is None and answer.needs:
             needs = ", ".join(answer.needs)
@@ -168,7 +164,7 @@ class _Check:
         for source in self._sources.of(FileKind.PARAMETERS):
             if source.path.resolve() in self._loaded:
                 continue
-            text = self._try(source, read_text, source.path)
+            text = self._try(source.path, read_text, source.path)
             if text is None:
                 continue
             yaml = YamlText(text, SourceLocation(source.path, 1))
@@ -176,9 +172,7 @@ class _Check:
                 if source.was_named:
                     self._notes.append(f"{source.path}: holds no controllers")
                 continue
-            facts = self._robot_of(source)
-            found = self._try(source, _listed, yaml_findings, (yaml,), facts)
-            self._findings += found or ()
+            self._apply(source.path, yaml_findings, (yaml,), self._robot_of(source))
 
     def _robot_of(self, yaml: Source) -> RobotFacts | None:
         """Return the robot that a YAML which nobody loads is for, if only one can be.
@@ -202,10 +196,8 @@ class _Check:
     def _package_files(self) -> None:
         files = self._sources.files
         for source in self._sources.of(FileKind.PACKAGE):
-            found = self._try(
-                source, _listed, package_findings, source.path, files, self._packages
-            )
-            self._findings += found or ()
+            file = source.path
+            self._apply(file, package_findings, file, files, self._packages)
 
     # --- parts ---
 
@@ -217,46 +209,44 @@ class _Check:
         key = (file.resolve(), tuple(sorted((args or {}).items())))
         if key not in self._robots:
             self._robots[key] = self._try(
-                Source(file, FileKind.XACRO, was_named=False),
-                read_robot,
-                file,
-                args,
-                self._packages,
-                spawned=spawned,
+                file, read_robot, file, args, self._packages, spawned=spawned
             )
         return self._robots[key]
 
     def _try(
         self,
-        source: Source,
+        file: Path,
         work: Callable[P, R],
         *arguments: P.args,
         **keywords: P.kwargs,
     ) -> R | None:
-        """Return what ``work`` returns; if it does not, that is a finding."""
-        where = SourceLocation(source.path)
+        """Return what ``work`` returns, or None and add a finding if it fails."""
+        where = SourceLocation(file)
         try:
             return run_limited(work, *arguments, **keywords)
         except ResourceLimitError as error:
             message = str(error)
         except RecursionError:
-            message = "things stand too deep in one another to be read"
+            message = "its elements are nested too deep to be read"
         except (Tool0Error, OSError, ValueError) as error:
             message = getattr(error, "message", str(error))
             where = getattr(error, "location", None) or where
-        self._findings.append(
-            error_at(
-                where,
-                "unreadable",
-                "",
-                message,
-            )
-        )
+        self._findings.append(error_at(where, "unreadable", "", message))
         return None
 
+    def _apply(
+        self,
+        file: Path,
+        rules: Callable[P, Iterable[Finding]],
+        *arguments: P.args,
+        **keywords: P.kwargs,
+    ) -> None:
+        """Add what ``rules`` find in ``file``."""
 
-def _listed(work: Callable[P, Iterable[R]], *args: P.args, **kw: P.kwargs) -> list[R]:
-    return list(work(*args, **kw))
+        def found() -> list[Finding]:
+            return list(rules(*arguments, **keywords))
+
+        self._findings += self._try(file, found) or ()
 
 
 def _identity(finding: Finding) -> tuple[object, ...]:

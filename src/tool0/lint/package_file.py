@@ -161,29 +161,26 @@ _RULES = ("unresolved-find", "unknown-package", "missing-package")
 _NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 
 
-def absence_judged(finding: Finding) -> Finding | str:
-    """Return a finding as it counts, or a note that stands in its place.
+def judge_missing_package(finding: Finding) -> Finding | str:
+    """Return the finding with the severity that it deserves, or a note instead of it.
 
-    What the file's own package depends on is no fault of the file; and of a file in no
-    package nobody knows, unless the name is nearly that of a package.
+    A missing package that the file's own package.xml declares is no fault of the file.
+    For a file outside any package it is a warning, unless the name is a typo.
     """
-    lacking, file = _lacking(finding), finding.location.file
+    lacking, file = _missing_package(finding), finding.location.file
     if lacking is None or file is None:
         return finding
     folder = next(
         (f for f in file.absolute().parents if (f / "package.xml").is_file()), None
     )
     if folder is not None and lacking in declared_dependencies(folder):
-        return (
-            f"{file}: '{lacking}' is not on this machine; what it holds was not "
-            "looked into"
-        )
+        return f"{file}: '{lacking}' is not on this machine; its files were not checked"
     if folder is None and "did you mean" not in finding.text:
         return replace(finding, severity="warning")
     return finding
 
 
-def _lacking(finding: Finding) -> str | None:
+def _missing_package(finding: Finding) -> str | None:
     """Return the package that is not found, if the finding says that."""
     if finding.rule in _RULES:
         return finding.key

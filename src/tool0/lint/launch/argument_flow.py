@@ -24,10 +24,24 @@ from tool0.lint.launch.model import (
 )
 from tool0.lint.launch.xacro_files import XacroFile, xacro_call
 
+_OFF = Activity.INACTIVE
+MAX_VISITS = 300_000
+"""At entries, in search of what uses an argument: files may include files without
+number."""
+_ORIGINS = {
+    "command line": "from the command line",
+    "include": "given by the include",
+    "pass_all_args": "passed on by the include",
+    "value": "fixed",
+    "default": "the default",
+    "missing": "required, and not given",
+    "switched off": "switched off",
+}
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Use:
+class ArgumentUse:
     """One place that uses an argument of a launch file."""
 
     what: str
@@ -40,7 +54,7 @@ class Use:
     """The argument of xacro that it becomes a part of."""
 
 
-def uses(launch: LaunchFile, name: str) -> Iterator[Use]:
+def uses(launch: LaunchFile, name: str) -> Iterator[ArgumentUse]:
     """Yield what uses the argument ``name`` of ``launch``, in the file's order."""
     found = [*_in_arguments(launch, name)]
     for entry in launch.entries:
@@ -49,19 +63,15 @@ def uses(launch: LaunchFile, name: str) -> Iterator[Use]:
     yield from sorted(found, key=lambda use: use.location.line or 0)
 
 
-def _in_arguments(launch: LaunchFile, name: str) -> Iterator[Use]:
+def _in_arguments(launch: LaunchFile, name: str) -> Iterator[ArgumentUse]:
     for argument in launch.arguments:
         value = argument.value
         if argument.origin in ("value", "default") and value and name in value.uses:
-            yield Use(
-                what=f"argument {argument.name}",
-                location=argument.place.location,
-                activity=argument.place.activity,
-                argument=(launch, argument.name),
-            )
+            what = f"argument {argument.name}"
+            yield _use(what, argument.place, argument=(launch, argument.name))
 
 
-def _in_entry(entry: Entry, name: str) -> Iterator[Use]:
+def _in_entry(entry: Entry, name: str) -> Iterator[ArgumentUse]:
     if isinstance(entry, Include):
         yield from _in_include(entry, name)
     if isinstance(entry, Parameter):
@@ -74,7 +84,7 @@ def _in_entry(entry: Entry, name: str) -> Iterator[Use]:
     if isinstance(entry, Node):
         for part in _inside(entry):
             for key, text in part.texts:
-                if name in text.uses and part.place.location.file == _file(entry):
+                if name in text.uses and _is_written_in(part, entry):
                     of = describe(part)
                     if not (isinstance(part, Parameter) and part.full_name):
                         of = f"{of} of {describe(entry)}"
@@ -82,7 +92,7 @@ def _in_entry(entry: Entry, name: str) -> Iterator[Use]:
                     yield _use(what, part.place)
 
 
-def _in_include(include: Include, name: str) -> Iterator[Use]:
+def _in_include(include: Include, name: str) -> Iterator[ArgumentUse]:
     """Yield the arguments of the included file that the value becomes."""
     child = include.launch
     passed = {p.name for p in include.passed if p.place.activity is not _OFF}
@@ -90,39 +100,30 @@ def _in_include(include: Include, name: str) -> Iterator[Use]:
         if item.value is None or name not in item.value.uses:
             continue
         is_known = child is not None and child.argument(item.name) is not None
-        yield Use(
-            what=f"argument {item.name} of {_included(include)}",
-            location=item.place.location,
-            activity=item.place.activity,
+        yield _use(
+            f"argument {item.name} of {_included(include)}",
+            item.place,
             argument=(child, item.name) if child and is_known else None,
         )
     if not include.passes_all or child is None or name in passed:
         return
     argument = child.argument(name)
     if argument is not None and argument.origin == "pass_all_args":
-        yield Use(
-            what=f"argument {name} of {_included(include)}",
-            location=include.place.location,
-            activity=include.place.activity,
-            argument=(child, name),
-        )
+        what = f"argument {name} of {_included(include)}"
+        yield _use(what, include.place, argument=(child, name))
 
 
-def _in_xacro(parameter: Entry, name: str) -> Iterator[Use]:
+def _in_xacro(parameter: Entry, name: str) -> Iterator[ArgumentUse]:
     """Yield the arguments of xacro that the value becomes."""
     call = xacro_call(parameter) if isinstance(parameter, Parameter) else None
     for argument, used in () if call is None else call.uses.items():
         if call is not None and name in used:
-            yield Use(
-                what=f"xacro argument {argument} of "
-                + (describe(parameter) if call.file is None else call.file.name),
-                location=parameter.place.location,
-                activity=parameter.place.activity,
-                xacro=(call.parameter, argument),
-            )
+            of = describe(parameter) if call.file is None else call.file.name
+            what = f"xacro argument {argument} of {of}"
+            yield _use(what, parameter.place, xacro=(call.parameter, argument))
 
 
-def _in_conditions(launch: LaunchFile, name: str) -> Iterator[Use]:
+def _in_conditions(launch: LaunchFile, name: str) -> Iterator[ArgumentUse]:
     """Yield each ``if`` and ``unless`` once, though a group's is that of many."""
     seen = set()
     for what, place, argument in _places(launch):
@@ -135,7 +136,7 @@ def _in_conditions(launch: LaunchFile, name: str) -> Iterator[Use]:
                 seen.add(key)
                 is_own = number == 0 and where == place.location
                 goes_on = is_own and argument and place.activity is not _OFF
-                yield Use(
+                yield ArgumentUse(
                     what=f"{condition.kind} of {what if is_own else 'the group'}",
                     location=where,
                     activity=Activity.ACTIVE,
@@ -157,19 +158,29 @@ def _places(launch: LaunchFile) -> Iterator[tuple[str, Place, str]]:
                 yield describe(part), part.place, ""
 
 
-_OFF = Activity.INACTIVE
+def _is_written_in(part: Entry, node: Node) -> bool:
+    """Whether ``part`` is not inherited from an outer file."""
+    return part.place.location.file == node.place.location.file
 
 
 def _inside(node: Node) -> tuple[Entry, ...]:
     return (*node.parameters, *node.rosparams, *node.remaps, *node.environment)
 
 
-def _file(entry: Entry) -> object:
-    return entry.place.location.file
-
-
-def _use(what: str, place: Place) -> Use:
-    return Use(what=what, location=place.location, activity=place.activity)
+def _use(
+    what: str,
+    place: Place,
+    *,
+    argument: tuple[LaunchFile, str] | None = None,
+    xacro: tuple[Parameter, str] | None = None,
+) -> ArgumentUse:
+    return ArgumentUse(
+        what=what,
+        location=place.location,
+        activity=place.activity,
+        argument=argument,
+        xacro=xacro,
+    )
 
 
 def describe(entry: Entry) -> str:
@@ -196,27 +207,13 @@ def _included(include: Include) -> str:
     return include.file.raw if include.path is None else include.path.name
 
 
-MAX_VISITS = 300_000
-"""At entries, in search of what uses an argument: files may include files without
-number."""
-_ORIGINS = {
-    "command line": "from the command line",
-    "include": "given by the include",
-    "pass_all_args": "passed on by the include",
-    "value": "fixed",
-    "default": "the default",
-    "missing": "required, and not given",
-    "switched off": "switched off",
-}
-
-
 def argument_flow(
     launch: LaunchFile, robots: Mapping[Parameter, XacroFile]
 ) -> tuple[Item, ...]:
     """Return an item for each file that has arguments, with their ways in it.
 
     In files that are included only those arguments are listed whose value comes from
-    no argument of another file: the others are seen on their way.
+    no argument of another file: the others are seen on their path.
 
     Args:
         launch: The file.
@@ -276,11 +273,11 @@ class _FlowExplainer:
         )
 
     def _uses(
-        self, launch: LaunchFile, name: str, way: tuple[tuple[int, str], ...]
+        self, launch: LaunchFile, name: str, path: tuple[tuple[int, str], ...]
     ) -> Iterator[Item]:
         """Yield what uses an argument, with all that follows from it."""
         here = (id(launch), name)
-        if here in way:
+        if here in path:
             return
         self._left -= len(launch.entries) + len(launch.arguments) + 1
         if self._left < 0:
@@ -290,7 +287,7 @@ class _FlowExplainer:
         for use in uses(launch, name):
             items: tuple[Item, ...] = ()
             if use.argument is not None:
-                items = tuple(self._uses(*use.argument, (*way, here)))
+                items = tuple(self._uses(*use.argument, (*path, here)))
             elif use.xacro is not None:
                 items = tuple(self._in_xacro(use))
             yield Item(
@@ -301,7 +298,7 @@ class _FlowExplainer:
                 items=items,
             )
 
-    def _in_xacro(self, use: Use) -> Iterator[Item]:
+    def _in_xacro(self, use: ArgumentUse) -> Iterator[Item]:
         parameter, name = use.xacro or (None, "")
         robot = None if parameter is None else self._robots.get(parameter)
         seen = set()
