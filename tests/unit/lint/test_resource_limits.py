@@ -1,6 +1,7 @@
 """Work in a child process, within bounds."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -20,7 +21,7 @@ def test_the_answer_comes_back() -> None:
 
 
 def test_an_error_comes_back_with_its_place() -> None:
-    with pytest.raises(ConfigError, match=r"a\.yaml:7: bad 7") as error:
+    with pytest.raises(ConfigError) as error:
         run_limited(refuse, 7)
     assert error.value.location == SourceLocation(Path("a.yaml"), 7)
 
@@ -28,28 +29,31 @@ def test_an_error_comes_back_with_its_place() -> None:
 def test_what_never_ends_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "TIMEOUT", 0.2)
     before = children(os.getpid())
-    with pytest.raises(ResourceLimitError, match=r"longer than 0\.2 s"):
+    with pytest.raises(ResourceLimitError) as error:
         run_limited(pow, 10, 10**10)
+    assert "0.2 s" in str(error.value)
     assert children(os.getpid()) == before
 
 
-def test_what_eats_all_memory_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+def fail() -> None:
+    class Unpicklable(Exception):  # noqa: N818  # nobody catches it by its name
+        pass
+
+    raise Unpicklable("quite")
+
+
+@pytest.mark.parametrize(
+    ("work", "named"),
+    [
+        (lambda: bytes(1 << 30), "64 MiB"),
+        (os.abort, "status"),
+        (fail, "Unpicklable: quite"),
+    ],
+)
+def test_memory_crashes_and_errors_that_cannot_be_sent_are_named(
+    monkeypatch: pytest.MonkeyPatch, work: Callable[[], object], named: str
+) -> None:
     monkeypatch.setattr(module, "MEMORY", 64 << 20)
-    with pytest.raises(ResourceLimitError, match="more than 64 MiB"):
-        run_limited(bytes, 1 << 30)
-
-
-def test_a_crash_is_told() -> None:
-    with pytest.raises(ResourceLimitError, match="crashed"):
-        run_limited(os.abort)
-
-
-def test_an_error_that_cannot_be_sent_is_told_by_its_text() -> None:
-    def fail() -> None:
-        class Strange(Exception):  # noqa: N818  # nobody catches it by its name
-            pass
-
-        raise Strange("quite")
-
-    with pytest.raises(ResourceLimitError, match="Strange: quite"):
-        run_limited(fail)
+    with pytest.raises(ResourceLimitError) as error:
+        run_limited(work)
+    assert named in str(error.value)
