@@ -30,7 +30,7 @@ def explain(
     ],
     format: Literal["text", "json"] = "text",
 ) -> int:
-    """Tell what a ROS 1 launch file includes, starts, sets and does with arguments.
+    """Show what a ROS 1 launch file includes, starts, sets and does with arguments.
 
     tool0 explain FILE.launch [name:=value …], or PACKAGE FILE.launch [name:=value …].
     Status 1 if there are errors in the files.
@@ -64,7 +64,7 @@ def explain(
 
 
 def _file(names: list[str]) -> Path:
-    """Return the file that is meant."""
+    """Return the launch file that the words name."""
     match names:
         case [name]:
             file = Path(name)

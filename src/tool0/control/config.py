@@ -1,4 +1,4 @@
-"""A person's ros_control YAML, parsed once, into the specs of controllers."""
+"""ros_control YAML, parsed once into the specs of controllers."""
 
 from __future__ import annotations
 
@@ -150,20 +150,20 @@ def _limits(limits: Namespace) -> LimitOverrides:
     limits.accept(*NOT_ENFORCED, "has_acceleration_limits", "has_jerk_limits")
     limits.accept("angle_wraparound")
 
-    def says(kind: str) -> bool | None:
+    def has_limit(kind: str) -> bool | None:
         flag = f"has_{kind}_limits"
         return None if limits.find(flag) is None else limits.boolean(flag, default=True)
 
     def largest(kind: str) -> float | None:
-        has = says(kind)
+        has = has_limit(kind)
         if has is None:
             return None
         return limits.not_negative(f"max_{kind}") if has else math.inf
 
     position: tuple[float, float] | None = None
-    if says("position") is False:
+    if has_limit("position") is False:
         position = (-math.inf, math.inf)
-    elif says("position"):
+    elif has_limit("position"):
         position = (limits.number("min_position"), limits.number("max_position"))
         if not position[0] <= position[1]:
             raise ConfigError(

@@ -35,7 +35,7 @@ class RobotJoints:
 
         Args:
             names: The joints.
-            type_name: The controller's type, whose package tells the interface.
+            type_name: The controller's type; its package names the interface.
         """
         package = type_name.partition("/")[0]
         interface = INTERFACE_OF_PACKAGE.get(package, Interface.EFFORT)

@@ -1,4 +1,4 @@
-"""What is wrong in a person's file: where, why it matters, and what would be right."""
+"""Findings: what is wrong in a user's file, where, and what would be right."""
 
 from __future__ import annotations
 
@@ -12,18 +12,17 @@ _LONGEST = 100
 _MOST_QUOTED = 8
 
 Severity = Literal["error", "warning"]
-"""An error will fail, or do something else than it says; what is suspicious, yet may
-be meant, is a warning."""
+"""An error fails or does something else than intended; a warning is suspicious."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """One complaint about a person's file."""
+    """One fault in a user's file."""
 
     location: SourceLocation
     rule: str
-    """What kind of complaint, the same in every file: ``unread-key``."""
+    """The kind of fault, the same in every file: ``unread-key``."""
     severity: Severity = "error"
     key: str = ""
     """What it is about: a parameter's full name, an element, a joint."""
@@ -52,8 +51,8 @@ class Finding:
 
     def __str__(self) -> str:
         """Return ``file:line: key: message; remedy``."""
-        said = ": ".join(part for part in (self.key, self.text) if part)
-        return f"{self.location}: {said}"
+        text = ": ".join(part for part in (self.key, self.text) if part)
+        return f"{self.location}: {text}"
 
 
 def error_at(

@@ -25,7 +25,7 @@ Constructor = Callable[[Any, Any], Any]
 MOST_ENTRIES = 30_000
 """Of one text: a few lines of aliases can stand for billions."""
 _ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
-"""rosparam's ``deg(90)`` and ``rad(pi/2)``, of which numbers are understood here."""
+"""rosparam's ``deg(90)`` and ``rad(pi/2)``, of which only numbers are understood."""
 
 
 @final

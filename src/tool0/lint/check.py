@@ -175,7 +175,7 @@ class _Check:
             self._apply(source.path, yaml_findings, (yaml,), self._robot_of(source))
 
     def _robot_of(self, yaml: Source) -> RobotFacts | None:
-        """Return the robot that a YAML which nobody loads is for, if only one can be.
+        """Return the robot for a YAML that no launch file loads, if only one fits.
 
         It was named with it, or lies in the same package or folder.
         """
@@ -250,7 +250,7 @@ class _Check:
 
 
 def _identity(finding: Finding) -> tuple[object, ...]:
-    """Return what two findings share that tell the same.
+    """Return what two findings of the same fault have in common.
 
     A macro's source and what it expands to have the same typo, under two keys.
     """

@@ -23,7 +23,7 @@ _GAZEBO_PLUGIN = "libgazebo_ros_control.so"
 
 
 def declared_dependencies(package: Path) -> frozenset[str]:
-    """Return what the package in a folder says that it depends on."""
+    """Return the dependencies that the package in a folder declares."""
     try:
         root = parse_file(package / "package.xml").documentElement
     except DescriptionError:
@@ -104,7 +104,7 @@ def package_findings(
 def _reached(
     declared: Iterable[str], packages: PackageIndex
 ) -> tuple[dict[str, str], bool]:
-    """Return what else gets installed and by which dependency, and if that is all."""
+    """Return what is installed indirectly, by which dependency, and if all is known."""
     by: dict[str, str] = {}
     waiting, is_whole = [(name, name) for name in sorted(declared)], True
     while waiting:
@@ -131,7 +131,7 @@ def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
         try:
             root = parse_file(source.path).documentElement
         except DescriptionError:
-            continue  # which is told where the file is checked
+            continue  # reported where the file is checked
         for name, element in _uses(root):
             where = locate(element) or SourceLocation(source.path)
             found.setdefault(name, where)
@@ -144,7 +144,7 @@ def _uses(root: Element | None) -> Iterator[tuple[str, Element]]:
     while waiting:
         element = waiting.pop()
         if element.tagName in _CHOICES:
-            continue  # may be meant for who has that package
+            continue  # perhaps only for machines with that package
         waiting += reversed(list(children(element)))
         texts = [*(value for _, value in element.attributes.items()), text_of(element)]
         for match in _USES.finditer("\n".join(texts)):
@@ -181,7 +181,7 @@ def judge_missing_package(finding: Finding) -> Finding | str:
 
 
 def _missing_package(finding: Finding) -> str | None:
-    """Return the package that is not found, if the finding says that."""
+    """Return the package that the finding reports as missing, if any."""
     if finding.rule in _RULES:
         return finding.key
     match = _NO_PACKAGE.search(finding.message)

@@ -1,4 +1,4 @@
-"""Which ROS packages there are: those given, those that tool0 brings, those of ROS."""
+"""Finds ROS packages: those given, those that tool0 ships, those of ROS."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
 _NAME = re.compile(r"[A-Za-z][\w-]{0,99}")
 _MAX_DEPTH = 6
 _MAX_FOLDERS = 5000
-"""That are searched for packages: a ``src`` may hold anything."""
+"""Folders searched for packages: a ``src`` may hold anything."""
 _MAX_FILES = 500
 _MAX_SEARCHES = 200
 """Each package that does not exist costs a walk through ROS_PACKAGE_PATH."""
@@ -83,7 +83,7 @@ class PackageIndex:
         return self._found[name]
 
     def nearest(self, name: str) -> str | None:
-        """Return the package given, or brought by tool0, that may have been meant."""
+        """Return the most similar package of those given and those shipped."""
         return nearest_name(name, _bundled_names().union(self._given), cutoff=0.85)
 
     def unknown(self, name: str, user: str, location: SourceLocation) -> Finding:

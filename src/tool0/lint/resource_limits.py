@@ -1,6 +1,6 @@
-"""Work that may never end, or eat all memory, done in a process of its own.
+"""Runs a function in a child process with limits of time and memory.
 
-A person's xacro is a program, and ten lines of YAML can hold a billion values.
+A user's xacro is a program, and ten lines of YAML can hold a billion values.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def _limit() -> None:
     import faulthandler
     import resource
 
-    faulthandler.disable()  # a crash is told once, by the parent
+    faulthandler.disable()  # the parent reports a crash
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends us
     seconds = int(TIMEOUT) + 1  # also when the parent was killed
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))

@@ -97,7 +97,7 @@ def read_robot(
 
 
 def read_xacro_source(file: Path, packages: Mapping[str, Path]) -> XacroSource:
-    """Return what a xacro file says before any expansion."""
+    """Return what a xacro file holds before any expansion."""
     with preferring(packages):
         try:
             root = parse_file(file).documentElement
@@ -163,7 +163,7 @@ def robot_findings(
         effort_findings(root, facts),
         mesh_findings(root, packages),
     ):
-        yield from _some(subject)
+        yield from _at_most(subject)
 
 
 def xacro_findings(
@@ -176,11 +176,11 @@ def xacro_findings(
         call_findings(root),
         interface_findings(root),
     ):
-        yield from _some(subject)
+        yield from _at_most(subject)
 
 
-def _some(findings: Iterator[Finding]) -> Iterator[Finding]:
-    """Yield at most ``_MOST``; the last says that there are more."""
+def _at_most(findings: Iterator[Finding]) -> Iterator[Finding]:
+    """Yield at most ``_MOST`` and one more, which says that there are others."""
     for count, finding in enumerate(findings, 1):
         if count > _MOST:
             yield Finding(

@@ -1,4 +1,4 @@
-"""Which files a person's paths name, and what each of them is."""
+"""The files to check below the given paths, and the kind of each."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Sources:
     packages: dict[str, Path] = field(default_factory=dict)
     """Name → folder, of the packages below the folders that were named."""
     skipped: list[tuple[Path, str]] = field(default_factory=list)
-    """What was not looked into, and why."""
+    """What was not read, and why."""
 
     def of(self, *kinds: FileKind) -> Iterator[Source]:
         return (source for source in self.files if source.kind in kinds)

@@ -28,7 +28,7 @@ from tool0.lint.launch.scope import Scope
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Given:
+class GivenArgument:
     """A value that a file's argument has from outside."""
 
     text: Text
@@ -42,7 +42,7 @@ class Arguments:
     def __init__(
         self,
         scope: Scope,
-        given: Mapping[str, Given],
+        given: Mapping[str, GivenArgument],
         *,
         is_included: bool,
         passes_all: bool,
@@ -106,14 +106,14 @@ class Arguments:
         if value is not None:
             if given is not None and not self._passes_all:
                 self._refuse_override(argument, given, scope)
-            scope.values[name] = _perhaps(value, scope)
+            scope.values[name] = _if_active(value, scope)
             return replace(argument, value=scope.values[name], origin="value")
         if given is not None:
             return replace(argument, value=given.text, origin=given.origin)
-        if name in scope.values:  # declared twice, which has been said
+        if name in scope.values:  # declared twice, which was reported
             return replace(argument, value=scope.values[name], origin="default")
         if argument.default is not None:
-            scope.values[name] = _perhaps(argument.default, scope)
+            scope.values[name] = _if_active(argument.default, scope)
             return replace(argument, value=scope.values[name], origin="default")
         if not self._is_included:
             scope.report(
@@ -127,7 +127,9 @@ class Arguments:
             )
         return argument
 
-    def _refuse_override(self, argument: Argument, given: Given, scope: Scope) -> None:
+    def _refuse_override(
+        self, argument: Argument, given: GivenArgument, scope: Scope
+    ) -> None:
         place = given.text.location
         where = "on the command line" if place.file is None else f"at {place}"
         scope.report(
@@ -179,7 +181,7 @@ class Arguments:
                 )
 
 
-def _perhaps(text: Text, scope: Scope) -> Text:
+def _if_active(text: Text, scope: Scope) -> Text:
     """Return ``text``, without a value if the element may be switched off."""
     if scope.activity is not Activity.UNKNOWN:
         return text
@@ -189,21 +191,21 @@ def _perhaps(text: Text, scope: Scope) -> Text:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Target:
+class IncludeTarget:
     """What an include asks for."""
 
     include: Include
     path: Path
-    given: Mapping[str, Given]
+    given: Mapping[str, GivenArgument]
     environment: tuple[Environment, ...]
 
     @property
     def key(self) -> frozenset[tuple[str, str | None]]:
-        """The arguments as a value, by which a file's reading is known again."""
+        """The arguments as a value, to recognise a recursive include."""
         return frozenset((name, g.text.resolved) for name, g in self.given.items())
 
 
-def target_of(element: Element, scope: Scope) -> Target:
+def target_of(element: Element, scope: Scope) -> IncludeTarget:
     """Return what an ``<include>`` asks for."""
     file = scope.required(element, "file")
     namespace = scope.namespace_of(element)
@@ -225,7 +227,7 @@ def target_of(element: Element, scope: Scope) -> Target:
         settings=settings,
         reason=_reason(file, path, scope),
     )
-    return Target(
+    return IncludeTarget(
         include=include,
         path=(path or Path()).absolute(),
         given=given,
@@ -241,14 +243,14 @@ def _reason(file: Text, path: Path | None, scope: Scope) -> str:
     return "" if is_file(path) else f"{path} does not exist"
 
 
-def _all_given(element: Element, scope: Scope) -> dict[str, Given]:
+def _all_given(element: Element, scope: Scope) -> dict[str, GivenArgument]:
     """Return the arguments of the file as pass_all_args passes them."""
     where = scope.locate(element)
     scope.used.update(scope.declared, scope.values)
     given = {}
     for name in {**scope.declared, **scope.values}:
         text = scope.values.get(name)
-        given[name] = Given(
+        given[name] = GivenArgument(
             text=Text(
                 raw=f"$(arg {name})",
                 resolved=None if text is None else text.resolved,
@@ -264,7 +266,7 @@ def _all_given(element: Element, scope: Scope) -> dict[str, Given]:
 
 
 def _children(
-    element: Element, scope: Scope, given: dict[str, Given], *, passes_all: bool
+    element: Element, scope: Scope, given: dict[str, GivenArgument], *, passes_all: bool
 ) -> tuple[tuple[Passed, ...], tuple[Environment, ...]]:
     """Read what stands in the include; add the arguments to ``given``."""
     passed: list[Passed] = []
@@ -296,7 +298,7 @@ def _children(
             )
         names.add(name)
         if text is not None and (value is not None or name not in given):
-            given[name] = Given(text=text, origin="include")
+            given[name] = GivenArgument(text=text, origin="include")
         elif text is None and name not in given:
             at.report(
                 at.locate(child),

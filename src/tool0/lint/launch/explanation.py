@@ -33,7 +33,7 @@ class Item:
     """None if it has none, or none that is known."""
     location: SourceLocation
     note: str = ""
-    """What else is to be said: why it has no value, why it is switched off."""
+    """Why it has no value, why it is switched off, and the like."""
     items: tuple[Item, ...] = ()
 
 

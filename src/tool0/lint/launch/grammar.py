@@ -103,10 +103,10 @@ def check(
     allowed = CHILDREN.get(tag, frozenset())
     for child in children(element):
         if child.tagName not in allowed:
-            report(_stranger(child, tag, allowed, location))
+            report(_unknown_element(child, tag, allowed, location))
 
 
-def _stranger(
+def _unknown_element(
     child: Element, tag: str, allowed: frozenset[str], around: SourceLocation
 ) -> Finding:
     name = child.tagName

@@ -1,4 +1,4 @@
-"""What one reading shares over all files: packages, limits, names that are taken."""
+"""What all files of one reading share: packages, limits, parsed files, node names."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.packages import PackageIndex
 
 MAX_NESTING: Final = 40
-"""Of groups and includes in one another."""
+"""Levels of groups and includes."""
 MAX_FILES: Final = 500
 MAX_ELEMENTS: Final = 20_000
 MAX_CHARACTERS: Final = 5_000_000
@@ -33,7 +33,7 @@ class LoadContext:
     def __init__(self, packages: PackageIndex) -> None:
         self.packages = packages
         self.nodes: dict[str, SourceLocation] = {}
-        """Full names of nodes that are active beyond doubt, and where they stand."""
+        """Full names of nodes that are certainly active, and where they stand."""
         self.depth = 0
         self._open: list[object] = []
         self._left = {
@@ -113,7 +113,7 @@ def _root(path: Path) -> Element | Finding:
         root = parse_text(read_limited(path), path).documentElement
     except DescriptionError as error:
         where, message = error.location or where, error.message
-    except (LookupError, ValueError) as error:  # of encodings that expat knows not
+    except (LookupError, ValueError) as error:  # unknown encodings
         message = f"cannot be decoded: {error}"
     else:
         if root is not None and root.tagName == "launch":

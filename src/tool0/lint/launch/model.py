@@ -53,7 +53,7 @@ class Condition:
     kind: Literal["if", "unless"]
     text: Text
     holds: bool | None
-    """Whether it lets the element be; None if that cannot be told."""
+    """Whether the element counts; None if that is unknown."""
 
 
 @final

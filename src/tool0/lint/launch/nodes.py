@@ -53,7 +53,7 @@ def read_node(element: Element, scope: Scope) -> Node:
         elif child.tagName == "rosparam" and (rosparam := read_rosparam(child, at)):
             rosparams.append(rosparam)
         elif child.tagName == "remap":
-            hold(read_remap(child, at), inside.remaps)
+            add_remap(read_remap(child, at), inside.remaps)
         elif child.tagName == "env":
             inside.environment.append(read_env(child, at))
     package = scope.required(element, "pkg")
@@ -87,7 +87,7 @@ def _check_package(package: Text, scope: Scope) -> None:
     except DescriptionError:
         near = packages.nearest(name)
         if near is None and not packages.has_ros:
-            return  # nothing of ROS is here, which says nothing about this package
+            return  # without ROS no package of ROS is found
         scope.report(
             package.location,
             "missing-package",
@@ -154,7 +154,7 @@ def read_remap(element: Element, scope: Scope) -> Remap:
     return remap
 
 
-def hold(remap: Remap, remaps: list[Remap]) -> None:
+def add_remap(remap: Remap, remaps: list[Remap]) -> None:
     """Put ``remap`` into ``remaps``, in place of one from the same name."""
     if remap.place.activity is Activity.INACTIVE:
         return

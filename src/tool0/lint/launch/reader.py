@@ -15,7 +15,12 @@ from tool0.description.finding import Finding
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
 from tool0.lint.launch import grammar, nodes
-from tool0.lint.launch.arguments import Arguments, Given, Target, target_of
+from tool0.lint.launch.arguments import (
+    Arguments,
+    GivenArgument,
+    IncludeTarget,
+    target_of,
+)
 from tool0.lint.launch.load_context import (
     MAX_ELEMENTS,
     MAX_FILES,
@@ -33,7 +38,7 @@ def read_launch(
     arguments: Mapping[str, str] | None = None,
     packages: PackageIndex | None = None,
 ) -> LaunchFile:
-    """Return what a launch file says, with all that it includes.
+    """Return what a launch file holds, with all that it includes.
 
     Args:
         file: The launch file.
@@ -41,7 +46,7 @@ def read_launch(
         packages: Where ``$(find …)`` looks.
     """
     given = {
-        name: Given(
+        name: GivenArgument(
             text=Text(raw=value, resolved=value, location=SourceLocation(None)),
             origin="command line",
         )
@@ -67,7 +72,7 @@ class _FileReader:
         self,
         context: LoadContext,
         file: Path,
-        given: Mapping[str, Given],
+        given: Mapping[str, GivenArgument],
         outer: Scope | None = None,
         *,
         passes_all: bool = False,
@@ -94,7 +99,7 @@ class _FileReader:
         self._entries: list[Entry] = []
 
     def read(self, root: Element) -> LaunchFile:
-        """Return what the file says."""
+        """Return what the file holds."""
         scope = self.scope
         where = scope.locate(root)
         grammar.check(root, where, scope.findings.append)
@@ -145,7 +150,7 @@ class _FileReader:
                 self._claim_name(entry, scope)
             case "remap":
                 entry = nodes.read_remap(element, scope)
-                nodes.hold(entry, scope.remaps)
+                nodes.add_remap(entry, scope.remaps)
             case "env":
                 entry = nodes.read_env(element, scope)
                 if scope.activity is not Activity.INACTIVE:
@@ -221,7 +226,7 @@ class _FileReader:
             return replace(include, reason="it is no launch file that can be read")
         return replace(include, launch=launch)
 
-    def _included(self, target: Target, scope: Scope) -> LaunchFile | None:
+    def _included(self, target: IncludeTarget, scope: Scope) -> LaunchFile | None:
         root = self._context.root(target.path)
         if isinstance(root, Finding):
             scope.findings.append(root)
@@ -265,7 +270,7 @@ class _FileReader:
         )
 
 
-def _check_passed(target: Target, launch: LaunchFile, scope: Scope) -> None:
+def _check_passed(target: IncludeTarget, launch: LaunchFile, scope: Scope) -> None:
     """Report arguments that the included file does not declare."""
     if target.include.passes_all:
         return

@@ -53,7 +53,7 @@ class XacroFile:
     """A xacro file, and what it includes."""
 
     file: Path | None
-    """None if its name cannot be told."""
+    """None if its name is unknown."""
     written: str
     """Its name as the file that includes it writes it."""
     location: SourceLocation

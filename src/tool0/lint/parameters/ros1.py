@@ -38,13 +38,13 @@ OTHER_TYPES: Final = (
 _ROS2_MARKS = ("joint_trajectory_controller/", "joint_state_broadcaster/")
 _LIKE_A_CONTROLLER = frozenset({"joints", "joint", "gains", "constraints", "pid"})
 _TYPO = 0.75
-_OF_MOVEIT = frozenset(
+_MOVEIT_KEYS = frozenset(
     {
         *("controller_list", "controller_manager_name", "controller_manager_ns"),
         *("moveit_controller_manager", "moveit_simple_controller_manager"),
     }
 )
-"""Keys that MoveIt reads, whose setup assistant writes them into the same files."""
+"""Keys of MoveIt; its setup assistant writes them into the same files."""
 
 
 def controller_findings(
@@ -58,12 +58,12 @@ def controller_findings(
     """
     names = JointNames(robot)
     joints = None
-    if robot is not None:  # nobody commands those that are fixed
+    if robot is not None:  # fixed ones take no command
         joints = [j.name for j in robot.joints.values() if j.is_movable]
     linted = [
         finding
         for finding in lint_joints(config, joints)
-        if finding.rule not in OF_TOOL0 and _is_ours(finding, config)
+        if finding.rule not in OF_TOOL0 and _is_controller(finding, config)
     ]
     yield from linted
     wrong = {f.key.partition("/")[0] for f in linted if f.severity == "error"}
@@ -71,26 +71,26 @@ def controller_findings(
         if name in config.names:
             found = _Ros1Controller(config, name, entry, robot, names).findings()
             for finding in found:
-                said = finding.rule == "missing-key" and any(
+                is_reported = finding.rule == "missing-key" and any(
                     f"did you mean '{finding.key.rpartition('/')[2]}'" in other.remedy
                     for other in linted
                 )
                 follows = finding.rule == "controller-fails" and name in wrong
-                if not said and not follows:
+                if not is_reported and not follows:
                     yield finding
         elif robot is None and "pid_gains" in entry.children:
             gains = entry.children["pid_gains"]  # the linter knows no joints
             yield from names.unknown(list(gains.children.items()))
 
 
-def _is_ours(finding: Finding, config: ControllerConfig) -> bool:
-    """Return whether what has no type is meant to be a controller.
+def _is_controller(finding: Finding, config: ControllerConfig) -> bool:
+    """Return whether an entry without a type is probably a controller.
 
     Other nodes have parameters in the same files.
     """
     if finding.rule != "no-type":
         return True
-    if finding.key in _OF_MOVEIT:
+    if finding.key in _MOVEIT_KEYS:
         return False
     entry = config.tree.root.children[finding.key]
     return (
@@ -166,7 +166,7 @@ class _Ros1Controller:
             elif "/" not in written:
                 remedy = "write it as package/Class"
             else:
-                return  # somebody's own
+                return  # a controller of the user's own
             message = f"there is no controller type '{written}', so it does not load"
         yield self._type_entry.finding("unknown-type", message, remedy)
 

@@ -26,7 +26,7 @@ _MISSPELT = ("ros_parameters", "ros__parameter", "ros_parameter", "ros___paramet
 
 
 def is_ros2(root: Entry) -> bool:
-    """Return whether a file is laid out for ROS 2, or is meant to be."""
+    """Return whether a file has the layout of ROS 2, perhaps with a typo."""
     return (
         any(
             part in (PARAMETERS, *_MISSPELT)
@@ -150,7 +150,7 @@ class _Ros2Controller:
         if self._robot is not None or len(joints) > 1:
             yield from JointNames(self._robot).unknown(joints)
         yield from self._interfaces(joints)
-        yield from self._keys_that_nothing_reads(patterns, {n for n, _ in joints})
+        yield from self._unread_keys(patterns, {n for n, _ in joints})
 
     def _unknown_type(self) -> Iterator[Finding]:
         if self._type in OTHER_TYPES:
@@ -165,7 +165,7 @@ class _Ros2Controller:
             message = f"there is no controller type '{self._type}'"
             remedy = f"did you mean '{near}'?"
         else:
-            return  # somebody's own
+            return  # a controller of the user's own
         yield self._type_entry.finding("unknown-type", message, remedy)
 
     def _missing(self) -> Iterator[Finding]:
@@ -213,11 +213,11 @@ class _Ros2Controller:
                     "change command_interfaces, or the robot's <ros2_control>",
                 )
 
-    def _keys_that_nothing_reads(
+    def _unread_keys(
         self, patterns: frozenset[str], joints: set[str]
     ) -> Iterator[Finding]:
         read = patterns | COMMON
-        told: set[str] = set()
+        reported: set[str] = set()
         for leaf in self._parameters.leaves() if self._parameters else ():
             base = self._parameters.key if self._parameters else ""
             path = leaf.key[len(base) + 1 :].split("/")
@@ -225,9 +225,9 @@ class _Ros2Controller:
             dotted = pattern.replace(".", "/")  # ROS 2 reads a dot as a level
             if any(_covers(known, p) for known in read for p in (pattern, dotted)):
                 continue
-            if path[0] in told and len(path) > 1 and path[1] not in joints:
+            if path[0] in reported and len(path) > 1 and path[1] not in joints:
                 continue
-            told.add(path[0])
+            reported.add(path[0])
             yield self._unread(leaf, path, pattern, read)
 
     def _unread(
@@ -246,8 +246,8 @@ class _Ros2Controller:
         if near is not None:
             return _unread(leaf, kind, near)
         if others:
-            whose = " and ".join(sorted({name.partition("/")[2] for name in others}))
-            rule, message = "misplaced-key", f"{kind} does not read it; {whose} does"
+            kinds = " and ".join(sorted({name.partition("/")[2] for name in others}))
+            rule, message = "misplaced-key", f"{kind} does not read it; {kinds} does"
         else:
             rule, severity = "unread-key", "warning"
             message = f"no version of {kind} that is known here reads it"

@@ -74,7 +74,7 @@ TYPES: Mapping[str, frozenset[str]] = {
     "effort_controllers/GripperActionController": _GRIPPER,
     "parallel_gripper_action_controller/GripperActionController": _PARALLEL_GRIPPER,
 }
-"""Of the controllers whose parameters are known."""
+"""The parameters of each controller that is known."""
 
 OTHER_TYPES = _names(
     "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster"
@@ -93,7 +93,7 @@ OTHER_TYPES = _names(
     " ur_controllers/ToolContactController"
     " ur_controllers/URConfigurationController"
 )
-"""Controllers that exist, of which no parameter is judged."""
+"""Controllers that exist, whose parameters are not checked."""
 
 
 def required_parameters(type_name: str) -> tuple[str, ...]:

@@ -214,7 +214,7 @@ _LIGHT = 0.5
 _STRONG = {"revolute": 100.0, "continuous": 100.0, "prismatic": 1000.0}
 """Efforts that no motor of such a finger has [N·m | N]: a 2F-85 has 23 N·m at most."""
 _MOST_LINKS = 100
-"""Of a finger; what is longer is not looked at."""
+"""Of a finger; a longer chain is no finger."""
 
 
 @final

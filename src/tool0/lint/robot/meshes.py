@@ -17,8 +17,8 @@ from tool0.lint.packages import PackageIndex, nearest_file
 from tool0.lint.robot.elements import attribute, descendants, place, vector
 
 _SCHEMES = ("package", "file", "model", "http", "https")
-_ABROAD = ("model", "http", "https")
-"""Gazebo and RViz look these up; no package or path tells whether they are there."""
+_REMOTE = ("model", "http", "https")
+"""Gazebo and RViz download these, so that no local path can be checked."""
 
 
 def mesh_findings(root: Element, packages: Mapping[str, Path]) -> Iterator[Finding]:
@@ -32,7 +32,7 @@ def mesh_findings(root: Element, packages: Mapping[str, Path]) -> Iterator[Findi
 
 @final
 class _Meshes:
-    """The meshes of one robot, and what has been said about them."""
+    """The meshes of one robot; each file and each package is reported once."""
 
     def __init__(self, packages: PackageIndex) -> None:
         self._packages = packages
@@ -90,7 +90,7 @@ class _Meshes:
             yield from self._in_package(uri, rest, location)
         elif scheme == "file":
             yield from _exists(Path("/" + rest.lstrip("/")), uri, location)
-        elif scheme not in _ABROAD:
+        elif scheme not in _REMOTE:
             yield _unresolved(
                 uri,
                 location,
