@@ -10,7 +10,7 @@ from typing import final
 
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Robot,
+    RobotJoints,
     controlled_joints,
     read_gains,
     single_joint,
@@ -164,7 +164,7 @@ class ForwardCommandController:
         """Do nothing: there is no goal to end."""
 
 
-def parse(parameters: Namespace, robot: Robot) -> ForwardCommandSpec:
+def parse(parameters: Namespace, robot: RobotJoints) -> ForwardCommandSpec:
     """Return the checked parameters of a forwarding controller."""
     type_name = parameters.text("type")
     package, _, kind = type_name.partition("/")

@@ -11,7 +11,7 @@ from tool0.control.goal import Goal, GoalStatus, GripperResult
 from tool0.control.goal_check import check_position
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Robot,
+    RobotJoints,
     read_gains,
     single_joint,
 )
@@ -207,7 +207,7 @@ class GripperActionController:
             )
 
 
-def parse(parameters: Namespace, robot: Robot) -> GripperActionSpec:
+def parse(parameters: Namespace, robot: RobotJoints) -> GripperActionSpec:
     """Return the checked parameters of a GripperActionController."""
     type_name = parameters.text("type")
     interface = INTERFACE_OF_PACKAGE[type_name.partition("/")[0]]

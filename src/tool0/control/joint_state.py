@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from tool0.control.parameters import Robot
+from tool0.control.parameters import RobotJoints
 from tool0.description.model import Interface
 from tool0.description.yaml_tree import Entry
 from tool0.description.yaml_values import Namespace
@@ -97,7 +97,7 @@ class JointStateController:
         """Do nothing: there is no goal to end."""
 
 
-def parse(parameters: Namespace, robot: Robot) -> JointStateSpec:
+def parse(parameters: Namespace, robot: RobotJoints) -> JointStateSpec:
     """Return the checked parameters of a JointStateController.
 
     Without ``joints`` it publishes those with a transmission, by name, as in ROS, which
@@ -134,7 +134,7 @@ def _extra_joints(
     entry = parameters.find("extra_joints")
     if entry is None:
         return ()
-    if entry.items is None:
+    if not entry.is_list:
         raise ConfigError(
             f"'{entry.key}' must be a list of mappings with a name, "
             f"got {entry.describe()}",
@@ -145,7 +145,7 @@ def _extra_joints(
 
 
 def _extra_joint(entry: Entry) -> ExtraJoint:
-    if entry.children is None:
+    if not entry.is_mapping:
         raise ConfigError(
             f"'{entry.key}' must be a mapping with a name, got {entry.describe()}",
             entry.location,

@@ -11,7 +11,7 @@ from tool0.control.goal_check import check_names
 from tool0.control.goal_monitor import GoalMonitor
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Robot,
+    RobotJoints,
     controlled_joints,
     read_gains,
 )
@@ -248,7 +248,7 @@ class JointTrajectoryController:
         )
 
 
-def parse(parameters: Namespace, robot: Robot) -> JointTrajectorySpec:
+def parse(parameters: Namespace, robot: RobotJoints) -> JointTrajectorySpec:
     """Return the checked parameters of a JointTrajectoryController."""
     type_name = parameters.text("type")
     interface = INTERFACE_OF_PACKAGE[type_name.partition("/")[0]]

@@ -9,7 +9,7 @@ from typing import final
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import Controller, ControllerSpec
-from tool0.control.parameters import Robot
+from tool0.control.parameters import RobotJoints
 from tool0.control.setpoint import Setpoint
 from tool0.description.model import Joint
 from tool0.errors import ClaimError, ControlError, GoalRejectedError, did_you_mean
@@ -78,7 +78,7 @@ class ControllerManager:
         """
         self._hardware = hardware
         self._config = config
-        self._robot = Robot(joints, hardware.interfaces)
+        self._robot = RobotJoints(joints, hardware.interfaces)
         self._loaded: dict[str, _Loaded] = {}
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
         """Name and controller, and which slots of the command are its own."""

@@ -17,9 +17,9 @@ from tool0.lint.launch.evaluation import (
     NotUnderstoodError,
     evaluate,
 )
-from tool0.lint.launch.names import converted
-from tool0.lint.launch.packages import Packages
-from tool0.lint.launch.text import Text
+from tool0.lint.launch.grammar import converted
+from tool0.lint.launch.model import Text
+from tool0.lint.packages import PackageIndex
 
 COMMANDS: Final = ("find", "env", "optenv", "dirname", "anon", "arg", "eval")
 MAX_LENGTH: Final = 100_000
@@ -32,7 +32,7 @@ _FIND = re.compile(r"\$\(find ([^()]*)\)([^ $]*)")
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Problem:
+class SubstitutionProblem:
     """What is wrong in a text, for its reader to say where."""
 
     rule: str
@@ -44,7 +44,7 @@ class Problem:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Surroundings:
+class SubstitutionContext:
     """What the words in one file and scope stand for."""
 
     file: Path
@@ -52,13 +52,13 @@ class Surroundings:
     """The arguments that have, or should have, a value."""
     declared: frozenset[str]
     """The arguments that are declared so far."""
-    packages: Packages
+    packages: PackageIndex
     anonymous: Callable[[str], str]
 
 
 def resolve(
-    raw: str, location: SourceLocation, around: Surroundings
-) -> tuple[Text, list[Problem]]:
+    raw: str, location: SourceLocation, around: SubstitutionContext
+) -> tuple[Text, list[SubstitutionProblem]]:
     """Return ``raw`` with its words replaced, and what is wrong with them."""
     if "$" not in raw:
         return Text(raw=raw, resolved=raw, location=location), []
@@ -85,17 +85,17 @@ class _UnresolvedError(Exception):
 class _Substitution:
     """The work on one text."""
 
-    around: Surroundings
+    around: SubstitutionContext
     uses: list[str] = field(default_factory=list)
     packages: list[str] = field(default_factory=list)
-    problems: list[Problem] = field(default_factory=list)
+    problems: list[SubstitutionProblem] = field(default_factory=list)
     reason: str = ""
 
     def result(self, raw: str) -> str | None:
         """Return the text, or None if a word in it has no value."""
         try:
             if raw.startswith("$(eval ") and raw.endswith(")"):
-                return _bounded(self._evaluate(raw[7:-1]))
+                return _limited(self._evaluate(raw[7:-1]))
             if _BROKEN.search(raw):
                 self._problem(
                     "bad-substitution",
@@ -126,8 +126,8 @@ class _Substitution:
             end = match.end()
             if length > MAX_LENGTH:
                 break
-        text = _bounded("".join((*parts, raw[end:])))
-        text = _bounded(_FIND.sub(self._find, text))
+        text = _limited("".join((*parts, raw[end:])))
+        text = _limited(_FIND.sub(self._find, text))
         return text if is_whole and not self.reason else None
 
     def _word(self, whole: str, inside: str) -> str:
@@ -210,7 +210,7 @@ class _Substitution:
     def _not_found(self, name: str) -> None:
         packages = self.around.packages
         near = packages.nearest(name)
-        problem = Problem(
+        problem = SubstitutionProblem(
             rule="unresolved-find",
             key=name,
             message="is a package that is not found here"
@@ -239,7 +239,7 @@ class _Substitution:
             return evaluate(expression, functions, known)
         except EvaluationError as error:
             is_ours = isinstance(error, NotUnderstoodError)
-            problem = Problem(
+            problem = SubstitutionProblem(
                 rule="bad-eval",
                 key=expression.strip()[:40],
                 message=f"$(eval …) has no value: {error}",
@@ -252,11 +252,11 @@ class _Substitution:
     def _problem(self, rule: str, key: str, message: str, remedy: str) -> None:
         self.reason = self.reason or message
         self.problems.append(
-            Problem(rule=rule, key=key, message=message, remedy=remedy)
+            SubstitutionProblem(rule=rule, key=key, message=message, remedy=remedy)
         )
 
 
-def _bounded(text: str) -> str:
+def _limited(text: str) -> str:
     if len(text) > MAX_LENGTH:
         raise _UnresolvedError(f"it would be longer than {MAX_LENGTH} characters")
     return text

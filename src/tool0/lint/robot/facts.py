@@ -133,9 +133,9 @@ class RobotFacts:
     ros2_joints: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Joints of <ros2_control>, with their command interfaces."""
     passive_joints: frozenset[str] = frozenset()
-    """Joints that a loop holds and no gearbox shall: <passive_joint>, tool0's own."""
+    """Joints that need no gearbox since a loop holds them: tool0's <passive_joint>."""
     unmerged: frozenset[str] = frozenset()
-    """Fixed joints whose links Gazebo is told to keep apart."""
+    """Fixed joints whose links Gazebo does not merge."""
     has_extensions: bool = False
     """Whether there is any <gazebo>."""
 

@@ -40,23 +40,20 @@ class JointNames:
         names = [name for name, _ in entries]
         if self.robot is not None:
             known = {j.name for j in self.robot.joints.values() if j.is_movable}
-            whose = "the robot has no such joint"
+            reason = "the robot has no such joint"
         else:
             known = set(usual_joints())
             if sum(name in known for name in names) < _ENOUGH * len(names):
                 return
-            whose = "a UR with a 2F-85, whose joints are beside it, has no such joint"
+            reason = "a UR with a 2F-85, whose joints are beside it, has no such joint"
         for name, entry in entries:
             if name in known:
                 continue
-            near = nearest_name(name, known.difference(names)) or nearest_name(
-                name, known
-            )
-            yield Finding(
-                location=entry.location,
-                rule="unknown-joint",
+            unused = known.difference(names)
+            near = nearest_name(name, unused) or nearest_name(name, known)
+            yield entry.finding(
+                "unknown-joint",
+                f"names '{name}', but {reason}",
+                f"did you mean '{near}'?" if near else "name one that it has",
                 severity="error" if self.robot is not None else "warning",
-                key=entry.key,
-                message=f"names '{name}', but {whose}",
-                remedy=f"did you mean '{near}'?" if near else "name one that it has",
             )

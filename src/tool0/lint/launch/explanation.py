@@ -1,23 +1,40 @@
-"""What a launch file includes, starts and sets, explained."""
+"""A launch file explained: a tree of what it includes, starts and sets."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import final
 
 from tool0.errors import SourceLocation
-from tool0.lint.launch.item import Item
 from tool0.lint.launch.model import (
     Entry,
     Include,
     LaunchFile,
-    Machine,
     Node,
     Parameter,
+    Place,
+    RemoteMachine,
     Rosparam,
+    Text,
 )
-from tool0.lint.launch.text import Place, Text
 from tool0.lint.launch.xacro_files import XacroFile, xacro_call
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Item:
+    """Something in a launch file, and what is in it."""
+
+    kind: str
+    """``include``, ``node``, ``param``, ``argument``, ``use`` and so on."""
+    name: str
+    value: str | None = None
+    """None if it has none, or none that is known."""
+    location: SourceLocation
+    note: str = ""
+    """Why it has no value, why it is switched off, and the like."""
+    items: tuple[Item, ...] = ()
 
 
 def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
@@ -27,7 +44,7 @@ def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
         launch: The file.
         robots: What its parameters have xacro read (``xacro_robots``).
     """
-    explainer = _Explainer(robots)
+    explainer = _ContentsExplainer(robots)
     return Item(
         kind="launch",
         name=str(launch.file),
@@ -37,7 +54,7 @@ def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
 
 
 @final
-class _Explainer:
+class _ContentsExplainer:
     """Explains the entries of one file and of those it includes."""
 
     def __init__(self, robots: Mapping[Parameter, XacroFile]) -> None:
@@ -54,7 +71,7 @@ class _Explainer:
                 return self._parameter(entry, entry.full_name)
             case Rosparam():
                 return _rosparam(entry)
-            case Machine():
+            case RemoteMachine():
                 texts = [f"{key}={_shown(text)}" for key, text in entry.settings]
                 return _item("machine", "", " ".join(texts), entry.place)
         kind = type(entry).__name__.lower().replace("environment", "env")

@@ -9,16 +9,16 @@ from typing import Literal, cast
 from xml.dom.minidom import Element
 
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.launch import names
-from tool0.lint.launch.attributes import require_file, split
+from tool0.lint.launch import grammar
+from tool0.lint.launch.load_context import is_file, read_limited
 from tool0.lint.launch.model import (
+    Activity,
     NamedText,
     Parameter,
     Rosparam,
+    Text,
 )
 from tool0.lint.launch.scope import Scope
-from tool0.lint.launch.session import is_file, read_bounded
-from tool0.lint.launch.text import Activity, Text
 from tool0.lint.launch.xacro_files import xacro_call
 
 _SOURCES: tuple[Literal["value", "textfile", "binfile", "command"], ...] = (
@@ -30,8 +30,8 @@ _SOURCES: tuple[Literal["value", "textfile", "binfile", "command"], ...] = (
 _READERS: dict[str, Callable[[str], object]] = {
     "int": int,
     "double": float,
-    "bool": names.as_boolean,
-    "boolean": names.as_boolean,
+    "bool": grammar.as_boolean,
+    "boolean": grammar.as_boolean,
 }
 _TYPES = ("auto", "str", "string", "int", "double", "bool", "boolean", "yaml")
 
@@ -43,7 +43,7 @@ def read_param(element: Element, scope: Scope) -> Parameter | None:
         return None
     name = parameter.name.resolved
     if name is not None and scope.namespace is not None and name[:1] != "~":
-        full_name = names.canonical(names.join(scope.namespace, name))
+        full_name = grammar.canonical(grammar.join(scope.namespace, name))
         return replace(parameter, full_name=full_name)
     if parameter.is_private and scope.activity is not Activity.INACTIVE:
         before = [p for p in scope.private if p.name.resolved != name]
@@ -62,7 +62,7 @@ def in_node(parameter: Parameter, namespace: str | None) -> Parameter:
     name = parameter.name.resolved
     if name is None or namespace is None:
         return parameter
-    full_name = names.canonical(namespace + name.removeprefix("~"))
+    full_name = grammar.canonical(namespace + name.removeprefix("~"))
     return replace(parameter, full_name=full_name)
 
 
@@ -91,7 +91,7 @@ def _param(element: Element, scope: Scope) -> Parameter | None:
         )
     content = scope.required(element, given[0])
     if given[0] in ("textfile", "binfile"):
-        require_file(content, given[0], scope)
+        scope.require_file(content, given[0])
     elif given[0] == "value":
         _check_type(content, kind, scope)
     parameter = Parameter(
@@ -101,11 +101,11 @@ def _param(element: Element, scope: Scope) -> Parameter | None:
         type=kind,
         source=given[0],
         content=content,
-        words=split(content, scope) if given[0] == "command" else (),
+        words=scope.words(content) if given[0] == "command" else (),
     )
     call = xacro_call(parameter)
     if call is not None and call.file is not None:
-        require_file(replace(content, resolved=str(call.file)), "xacro", scope)
+        scope.require_file(replace(content, resolved=str(call.file)), "xacro")
     return parameter
 
 
@@ -165,28 +165,28 @@ def _rosparam_namespace(texts: tuple[NamedText, ...], scope: Scope) -> str | Non
     for _, text in texts:
         if full is None or text.resolved is None:
             return None
-        full = names.join(full, text.resolved) if text.resolved else full
-    return full if full is None or full == "/" else names.canonical(full)
+        full = grammar.join(full, text.resolved) if text.resolved else full
+    return full if full is None or full == "/" else grammar.canonical(full)
 
 
 def _yaml(element: Element, file: Text | None, scope: Scope) -> Text | None:
     """Return the YAML that is loaded, as it stands."""
     if file is None:
         parts = [n.nodeValue or "" for n in element.childNodes if n.nodeValue]
-        where = SourceLocation(scope.file, scope.session.text_line(scope.file, element))
+        where = SourceLocation(scope.file, scope.context.text_line(scope.file, element))
         raw = "".join(parts)
         return Text(raw=raw, resolved=raw, location=where)
     if file.resolved is None:
         return None
-    require_file(file, "rosparam", scope)
+    scope.require_file(file, "rosparam")
     path = Path(file.resolved)
     if not is_file(path) or scope.activity is Activity.INACTIVE:
         return None
     try:
-        raw = read_bounded(path).decode("utf-8")
+        raw = read_limited(path).decode("utf-8")
     except (DescriptionError, UnicodeDecodeError) as error:
         scope.report(file.location, "unreadable-file", str(path), str(error))
         return None
-    if not scope.session.spend("characters", len(raw)):
+    if not scope.context.spend("characters", len(raw)):
         return None
     return Text(raw=raw, resolved=raw, location=SourceLocation(path, 1))

@@ -1,4 +1,4 @@
-"""What one reading shares over all files: packages, limits, names that are taken."""
+"""What all files of one reading share: packages, limits, parsed files, node names."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Final, final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.description.xml_source import parse_text
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.launch.packages import Packages
+from tool0.lint.packages import PackageIndex
 
 MAX_NESTING: Final = 40
-"""Of groups and includes in one another."""
+"""Levels of groups and includes."""
 MAX_FILES: Final = 500
 MAX_ELEMENTS: Final = 20_000
 MAX_CHARACTERS: Final = 5_000_000
@@ -27,13 +27,13 @@ _START: Final = re.compile(r"<(?:[^<>'\"]|'[^']*'|\"[^\"]*\")*>")
 
 
 @final
-class Session:
+class LoadContext:
     """One reading of a launch file and all that it includes."""
 
-    def __init__(self, packages: Packages) -> None:
+    def __init__(self, packages: PackageIndex) -> None:
         self.packages = packages
         self.nodes: dict[str, SourceLocation] = {}
-        """Full names of nodes that are active beyond doubt, and where they stand."""
+        """Full names of nodes that are certainly active, and where they stand."""
         self.depth = 0
         self._open: list[object] = []
         self._left = {
@@ -90,7 +90,7 @@ def is_file(path: str | Path) -> bool:
     return os.path.isfile(path)  # noqa: PTH113  # Path's raises if a name is too long
 
 
-def read_bounded(path: Path) -> bytes:
+def read_limited(path: Path) -> bytes:
     """Return what a file holds.
 
     Raises:
@@ -110,20 +110,25 @@ def read_bounded(path: Path) -> bytes:
 def _root(path: Path) -> Element | Finding:
     where = SourceLocation(path)
     try:
-        root = parse_text(read_bounded(path), path).documentElement
+        root = parse_text(read_limited(path), path).documentElement
     except DescriptionError as error:
         where, message = error.location or where, error.message
-    except (LookupError, ValueError) as error:  # of encodings that expat knows not
+    except (LookupError, ValueError) as error:  # unknown encodings
         message = f"cannot be decoded: {error}"
     else:
         if root is not None and root.tagName == "launch":
             return root
         tag = "nothing" if root is None else f"<{root.tagName}>"
-        return Finding(
-            location=where,
-            rule="not-launch",
-            key=path.name,
-            message=f"is no launch file: it holds {tag} where <launch> should be",
-            remedy="put all of it into <launch>…</launch>",
+        return error_at(
+            where,
+            "not-launch",
+            path.name,
+            f"is no launch file: it holds {tag} where <launch> should be",
+            "put all of it into <launch>…</launch>",
         )
-    return Finding(location=where, rule="not-xml", key=path.name, message=message)
+    return error_at(
+        where,
+        "not-xml",
+        path.name,
+        message,
+    )

@@ -7,19 +7,19 @@ from xml.dom.minidom import Element
 
 from tool0.description.xml_source import children
 from tool0.errors import DescriptionError
-from tool0.lint.launch import grammar, names
-from tool0.lint.launch.attributes import namespace_of, split
+from tool0.lint.launch import grammar
 from tool0.lint.launch.model import (
+    Activity,
     Environment,
-    Machine,
     Node,
     Parameter,
     Remap,
+    RemoteMachine,
     Rosparam,
+    Text,
 )
-from tool0.lint.launch.param_elements import in_node, read_node_param, read_rosparam
+from tool0.lint.launch.params import in_node, read_node_param, read_rosparam
 from tool0.lint.launch.scope import Scope
-from tool0.lint.launch.text import Activity, Text
 
 _NODE_KEYS = ("pkg", "type", "name", "args", "ns", "clear_params", "if", "unless")
 
@@ -29,10 +29,10 @@ def read_node(element: Element, scope: Scope) -> Node:
     is_test = element.tagName == "test"
     has_name = element.hasAttribute("name") or not is_test
     name = scope.required(element, "name" if has_name else "test-name")
-    outer = namespace_of(element, scope)
+    outer = scope.namespace_of(element)
     own = None
     if name.resolved and outer is not None:
-        own = names.as_namespace(names.join(outer, name.resolved))
+        own = grammar.as_namespace(grammar.join(outer, name.resolved))
     _check_node(element, name, scope)
     inside = replace(
         scope,
@@ -53,7 +53,7 @@ def read_node(element: Element, scope: Scope) -> Node:
         elif child.tagName == "rosparam" and (rosparam := read_rosparam(child, at)):
             rosparams.append(rosparam)
         elif child.tagName == "remap":
-            hold(read_remap(child, at), inside.remaps)
+            add_remap(read_remap(child, at), inside.remaps)
         elif child.tagName == "env":
             inside.environment.append(read_env(child, at))
     package = scope.required(element, "pkg")
@@ -68,7 +68,7 @@ def read_node(element: Element, scope: Scope) -> Node:
         name=name,
         full_name=None if own is None else own.removesuffix("/"),
         args=args,
-        words=() if args is None else split(args, scope),
+        words=() if args is None else scope.words(args),
         settings=tuple((key, scope.required(element, key)) for key in keys),
         parameters=(*(in_node(p, own) for p in scope.private), *parameters),
         rosparams=tuple(rosparams),
@@ -79,7 +79,7 @@ def read_node(element: Element, scope: Scope) -> Node:
 
 def _check_package(package: Text, scope: Scope) -> None:
     """Report a node's package that is not here: roslaunch cannot start the node."""
-    name, packages = package.resolved, scope.session.packages
+    name, packages = package.resolved, scope.context.packages
     if not name:
         return
     try:
@@ -87,7 +87,7 @@ def _check_package(package: Text, scope: Scope) -> None:
     except DescriptionError:
         near = packages.nearest(name)
         if near is None and not packages.has_ros:
-            return  # nothing of ROS is here, which says nothing about this package
+            return  # without ROS no package of ROS is found
         scope.report(
             package.location,
             "missing-package",
@@ -110,7 +110,7 @@ def _check_node(element: Element, name: Text, scope: Scope) -> None:
             "is a node's name with a namespace in it: roslaunch stops here",
             "write the namespace into ns",
         )
-    elif name.resolved is not None and not names.is_legal(name.resolved):
+    elif name.resolved is not None and not grammar.is_legal(name.resolved):
         scope.report(
             where,
             "bad-name",
@@ -145,14 +145,16 @@ def read_remap(element: Element, scope: Scope) -> Remap:
     )
     for key, text in remap.texts:
         name = text.resolved
-        if name is not None and (not name or not names.is_legal(names.canonical(name))):
+        if name is not None and (
+            not name or not grammar.is_legal(grammar.canonical(name))
+        ):
             scope.report(
                 text.location, "bad-name", key, f"'{name}' is no name that ROS accepts"
             )
     return remap
 
 
-def hold(remap: Remap, remaps: list[Remap]) -> None:
+def add_remap(remap: Remap, remaps: list[Remap]) -> None:
     """Put ``remap`` into ``remaps``, in place of one from the same name."""
     if remap.place.activity is Activity.INACTIVE:
         return
@@ -170,8 +172,8 @@ def read_env(element: Element, scope: Scope) -> Environment:
     )
 
 
-def read_machine(element: Element, scope: Scope) -> Machine:
+def read_machine(element: Element, scope: Scope) -> RemoteMachine:
     """Return a ``<machine>``."""
     keys = [key for key, _ in element.attributes.items() if key not in ("if", "unless")]
     texts = [(key, scope.required(element, key)) for key in keys]
-    return Machine(place=scope.place(element), settings=tuple(texts))
+    return RemoteMachine(place=scope.place(element), settings=tuple(texts))

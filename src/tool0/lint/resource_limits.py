@@ -1,6 +1,6 @@
-"""Work that may never end, or eat all memory, done in a process of its own.
+"""Runs a function in a child process with limits of time and memory.
 
-A person's xacro is a program, and ten lines of YAML can hold a billion values.
+A user's xacro is a program, and ten lines of YAML can hold a billion values.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from tool0.errors import Tool0Error
 R = TypeVar("R")
 P = ParamSpec("P")
 
-PATIENCE = 10.0
+TIMEOUT = 10.0
 """[wall s]; the largest robots take a tenth of it."""
 MEMORY = 2 << 30
 """[bytes] beyond what this process holds."""
 _CHUNK = 1 << 20
 
 
-class OutOfBoundsError(Tool0Error):
+class ResourceLimitError(Tool0Error):
     """The work was given up; the message says why."""
 
 
-def bounded(
+def run_limited(
     work: Callable[P, R],
     *arguments: P.args,
     **keywords: P.kwargs,
@@ -41,7 +41,7 @@ def bounded(
     Where there is no fork (Windows), it is done here, without bounds.
 
     Raises:
-        OutOfBoundsError: If it takes too long, too much memory, or crashes.
+        ResourceLimitError: If it takes too long, too much memory, or crashes.
         Exception: What it raises itself.
     """
     if not hasattr(os, "fork"):
@@ -60,7 +60,7 @@ def bounded(
             os.kill(child, signal.SIGKILL)
         _, status = os.waitpid(child, 0)
     if not packet:
-        raise OutOfBoundsError(f"reading it crashed (status {status})")
+        raise ResourceLimitError(f"reading it crashed (status {status})")
     error, answer = pickle.loads(packet)  # our own child wrote it
     if error is not None:
         raise error
@@ -69,12 +69,12 @@ def bounded(
 
 
 def _receive(end: int) -> bytes:
-    packet, deadline = bytearray(), time.monotonic() + PATIENCE
+    packet, deadline = bytearray(), time.monotonic() + TIMEOUT
     while True:
         left = deadline - time.monotonic()
         if left <= 0.0 or not select.select([end], [], [], left)[0]:
-            raise OutOfBoundsError(
-                f"reading it takes longer than {PATIENCE:g} s: look for a number "
+            raise ResourceLimitError(
+                f"reading it takes longer than {TIMEOUT:g} s: look for a number "
                 "beyond measure, or for something that contains itself"
             )
         chunk = os.read(end, _CHUNK)
@@ -91,7 +91,7 @@ def _work(start: int, work: Callable[[], object]) -> None:
         packet = pickle.dumps((None, work()))
     except MemoryError:
         packet = pickle.dumps(
-            (OutOfBoundsError(f"reading it takes more than {MEMORY >> 20} MiB"), None)
+            (ResourceLimitError(f"reading it takes more than {MEMORY >> 20} MiB"), None)
         )
     except BaseException as error:  # the parent raises it
         packet = _as_picklable(error)
@@ -105,9 +105,9 @@ def _limit() -> None:
     import faulthandler
     import resource
 
-    faulthandler.disable()  # a crash is told once, by the parent
+    faulthandler.disable()  # the parent reports a crash
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends us
-    seconds = int(PATIENCE) + 1  # also when the parent was killed
+    seconds = int(TIMEOUT) + 1  # also when the parent was killed
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     with contextlib.suppress(OSError, ValueError):
         pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[0]
@@ -122,4 +122,4 @@ def _as_picklable(error: BaseException) -> bytes:
         pickle.loads(packet)  # errors may fail at it only here
         return packet
     text = f"{type(error).__name__}: {error}"
-    return pickle.dumps((OutOfBoundsError(f"reading it failed: {text}"), None))
+    return pickle.dumps((ResourceLimitError(f"reading it failed: {text}"), None))
