@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 from document import blocks
+from tool0.cli.quick import read_bringup
 
 from tool0.cli import COMMANDS, FAILED, OK, main
-from tool0.cli.quick import read_bringup
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -10,9 +10,9 @@ from conformance_types import BringUp
 from ur5_rig import GRIPPER
 
 import tool0
+from tool0.description.catalogue import config_file
 from tool0.description.kinematics import Transform
 from tool0.description.model import Box, Pose
-from tool0.description.presets import config_file
 from tool0.description.scene import Scene, SceneObject
 from tool0.sensing.pads import grasp_frame
 

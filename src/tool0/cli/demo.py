@@ -14,9 +14,9 @@ import tyro
 
 from tool0.cli import GOAL_FAILED, OK
 from tool0.cli.bringup import quiet_overruns
-from tool0.cli.bringup_text import finite, panel_line
 from tool0.cli.options import PanelOptions
 from tool0.cli.progress import Progress
+from tool0.cli.text import finite, panel_line
 from tool0.errors import ConfigError
 from tool0.runtime.writable import require_writable
 
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from tool0.description.scene import Scene
     from tool0.runtime.robot import Robot
 
-_GLANCE = 10.0
-"""Longest time between looks at the signals [wall s]; a signal wakes at once."""
 ITEM, BIN = "cube", "bin"
 """What the scene ``table_and_bin`` calls them."""
 
@@ -172,8 +170,7 @@ def _linger() -> None:
 
     print("The panel stays; Ctrl-C ends it.", file=sys.stderr, flush=True)
     with StopSignal() as stop:
-        while not stop.wait(_GLANCE):
-            pass
+        stop.wait()
 
 
 def _play(robot: Robot, arguments: PickArguments) -> DemoReport:

@@ -8,8 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tool0.cli.connection import Bringup, see_through
-from tool0.cli.options import joint_values
-from tool0.cli.parsing import parse
+from tool0.cli.parsing import joint_values, parse
 from tool0.description.model import Pose
 from tool0.errors import ConfigError, ControlError, nearest_name
 

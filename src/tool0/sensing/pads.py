@@ -6,9 +6,9 @@ import numpy as np
 
 from tool0.description.kinematics import Transform, transforms
 from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.positions import joint_positions
 from tool0.errors import ControlError
 from tool0.kinematics.pose_matrix import as_transform
-from tool0.runtime.initial_pose import joint_positions
 
 
 def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 from served import serving, use_folder
+from tool0.cli.bringup_text import finite, greeting
 
 import tool0
 from tool0.cli import FAILED, OK, main
-from tool0.cli.bringup_text import finite, greeting
 from tool0.cli.options import SimulationOptions
 from tool0.interfaces.socket.address import Claim
 

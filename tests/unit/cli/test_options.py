@@ -2,6 +2,7 @@ import inspect
 from pathlib import Path
 
 import pytest
+from tool0.cli.quick import read_bringup
 
 from tool0.cli.options import (
     DEFAULT_SPAWN_Z,
@@ -15,7 +16,6 @@ from tool0.cli.options import (
     pose,
 )
 from tool0.cli.parsing import gathered
-from tool0.cli.quick import read_bringup
 from tool0.errors import ConfigError
 from tool0.runtime.bringup import bringup
 

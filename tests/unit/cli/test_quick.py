@@ -3,10 +3,10 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tool0.cli.quick import read_bringup
 
 from tool0.cli.options import BringupOptions
 from tool0.cli.parsing import parse
-from tool0.cli.quick import read_bringup
 
 WORDS = st.sampled_from(
     ["none", "5", "-1", "0.5", "json", "a.yaml", "elbow_joint=1", "None", "a b", ""]

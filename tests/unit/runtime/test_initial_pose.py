@@ -3,10 +3,10 @@ from __future__ import annotations
 import math
 
 import pytest
+from tool0.runtime.initial_pose import joint_positions
 
 from tool0.description.model import RobotModel
 from tool0.errors import LimitsError, ModelError
-from tool0.runtime.initial_pose import joint_positions
 
 OTHERWISE = [0.1, 0.2, 0.05, 9.9]  # the last one mimics: 0.2 - 0.5 · bend
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+from tool0.runtime.saved_poses import poses_file
 from ur5_rig import ARM, ARM_JOINTS, POST, POST_GRIPPER
 
 import tool0
 from tool0.errors import ConfigError, ControlError
-from tool0.runtime.saved_poses import poses_file
 
 PAN = ARM_JOINTS[0]
 

@@ -5,9 +5,9 @@ import threading
 from pathlib import Path
 
 import pytest
+from tool0.runtime.saved_poses import SavedPoses, poses_file
 
 from tool0.errors import ConfigError
-from tool0.runtime.saved_poses import SavedPoses, poses_file
 
 POSE = {"elbow_joint": 1.5708, "wrist_1_joint": -1e-05}
 
