@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flat_options import configured
 from served import use_folder
 from ur5_rig import ARM, AWAY, GRIPPER, HOME, POST, point, positions, worst_departure
 
@@ -289,7 +290,9 @@ def test_a_controller_that_cannot_be_loaded_later_leaves_the_others_alone(
         tmp_path, "effort_controllers/JointGroup", "effort_controllers/JntGroup"
     )
     with tool0.bringup(
-        realtime=False, controllers_file=path, stopped_controllers=[]
+        realtime=False,
+        controllers_file=path,
+        control=tool0.ControlConfig(stopped_controllers=[]),
     ) as robot:
         goal = robot.controller(ARM).follow([point(AWAY, 1.0)])
         robot.run(0.2)
@@ -301,7 +304,7 @@ def test_a_controller_that_cannot_be_loaded_later_leaves_the_others_alone(
 def test_a_file_that_is_not_there_is_named() -> None:
     for option in ("controllers_file", "robot", "joint_limit_params"):
         with pytest.raises(tool0.Tool0Error, match="nowhere"):
-            tool0.bringup(realtime=False, **{option: "nowhere.yaml"})  # type: ignore[arg-type]
+            tool0.bringup(**configured(realtime=False, **{option: "nowhere.yaml"}))
 
 
 @pytest.mark.parametrize(
@@ -332,7 +335,7 @@ def test_a_bad_option_is_refused_by_name(
     options: dict[str, object], kind: type[Exception], says: str
 ) -> None:
     with pytest.raises(kind, match=says):
-        tool0.bringup(**{"realtime": False, **options})  # type: ignore[arg-type]
+        tool0.bringup(**configured(**{"realtime": False, **options}))
 
 
 CELL = """<robot name="cell">
@@ -418,5 +421,7 @@ def test_the_robot_holds_after_a_storm_of_nonsense(robot: tool0.Robot) -> None:
 
 def test_catalogue_options_are_refused_for_a_robot_of_ones_own() -> None:
     cell = Path(__file__).parent.parent / "examples" / "cell" / "two_arms.urdf.xacro"
-    with pytest.raises(ConfigError, match="mount_xyz: not for a robot of your own"):
-        tool0.bringup(robot=cell, mount_xyz=(0.0, 0.0, 0.1), realtime=False)
+    for option, value in (("mount_xyz", (0.0, 0.0, 0.1)), ("arm", "ur5")):
+        with pytest.raises(ConfigError) as error:
+            tool0.bringup(**configured(robot=cell, realtime=False, **{option: value}))
+        assert option in str(error.value)

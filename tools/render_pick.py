@@ -29,9 +29,10 @@ N_PICTURES = 4
 def render() -> bytes:
     """Return some moments of a pick, side by side, as PNG."""
     film = Film()
-    with tool0.bringup(
+    simulation = tool0.SimulationConfig(
         scene="table_and_bin", cameras=[CAMERA], realtime=False
-    ) as robot:
+    )
+    with tool0.bringup(simulation=simulation) as robot:
         into = find_bin(robot.scene.objects, "bin")
         report = pick_and_place(robot, "cube", into, on_snapshot=film.take)
         if not report.success:

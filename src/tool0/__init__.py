@@ -11,27 +11,35 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tool0.control.goal import GoalResult, GoalStatus, GripperResult
     from tool0.control.trajectory import TrajectoryPoint
+    from tool0.description.config import DescriptionConfig
     from tool0.errors import GoalRejectedError, Tool0Error
     from tool0.runtime.bringup import bringup
+    from tool0.runtime.config import ControlConfig, SimulationConfig
     from tool0.runtime.robot import Robot
 
 __all__ = [
+    "ControlConfig",
+    "DescriptionConfig",
     "GoalRejectedError",
     "GoalResult",
     "GoalStatus",
     "GripperResult",
     "Robot",
+    "SimulationConfig",
     "Tool0Error",
     "TrajectoryPoint",
     "bringup",
 ]
 
 _HOMES = {
+    "ControlConfig": "tool0.runtime.config",
+    "DescriptionConfig": "tool0.description.config",
     "GoalRejectedError": "tool0.errors",
     "GoalResult": "tool0.control.goal",
     "GoalStatus": "tool0.control.goal",
     "GripperResult": "tool0.control.goal",
     "Robot": "tool0.runtime.robot",
+    "SimulationConfig": "tool0.runtime.config",
     "Tool0Error": "tool0.errors",
     "TrajectoryPoint": "tool0.control.trajectory",
     "bringup": "tool0.runtime.bringup",

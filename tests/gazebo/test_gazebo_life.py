@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
-from in_gazebo import PATIENCE, BringUp, process_with_a_robot
+from in_gazebo import PATIENCE, BringUp, gazebo_with, process_with_a_robot
 from processes import Watch, children, listening, program
 
 import tool0
@@ -81,7 +81,7 @@ def test_its_last_words_are_told_in_black_and_white(
         '<sdf version="1.6"><world name="w">'
         '<plugin name="p" filename="libnowhere.so"/></world></sdf>'
     )
-    robot, engine = bring_up(world=world)
+    robot, engine = bring_up(engine_options={"world": world})
     os.kill(engine.server.process_ids[0], signal.SIGKILL)
     with pytest.raises(EngineError) as caught:
         robot.run(0.05)
@@ -108,7 +108,7 @@ def test_what_cannot_be_brought_up_leaves_nothing(tmp_path: Path) -> None:
         '<link name="l"/></model></world></sdf>'
     )
     with pytest.raises(EngineError, match="has a model 'ur5_robot' already"):
-        tool0.bringup(engine="gazebo", world=world)
+        tool0.bringup(simulation=gazebo_with(world=world))
     assert not [pid for pid in children(os.getpid()) if "gz" in program(pid)]
 
 

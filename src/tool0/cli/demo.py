@@ -17,7 +17,9 @@ from tool0.cli.bringup import quiet_overruns
 from tool0.cli.options import PanelOptions
 from tool0.cli.progress import Progress
 from tool0.cli.text import finite, panel_line
+from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
+from tool0.runtime.config import SimulationConfig
 from tool0.runtime.writable import require_writable
 
 if TYPE_CHECKING:
@@ -121,12 +123,13 @@ def _bring_up(arguments: PickArguments) -> Robot:
     from tool0.runtime.bringup import bringup
 
     return bringup(
-        engine=arguments.engine,
-        gripper_model=arguments.gripper_model,
-        grasp_assist=arguments.grasp_assist,
-        scene=_scene(arguments),
-        initial_pose="home",
-        realtime=not arguments.headless,
+        description=DescriptionConfig(gripper_model=arguments.gripper_model),
+        simulation=SimulationConfig(
+            engine=arguments.engine,
+            grasp_assist=arguments.grasp_assist,
+            scene=_scene(arguments),
+            realtime=not arguments.headless,
+        ),
     )
 
 

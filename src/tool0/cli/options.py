@@ -150,6 +150,6 @@ READERS: Final[Readers] = {
         3, "FLOAT FLOAT FLOAT", lambda words: tuple(map(float, words))
     ),
     Sequence[Camera]: None,
-    Mapping[str, object] | None: None,
+    Mapping[str, object]: None,
 }
 """How the types of the configuration values are written on the command line."""

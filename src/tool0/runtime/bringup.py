@@ -155,14 +155,13 @@ def _bring_up(
     )
     poses = PoseBook(description)
     position = _initial_position(model, poses, control.initial_pose)
-    engine_options = simulation.engine_options or {}
     engine = _engine(
         simulation.engine,
         description,
         dt=simulation.dt,
         spawn_z=simulation.spawn_z,
         scene=scene,
-        options=engine_options,
+        options=simulation.engine_options,
     )
     try:
         core = _core(
@@ -188,7 +187,7 @@ def _bring_up(
     except BaseException:
         engine.close()
         raise
-    has_own_world = engine_options.get("world") is not None
+    has_own_world = simulation.engine_options.get("world") is not None
     return Robot(
         description=description,
         engine=engine,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 from tool0.description.camera import Camera
@@ -40,7 +40,7 @@ class SimulationConfig:
 
     engine: str = "mujoco"
     """The physics engine: mujoco, or gazebo (`tool0 gazebo install`)."""
-    engine_options: Mapping[str, object] | None = None
+    engine_options: Mapping[str, object] = field(default_factory=dict)
     """Options of the engine by name; Gazebo has ``world`` (a world file instead of an
     empty world with ground) and ``gui`` (True opens gzclient)."""
     dt: float = 0.001

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flat_options import configured
 from promised import require_gl
 
 import tool0
@@ -26,7 +27,7 @@ def drawing_threads() -> list[str]:
 
 
 def bring_up(**options: object) -> tool0.Robot:
-    return tool0.bringup(realtime=False, **options)  # type: ignore[arg-type]
+    return tool0.bringup(**configured(realtime=False, **options))
 
 
 def test_robots_have_cameras_by_name_and_draw_nothing_until_asked() -> None:
