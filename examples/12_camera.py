@@ -18,7 +18,7 @@ SIDE = Camera(  # besides `wrist` and `scene`, which every arm has
 )
 
 simulation = tool0.SimulationConfig(
-    scene="table_and_cubes", cameras=[SIDE], realtime=False
+    scene="table_and_cubes", cameras=(SIDE,), realtime=False
 )
 with (
     TemporaryDirectory() as folder,

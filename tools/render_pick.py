@@ -30,7 +30,7 @@ def render() -> bytes:
     """Return some moments of a pick, side by side, as PNG."""
     film = Film()
     simulation = tool0.SimulationConfig(
-        scene="table_and_bin", cameras=[CAMERA], realtime=False
+        scene="table_and_bin", cameras=(CAMERA,), realtime=False
     )
     with tool0.bringup(simulation=simulation) as robot:
         into = find_bin(robot.scene.objects, "bin")

@@ -7,7 +7,6 @@ import logging
 import math
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from tool0.cli.options import READERS, BringupOptions, RunOptions
@@ -18,7 +17,6 @@ from tool0.errors import EngineError, EngineUnavailableError
 if TYPE_CHECKING:
     from tool0.cli.stop_signal import StopSignal
     from tool0.interfaces.panel.address import Door
-    from tool0.interfaces.ros1.options import Ros1Options
     from tool0.interfaces.socket.address import Claim
     from tool0.runtime.robot import Robot
 
@@ -48,7 +46,6 @@ def bring_up(options: BringupOptions) -> int:
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
         # Names first: a wrong or taken one is reported before the robot is made.
-        ros_options = _ros_options(options)
         claim = _claim(options.run)
         if claim is not None:
             exits.callback(claim.close)
@@ -57,7 +54,7 @@ def bring_up(options: BringupOptions) -> int:
         robot = exits.enter_context(_robot(options))
         if claim is not None:
             exits.enter_context(_reachable(robot, claim))
-        ros = exits.enter_context(_in_ros(robot, ros_options, stop))
+        ros = exits.enter_context(_in_ros(robot, options, stop))
         if door is not None:
             from tool0.cli.panel import served, show
 
@@ -141,36 +138,18 @@ def _reachable(robot: Robot, claim: Claim) -> Iterator[None]:
         server.close()
 
 
-def _ros_options(options: BringupOptions) -> Ros1Options | None:
-    given = options.ros
-    if not given.ros1:
-        return None
-    from tool0.interfaces.ros1.options import Ros1Options
-
-    ros = Ros1Options(
-        ns=given.ns,
-        roscore=given.roscore,
-        tf_prefix=options.description.tf_prefix or "",
-    )
-    if given.tf_pub_rate is not None:
-        ros = replace(ros, tf_pub_rate=given.tf_pub_rate)
-    if given.camera_rate is not None:
-        ros = replace(ros, camera_rate=given.camera_rate)
-    return ros
-
-
 @contextlib.contextmanager
 def _in_ros(
-    robot: Robot, options: Ros1Options | None, stop: StopSignal
+    robot: Robot, options: BringupOptions, stop: StopSignal
 ) -> Iterator[str | None]:
     """Present the robot in ROS 1 if wanted; yield a line that says where."""
-    if options is None:
+    if not options.run.ros1:
         yield None
         return
     from tool0.interfaces.ros1.edge import Ros1
 
-    with Ros1(robot, options, when_killed=stop.request) as edge:
-        yield f"ROS 1: node {options.node} under {edge.node.master.uri}"
+    with Ros1(robot, options.ros, when_killed=stop.request) as edge:
+        yield f"ROS 1: node {options.ros.node} under {edge.node.master.uri}"
 
 
 def _run(

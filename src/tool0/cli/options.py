@@ -19,6 +19,7 @@ from tool0.description.camera import Camera
 from tool0.description.config import Argument, DescriptionConfig, File, Unset
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError
+from tool0.interfaces.ros1.options import Ros1Options
 from tool0.runtime.config import ControlConfig, Names, SimulationConfig
 
 
@@ -57,6 +58,8 @@ class RunOptions:
     """The name by which other processes find this bringup."""
     remote: bool = True
     """Let other processes of this user drive the robot: `tool0 move`, …"""
+    ros1: bool = False
+    """Present the robot in ROS 1 as ur_gazebo does (`tool0 ros1 install`)."""
 
     def __post_init__(self) -> None:
         if self.duration is not None and not 0.0 <= self.duration < math.inf:
@@ -81,30 +84,6 @@ class PanelOptions:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RosOptions:
-    """How it appears in ROS 1."""
-
-    ros1: bool = False
-    """Present the robot in ROS 1 as ur_gazebo does (`tool0 ros1 install`)."""
-    roscore: bool = False
-    """Start a roscore if none answers."""
-    ns: str = ""
-    """Namespace of all its ROS names, such as robot1: several robots, one roscore."""
-    tf_pub_rate: float | None = None
-    """Transforms per second [Hz]."""
-    camera_rate: float | None = None
-    """Most images of each camera per second [Hz]; 10 if not given."""
-
-    def __post_init__(self) -> None:
-        has_rate = self.tf_pub_rate is not None or self.camera_rate is not None
-        if not self.ros1 and (self.roscore or self.ns or has_rate):
-            raise ConfigError(
-                "--roscore, --ns, --tf-pub-rate and --camera-rate need --ros1"
-            )
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BringupOptions:
     """Bring up a robot in simulation with its controllers running.
 
@@ -119,7 +98,13 @@ class BringupOptions:
     engine: EngineOptions = field(default_factory=EngineOptions)
     run: RunOptions = field(default_factory=RunOptions)
     panel: PanelOptions = field(default_factory=PanelOptions)
-    ros: RosOptions = field(default_factory=RosOptions)
+    ros: Ros1Options = field(default_factory=Ros1Options)
+
+    def __post_init__(self) -> None:
+        if not self.run.ros1 and self.ros != Ros1Options():
+            raise ConfigError(
+                "--roscore, --ns, --tf-pub-rate and --camera-rate need --ros1"
+            )
 
     def full_simulation(self) -> SimulationConfig:
         """Return ``simulation`` with the options of its engine."""
@@ -149,7 +134,7 @@ READERS: Final[Readers] = {
     Sequence[float] | None: Reader(
         3, "FLOAT FLOAT FLOAT", lambda words: tuple(map(float, words))
     ),
-    Sequence[Camera]: None,
+    tuple[Camera, ...]: None,
     Mapping[str, object]: None,
 }
 """How the types of the configuration values are written on the command line."""

@@ -200,7 +200,7 @@ def _value(
             return reader.read(texts)
         if kind in _PLAIN and len(texts) == 1:
             return _PLAIN[kind](texts[0])
-    except ValueError:
+    except (ValueError, ConfigError):
         return None
     choices = [
         choice

@@ -57,6 +57,9 @@ class RobotDescription:
     gripper: str | None = None
     """Name of the gripper in the catalogue; None without one."""
     prefix: str = ""
+    """Prefix of the names of its links and joints."""
+    tf_prefix: str = ""
+    """Prefix of its frames in ROS."""
     _document: Document = field(repr=False, compare=False)
 
     @cached_property
@@ -115,6 +118,7 @@ def load_description(config: DescriptionConfig) -> RobotDescription:
         arm=arm,
         gripper=None if gripper == NO_GRIPPER else gripper,
         prefix=prefix,
+        tf_prefix=given.get("tf_prefix", ""),
         _document=document,
     )
 

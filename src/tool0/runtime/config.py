@@ -51,7 +51,7 @@ class SimulationConfig:
     scene: Scene | File | None = None
     """The objects around the robot: a YAML file, or a built-in scene (table_and_bin,
     table_and_cubes)."""
-    cameras: Sequence[Camera] = ()
+    cameras: tuple[Camera, ...] = ()
     """Further cameras; one with the name of another replaces it (docs/camera.md)."""
     grasp_assist: bool = False
     """A cheat: attach a gripped object to the gripper until it opens, whatever

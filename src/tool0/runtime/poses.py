@@ -20,54 +20,67 @@ if TYPE_CHECKING:
     import yaml
 
 LONGEST_NAME = 60
-"""Characters of a pose's name: what fits on a button."""
+"""Characters of a pose's name that fit on a button."""
 _HEADER = "# Poses saved with tool0: joint positions [rad | m].\n"
 
 Positions = Mapping[str, float]
 
 
+def poses_file(robot: str) -> Path:
+    """Return the file with the saved poses of the robot of that name."""
+    return data_folder() / "poses" / f"{quote(robot, safe=' ')}.yaml"
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NamedPose:
+    """A pose of some or all joints."""
+
     name: str
-    positions: Mapping[str, float]
-    """Joint → [rad | m]; it may leave joints out."""
+    positions: Positions
+    """Joint → [rad | m]."""
     saved: bool
-    """Whether a person saved it."""
+    """Whether a user saved it."""
 
 
 @final
 class PoseBook:
-    """A robot's poses.  Those that came with it cannot be changed."""
+    """The poses of a robot: built-in ones, and saved ones in a file of the user.
+
+    Several processes may change the file at once.  A change is written to a new file
+    that replaces the old one under a lock: no pose is lost, and no reader sees half a
+    file.  A file that cannot be parsed is never replaced.
+    """
 
     def __init__(self, description: RobotDescription) -> None:
-        self._saved = SavedPoses(poses_file(description.model.name))
+        self.file = poses_file(description.model.name)
         self.own: Mapping[str, NamedPose] = {
             name: NamedPose(name=name, positions=positions, saved=False)
             for name, positions in named_poses(description).items()
         }
-        """Those that came with it."""
+        """The built-in poses, which cannot be changed."""
+        self._version: tuple[int, int, int] | None = None
+        self._saved: Mapping[str, Positions] = {}
 
     def all(self) -> Mapping[str, NamedPose]:
-        """Return every pose, those that came with the robot first.
-
-        A saved one that is called like one of those, by an older release, is hidden.
+        """Return every pose, the built-in ones first; they hide saved namesakes.
 
         Raises:
-            ConfigError: If the file of saved poses cannot be read.
+            ConfigError: If the file of saved poses cannot be read or parsed.
         """
         saved = {
             name: NamedPose(name=name, positions=positions, saved=True)
-            for name, positions in self._saved.read().items()
+            for name, positions in self._read().items()
+            if name not in self.own
         }
-        return {**self.own, **{k: v for k, v in saved.items() if k not in self.own}}
+        return {**self.own, **saved}
 
     def find(self, name: str) -> NamedPose:
-        """Return one pose; the saved ones are not read for one of the robot's own.
+        """Return one pose; a built-in one needs no file.
 
         Raises:
-            ControlError: If there is none of that name.
-            ConfigError: If the file of saved poses cannot be read.
+            ControlError: If there is no such pose.
+            ConfigError: If the file of saved poses cannot be read or parsed.
         """
         if name in self.own:
             return self.own[name]
@@ -76,12 +89,12 @@ class PoseBook:
             raise ControlError(f"unknown pose '{name}'{nearest_name(name, set(poses))}")
         return poses[name]
 
-    def save(self, name: str, positions: Mapping[str, float]) -> None:
-        """Keep a pose, in the place of a saved one that is called so.
+    def save(self, name: str, positions: Positions) -> None:
+        """Save a pose, and replace a saved one of that name.
 
         Raises:
-            ControlError: If the name is one of the robot's own, or none for a pose.
-            ConfigError: If the file of saved poses cannot be read or written.
+            ControlError: If the name is a built-in pose's, or not printable.
+            ConfigError: If the file of saved poses cannot be read, parsed or written.
         """
         self._refuse_own(name, "choose another name")
         is_sound = 1 <= len(name) <= LONGEST_NAME and name.isprintable()
@@ -90,85 +103,44 @@ class PoseBook:
                 f"a pose cannot be called {name!r}; give 1 to {LONGEST_NAME} printable "
                 "characters, with no space at either end"
             )
-        self._saved.save(name, positions)
+        with self._changing() as poses:
+            poses[name] = dict(positions)
 
     def delete(self, name: str) -> None:
-        """Forget a saved pose.
+        """Delete a saved pose.
 
         Raises:
-            ControlError: If there is none of that name, or it is the robot's own.
-            ConfigError: If the file of saved poses cannot be read or written.
+            ControlError: If there is no such pose, or it is built in.
+            ConfigError: If the file of saved poses cannot be read, parsed or written.
         """
         self._refuse_own(name, "only saved poses can be deleted")
         self.find(name)
-        self._saved.delete(name)
+        with self._changing() as poses:
+            poses.pop(name, None)
 
     def _refuse_own(self, name: str, remedy: str) -> None:
         if name in self.own:
-            raise ControlError(f"pose '{name}' came with the robot; {remedy}")
+            raise ControlError(f"pose '{name}' is built in; {remedy}")
 
-
-def poses_file(robot: str) -> Path:
-    """Return where the poses of a robot of that name are kept."""
-    return data_folder() / "poses" / f"{quote(robot, safe=' ')}.yaml"
-
-
-@final
-class SavedPoses:
-    """The poses in one file; several processes may change them at once.
-
-    A change is written to a new file that takes the old one's place, under a lock, so
-    that no pose is lost and no reader sees half a file.  A file that cannot be
-    understood is never replaced.
-    """
-
-    def __init__(self, file: Path) -> None:
-        self.file = file
-        self._version: tuple[int, int, int] | None = None
-        self._poses: Mapping[str, Positions] = {}
-
-    def read(self) -> Mapping[str, Positions]:
-        """Return the positions [rad | m] by joint, by pose, as last saved.
-
-        Raises:
-            ConfigError: If the file cannot be read or understood.
-        """
+    def _read(self) -> Mapping[str, Positions]:
         try:
             status = self.file.stat()
             version = (status.st_mtime_ns, status.st_size, status.st_ino)
             if version != self._version:
-                self._poses = _parse(self.file.read_bytes(), self.file)
+                self._saved = _parse(self.file.read_bytes(), self.file)
                 self._version = version
         except FileNotFoundError:
             return {}
         except OSError as error:
             raise self._failure("read", error) from None
-        return self._poses
-
-    def save(self, name: str, positions: Positions) -> None:
-        """Add a pose, or put it in the place of the one called so.
-
-        Raises:
-            ConfigError: If the file cannot be read, understood or written.
-        """
-        with self._changing() as poses:
-            poses[name] = dict(positions)
-
-    def delete(self, name: str) -> None:
-        """Remove a pose; one that is not there is gone already.
-
-        Raises:
-            ConfigError: If the file cannot be read, understood or written.
-        """
-        with self._changing() as poses:
-            poses.pop(name, None)
+        return self._saved
 
     @contextmanager
     def _changing(self) -> Iterator[dict[str, Positions]]:
         try:
             self.file.parent.mkdir(parents=True, exist_ok=True)
             with locked(self.file.with_suffix(".lock")):
-                poses = dict(self.read())
+                poses = dict(self._read())
                 yield poses
                 _replace(self.file, poses)
         except OSError as error:
@@ -200,9 +172,10 @@ def _replace(file: Path, poses: Mapping[str, Positions]) -> None:
 
 
 def _parse(text: bytes, file: Path) -> dict[str, Positions]:
-    """Return the poses of a file that a person may have edited, or raise ConfigError.
+    """Return the poses in a file that a user may have edited, or raise ConfigError.
 
-    Names are taken as written: a pose may be called ``on`` or ``1``.
+    Names are taken as written: a pose may be called ``on`` or ``1``, or have a slash
+    in its name (so ``yaml_tree``, which reads parameters of ROS, is of no use).
     """
     import yaml
 
