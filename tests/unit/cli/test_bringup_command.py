@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 from served import serving, use_folder
-from tool0.cli.bringup_text import finite, greeting
 
 import tool0
 from tool0.cli import FAILED, OK, main
-from tool0.cli.options import SimulationOptions
+from tool0.cli.options import BringupOptions, RunOptions
+from tool0.cli.text import finite, greeting
 from tool0.interfaces.socket.address import Claim
 
 pytestmark = pytest.mark.slow
@@ -61,7 +61,7 @@ def test_greeting_tells_how_to_move_it_with_lines_that_work(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with tool0.bringup(speed=20.0) as robot, serving(robot, "left"):
-        text = greeting(robot, SimulationOptions(name="left"))
+        text = greeting(robot, BringupOptions(run=RunOptions(name="left")))
         lines = [line for line in text.splitlines() if line.startswith("  tool0 ")]
         commands = [line.split()[1:] for line in lines]
         assert [line[0] for line in commands] == [

@@ -3,9 +3,9 @@ from __future__ import annotations
 import math
 
 import pytest
-from tool0.runtime.initial_pose import joint_positions
 
 from tool0.description.model import RobotModel
+from tool0.description.positions import joint_positions
 from tool0.errors import LimitsError, ModelError
 
 OTHERWISE = [0.1, 0.2, 0.05, 9.9]  # the last one mimics: 0.2 - 0.5 · bend
@@ -28,20 +28,20 @@ def test_the_limits_themselves_are_allowed(skew_model: RobotModel) -> None:
 def test_a_position_outside_the_limits_is_refused(
     skew_model: RobotModel, value: float
 ) -> None:
-    with pytest.raises(LimitsError, match=r"joint 'lift' is outside \[-2\.8, 2\.8\]"):
+    with pytest.raises(LimitsError) as error:
         joint_positions(skew_model, {"lift": value}, OTHERWISE)
+    assert "'lift'" in str(error.value)
+    assert "[-2.8, 2.8]" in str(error.value)
 
 
-def test_an_unknown_joint_is_refused_with_the_nearest(skew_model: RobotModel) -> None:
-    with pytest.raises(ModelError, match="'lfit'; did you mean 'lift'"):
-        joint_positions(skew_model, {"lfit": 0.0}, OTHERWISE)
-
-
-def test_a_fixed_joint_cannot_be_placed(skew_model: RobotModel) -> None:
-    with pytest.raises(ModelError, match="unknown joint 'cap_joint'"):
-        joint_positions(skew_model, {"cap_joint": 0.0}, OTHERWISE)
-
-
-def test_a_mimic_joint_names_its_master(skew_model: RobotModel) -> None:
-    with pytest.raises(ModelError, match="'follower' mimics 'bend'; place that one"):
-        joint_positions(skew_model, {"follower": 0.0}, OTHERWISE)
+@pytest.mark.parametrize(
+    ("joint", "names"),
+    [("lfit", "'lift'"), ("cap_joint", "'cap_joint'"), ("follower", "'bend'")],
+    ids=["unknown", "fixed", "mimic"],
+)
+def test_a_joint_that_cannot_be_placed_is_refused(
+    skew_model: RobotModel, joint: str, names: str
+) -> None:
+    with pytest.raises(ModelError) as error:
+        joint_positions(skew_model, {joint: 0.0}, OTHERWISE)
+    assert names in str(error.value)
