@@ -141,7 +141,9 @@ def test_the_linkage_differs_from_mimic_in_its_passive_joints_alone() -> None:
 
 
 def test_unknown_gripper_models_and_those_of_no_gripper_are_refused() -> None:
-    with pytest.raises(DescriptionError, match="unknown gripper model 'linkag'; did"):
+    with pytest.raises(DescriptionError) as unknown:
         assemble(gripper_model="linkag")
-    with pytest.raises(DescriptionError, match="gripper_model linkage is of a gripper"):
+    assert "'linkage'" in str(unknown.value)
+    with pytest.raises(DescriptionError) as none:
         assemble(gripper=None, gripper_model="linkage")
+    assert "gripper_model" in str(none.value)
