@@ -16,7 +16,6 @@ from tool0.errors import EngineError, EngineUnavailableError
 
 if TYPE_CHECKING:
     from tool0.cli.stop_signal import StopSignal
-    from tool0.interfaces.panel.address import Door
     from tool0.interfaces.socket.address import Claim
     from tool0.runtime.robot import Robot
 
@@ -49,15 +48,19 @@ def bring_up(options: BringupOptions) -> int:
         claim = _claim(options.run)
         if claim is not None:
             exits.callback(claim.close)
-        door = _door(options, exits)
+        door = None
+        if not options.run.headless:
+            from tool0.cli.panel import listening, served, show
+
+            door = exits.enter_context(listening(options.panel))
         stop = exits.enter_context(StopSignal())
         robot = exits.enter_context(_robot(options))
         if claim is not None:
-            exits.enter_context(_reachable(robot, claim))
+            from tool0.interfaces.socket.server import RemoteServer
+
+            exits.callback(RemoteServer(robot, claim).close)
         ros = exits.enter_context(_in_ros(robot, options, stop))
         if door is not None:
-            from tool0.cli.panel import served, show
-
             exits.enter_context(served(robot, door))
             show(door.url, options.panel, console)
         url = None if door is None else door.url
@@ -103,17 +106,6 @@ def _claim(run: RunOptions) -> Claim | None:
     return Claim(run.name)
 
 
-def _door(options: BringupOptions, exits: contextlib.ExitStack) -> Door | None:
-    """Listen for pages."""
-    if options.run.headless:
-        return None
-    from tool0.cli.panel import door_of
-
-    door = door_of(options.panel)
-    exits.callback(door.listener.close)
-    return door
-
-
 def _robot(options: BringupOptions) -> Robot:
     from tool0.runtime.bringup import bringup
 
@@ -125,17 +117,6 @@ def _robot(options: BringupOptions) -> Robot:
     for warning in robot.warnings:
         print(f"tool0: warning: {warning}", file=sys.stderr)
     return robot
-
-
-@contextlib.contextmanager
-def _reachable(robot: Robot, claim: Claim) -> Iterator[None]:
-    from tool0.interfaces.socket.server import RemoteServer
-
-    server = RemoteServer(robot, claim)
-    try:
-        yield
-    finally:
-        server.close()
 
 
 @contextlib.contextmanager

@@ -1,4 +1,4 @@
-"""``tool0 demo``: whole tasks to watch, and what they measured."""
+"""``tool0 demo``: complete tasks to watch, with measurements."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from tool0.runtime.robot import Robot
 
 ITEM, BIN = "cube", "bin"
-"""What the scene ``table_and_bin`` calls them."""
+"""Their names in the scene ``table_and_bin``."""
 
 
 def run(command: str, arguments: list[str]) -> int:
@@ -49,34 +49,34 @@ def run(command: str, arguments: list[str]) -> int:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickArguments:
-    """How picks are done, and what comes of them."""
+    """How to pick, and what to write."""
 
-    engine: Literal["mujoco", "gazebo"] = "mujoco"
-    """The physics."""
+    engine: str = "mujoco"
+    """The physics engine: mujoco or gazebo."""
     gripper_model: Literal["mimic", "linkage"] = "mimic"
-    """Fingers that follow their drive, or real five-bar linkages (mujoco only)."""
+    """mimic: fingers that follow the drive; linkage: five-bar fingers (mujoco only)."""
     n: int = 1
-    """How many picks; from the second on, or with --seed, from random poses."""
+    """Number of picks; from the second on, or with --seed, from random poses."""
     seed: int | None = None
-    """Of the random poses; the first cube lies where the scene has it if left out."""
+    """Seed of the random poses; if not given, the first pose is the scene's."""
     size: float = 0.045
     """Edge of the cube [m]."""
     mass: float = 0.1
-    """Of the cube [kg]."""
+    """Mass of the cube [kg]."""
     friction: float = 1.0
-    """Between cube and pads."""
+    """Coefficient of friction of the cube."""
     force: float = 60.0
-    """Of each pad [N], 20 to 235."""
+    """Gripping force at each pad [N], 20 to 235."""
     speed: float = 0.7
-    """Of the arm's joints, part of the fastest."""
+    """Speed of the arm's joints as a fraction of the maximum."""
     grasp_assist: bool = False
-    """Cheat: fix the cube to the gripper when it is gripped."""
+    """A cheat: attach the gripped cube to the gripper."""
     headless: bool = False
-    """Serve no panel, and run as fast as possible."""
+    """Do not serve the panel, and run as fast as possible."""
     report: Path | None = None
-    """Also write the report into this file, as JSON."""
+    """Also write the report to this file, as JSON."""
     video: Path | None = None
-    """Write an MP4 of it; needs tool0[video]."""
+    """Write an MP4 file; needs tool0[video]."""
     camera: str = "scene"
     """The camera of the video: scene or wrist."""
     format: Literal["text", "json"] = "text"
@@ -91,12 +91,12 @@ def pick(
     arguments: Annotated[PickArguments, tyro.conf.arg(name="")] = PickArguments(),
     panel: PanelOptions = PanelOptions(),  # noqa: B008  # frozen
 ) -> int:
-    """Pick a cube from the table and place it in a bin; status 1 if one is not there.
+    """Pick a cube from the table and place it in a bin; status 1 if that fails.
 
-    The cube is held by friction alone.  The panel shows it in real time, once a
-    browser has opened it, and stays; headless it runs as fast as possible and ends.
+    Friction alone holds the cube.  The demo starts in real time when a browser opens
+    the panel, and the panel stays open; headless it runs as fast as possible and ends.
     """
-    # What cannot be is told before the work of minutes is in vain.
+    # Check the files first: the picks take minutes.
     if arguments.report is not None and arguments.report == arguments.video:
         raise ConfigError(f"--report and --video are one file, {arguments.report}")
     if arguments.report is not None:
@@ -113,7 +113,7 @@ def pick(
         if not arguments.headless:
             _show(robot, panel, exits)
         report = _play(robot, arguments)
-        _tell_all(report, arguments)
+        _print_report(report, arguments)
         if not arguments.headless:
             _linger()
     return OK if report.n_succeeded == len(report.picks) else GOAL_FAILED
@@ -134,7 +134,7 @@ def _bring_up(arguments: PickArguments) -> Robot:
 
 
 def _scene(arguments: PickArguments) -> Scene:
-    """Return the scene with the cube that was asked for."""
+    """Return the scene with a cube of that size, mass and friction."""
     from tool0.description.model import Box
     from tool0.description.scene_file import load_scene
 
@@ -155,11 +155,10 @@ def _scene(arguments: PickArguments) -> Scene:
 
 
 def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
-    """Serve the panel, and wait until somebody looks: the demo is over in seconds."""
-    from tool0.cli.panel import door_of, served, show
+    """Serve the panel, and wait for a page: the demo lasts only seconds."""
+    from tool0.cli.panel import listening, served, show
 
-    door = door_of(options)
-    exits.callback(door.listener.close)
+    door = exits.enter_context(listening(options))
     panel = exits.enter_context(served(robot, door))
     print(panel_line(door.url), file=sys.stderr)
     if show(door.url, options, sys.stderr) is None:
@@ -168,7 +167,7 @@ def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> N
 
 
 def _linger() -> None:
-    """Leave robot and panel to the person who looks, until Ctrl-C."""
+    """Keep robot and panel until Ctrl-C."""
     from tool0.cli.stop_signal import StopSignal
 
     print("The panel stays; Ctrl-C ends it.", file=sys.stderr, flush=True)
@@ -191,7 +190,7 @@ def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
         arguments.n,
         options=PickOptions(force=arguments.force, speed=arguments.speed),
         on_snapshot=film.take if arguments.video else lambda snapshot: None,
-        on_pick=_tell if arguments.format == "text" else lambda pick: None,
+        on_pick=_print_pick if arguments.format == "text" else lambda pick: None,
     )
     if arguments.video is None:
         return report
@@ -207,11 +206,11 @@ def _poses(arguments: PickArguments) -> Iterator[Pose | None]:
     return drawn if arguments.seed is not None else itertools.chain([None], drawn)
 
 
-def _tell(pick: PickReport) -> None:
+def _print_pick(pick: PickReport) -> None:
     print(pick.to_text(), flush=True)
 
 
-def _tell_all(report: DemoReport, arguments: PickArguments) -> None:
+def _print_report(report: DemoReport, arguments: PickArguments) -> None:
     if arguments.format == "json":
         print(json.dumps(finite(report.to_json()), allow_nan=False), flush=True)
     else:

@@ -1,4 +1,4 @@
-"""The panel of a command: where it listens, and the browser that shows it."""
+"""The panel of a command: its address, its server, and the browser that shows it."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from tool0.runtime.robot import Robot
 
 
-def door_of(options: PanelOptions) -> Door:
-    """Listen where the options say, and warn if that lets others in."""
+@contextlib.contextmanager
+def listening(options: PanelOptions) -> Iterator[Door]:
+    """Listen at the address of the options, and warn if others can reach it."""
     from tool0.interfaces.panel.address import open_door
     from tool0.interfaces.panel.server import load
 
@@ -30,8 +31,11 @@ def door_of(options: PanelOptions) -> Door:
             "whoever knows its address with the token can drive the robot",
             file=sys.stderr,
         )
-    load()
-    return door
+    try:
+        load()
+        yield door
+    finally:
+        door.listener.close()
 
 
 @contextlib.contextmanager
@@ -49,20 +53,20 @@ def served(source: Robot | PanelSource, door: Door) -> Iterator[Panel]:
 
 
 def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
-    """Open the page in a browser, where a person sits before a desktop.
+    """Open the page in a browser if there are a terminal and a desktop.
 
     Returns:
-        The thread that opens it; None if there is nobody to see it.
+        The thread that opens it; None if it is not opened.
     """
     from tool0.interfaces.panel.desktop import has_desktop
 
-    is_seen = console.isatty() and has_desktop(os.environ, sys.platform)
-    if not (options.open and is_seen):
+    has_user = console.isatty() and has_desktop(os.environ, sys.platform)
+    if not (options.open and has_user):
         return None
     import threading
     import webbrowser
 
-    # Some browsers come back only when they are closed.
+    # Some browsers return only when they are closed.
     opener = threading.Thread(
         target=webbrowser.open, args=(url,), name="tool0-browser", daemon=True
     )

@@ -83,7 +83,7 @@ Readers = Mapping[object, Reader | None]
 _PLAIN: Final[dict[object, Callable[[str], object]]] = {
     kind: read for read in (str, float, int, Path) for kind in (read, read | None)
 }
-"""The types of one word that tyro reads alike."""
+"""Types of one word, read as tyro reads them."""
 
 
 def parse(
@@ -190,7 +190,7 @@ def parse_quickly(
 def _value(
     kind: object, texts: list[str], reader: Reader | None, *, is_negated: bool
 ) -> object:
-    """Return the value of one option, or None in any doubt."""
+    """Return the value of one option, or None if in doubt."""
     if kind is bool:
         return None if texts else not is_negated
     if is_negated or not texts or "None" in texts:  # tyro reads None as no value

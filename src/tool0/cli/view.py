@@ -6,7 +6,7 @@ import contextlib
 import sys
 
 from tool0.cli.options import READERS, PanelOptions
-from tool0.cli.panel import door_of, served, show
+from tool0.cli.panel import listening, served, show
 from tool0.cli.parsing import parse
 from tool0.cli.stop_signal import StopSignal
 from tool0.cli.text import panel_line
@@ -36,8 +36,7 @@ def view(
     from tool0.interfaces.panel.view import ViewSource
 
     with contextlib.ExitStack() as exits:
-        door = door_of(panel)
-        exits.callback(door.listener.close)
+        door = exits.enter_context(listening(panel))
         stop = exits.enter_context(StopSignal())
         source = ViewSource(load_description(description), ground=-spawn_z)
         exits.enter_context(served(source, door))
