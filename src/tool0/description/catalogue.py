@@ -37,7 +37,7 @@ Poses = Mapping[str, Mapping[str, float]]
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PartName:
+class DisplayName:
     """The name of a link or a joint for people."""
 
     en: str
@@ -180,10 +180,10 @@ def named_poses(description: RobotDescription) -> Poses:
     return poses
 
 
-def part_names(description: RobotDescription) -> Mapping[str, PartName]:
+def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
     """Return the names of links and joints for people; your own file has none."""
     return {
-        description.prefix + part: PartName(en=names["en"], zh=names["zh"])
+        description.prefix + part: DisplayName(en=names["en"], zh=names["zh"])
         for folder in description.folders
         for part, names in _load(folder, "part_names").items()
     }

@@ -9,10 +9,8 @@ import pytest
 import yaml
 
 from tool0.description.catalogue import (
-    arms,
     assemble,
     default_controllers,
-    grippers,
     load_description,
     load_robot,
     named_poses,
@@ -222,7 +220,9 @@ def test_safety_limits_narrow_the_arm_by_their_margin(model: RobotModel) -> None
 
 
 def test_tf_prefix_is_accepted_and_changes_nothing(model: RobotModel) -> None:
-    assert assemble(tf_prefix="robot1").model == model
+    description = assemble(tf_prefix="robot1")
+    assert description.tf_prefix == "robot1"
+    assert description.model == model
 
 
 def test_the_parameters_of_the_recordings_are_the_originals() -> None:
@@ -329,11 +329,6 @@ def test_upstream_meshes_without_their_package_are_a_clear_error(
     with pytest.raises(DescriptionError) as error:
         assemble(meshes="upstream")
     assert "'ur_description'" in str(error.value)
-
-
-def test_another_arm_is_only_yaml() -> None:
-    assert "ur5" in arms()
-    assert "2f85" in grippers()
 
 
 @pytest.mark.parametrize(
