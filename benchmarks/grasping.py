@@ -60,7 +60,7 @@ def hold_and_shake(
     *,
     force: float = FORCE,
     shake: float = SHAKE,
-    **options: object,
+    description: tool0.DescriptionConfig = tool0.DescriptionConfig(),  # noqa: B008
 ) -> Held:
     """Lift something from the table, hold it still, and shake it.
 
@@ -70,11 +70,11 @@ def hold_and_shake(
         mass: [kg]
         force: At each pad [N].
         shake: How long it is shaken [s]; 0 for not at all.
-        options: Of ``bringup``.
+        description: The robot.
     """
     scene = _table_with(shape, mass)
     with tool0.bringup(
-        engine=engine, scene=scene, initial_pose="home", realtime=False, **options
+        description=description, engine=engine, scene=scene, realtime=False
     ) as robot:
         monitor = GraspMonitor(robot, robot.gripper, ITEM)
         picker = Picker(robot, ITEM, PickOptions(force=force), monitor)
@@ -122,20 +122,19 @@ def all_trials(engine: str) -> Trials:
 def two_kilograms() -> float:
     """Return the slip of 2 kg that a linkage holds with all its force [mm]."""
     block = Box(size=(0.045, 0.045, 0.06))
+    linkage = tool0.DescriptionConfig(gripper_model="linkage")
     held = hold_and_shake(
-        "mujoco", block, 2.0, force=235.0, shake=0.0, gripper_model="linkage"
+        "mujoco", block, 2.0, force=235.0, shake=0.0, description=linkage
     )
     return 1e3 * held.slip if held.failure is None else math.inf
 
 
-def picks(engine: str, n_picks: int, seed: int, **options: object) -> DemoReport:
+def picks(engine: str, n_picks: int, seed: int) -> DemoReport:
     """Pick a cube from random poses on the table and place it in the bin."""
     with tool0.bringup(
         engine=engine,
         scene="table_and_bin",
-        initial_pose="home",
         realtime=False,
-        **options,
     ) as robot:
         height = robot.scene["cube"].geometry.size[2]
         return run_trials(

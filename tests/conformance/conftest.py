@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 from conformance_types import BringUp
+from flat_options import configured
 from promised import absent
 
 import tool0
@@ -31,7 +32,7 @@ def bring_up(engine: str) -> Iterator[BringUp]:
 
     def bring_one_up(**options: object) -> tool0.Robot:
         robot = tool0.bringup(
-            **{"engine": engine, "realtime": False, **options}  # type: ignore[arg-type]
+            **configured(**{"engine": engine, "realtime": False, **options})
         )
         robots.append(robot)
         return robot

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
-from in_gazebo import PATIENCE, BringUp, process_with_a_robot
+from in_gazebo import PATIENCE, BringUp, gazebo_with, process_with_a_robot
 from processes import Watch, children, listening, program
 
 import tool0
@@ -80,7 +80,7 @@ def test_the_end_of_its_log_is_in_the_error(tmp_path: Path, bring_up: BringUp) -
         '<sdf version="1.6"><world name="w">'
         '<plugin name="p" filename="libnowhere.so"/></world></sdf>'
     )
-    robot, engine = bring_up(world=world)
+    robot, engine = bring_up(engine_options={"world": world})
     os.kill(engine.server.process_ids[0], signal.SIGKILL)
     with pytest.raises(EngineError) as caught:
         robot.run(0.05)
@@ -105,8 +105,8 @@ def test_what_cannot_be_brought_up_leaves_nothing(tmp_path: Path) -> None:
         '<sdf version="1.6"><world name="w"><model name="ur5_robot">'
         '<link name="l"/></model></world></sdf>'
     )
-    with pytest.raises(EngineError, match="'ur5_robot'"):
-        tool0.bringup(engine="gazebo", world=world)
+    with pytest.raises(EngineError, match="has a model 'ur5_robot' already"):
+        tool0.bringup(simulation=gazebo_with(world=world))
     assert not [pid for pid in children(os.getpid()) if "gz" in program(pid)]
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from in_gazebo import BringUp, gz
+from in_gazebo import BringUp, gazebo_with, gz
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
@@ -55,7 +55,7 @@ def test_a_world_of_ones_own_is_used_at_the_robots_step(
 ) -> None:
     world = tmp_path / "theirs.world"
     world.write_text(WORLD)
-    robot, engine = bring_up(world=world)
+    robot, engine = bring_up(engine_options={"world": world})
     robot.run(0.5)
     assert robot.time == pytest.approx(0.5)
     x, _, z, *_ = map(float, gz(engine, "model", "-m", "crate", "-p").split())
@@ -70,8 +70,8 @@ def test_the_weight_of_things_is_that_of_the_world(
 ) -> None:
     world = tmp_path / "slope.world"
     world.write_text(WORLD.replace("0 0 -5", "-3 0 -4").replace("2 0 3", "2 5 3"))
-    robot, engine = bring_up(world=world)
-    assert engine.world.gravity == (-3.0, 0.0, -4.0)
+    robot, engine = bring_up(engine_options={"world": world})
+    assert engine.gravity == (-3.0, 0.0, -4.0)
     robot.run(2.0)
     pull = np.array(robot.pose("tool0").rotation) @ robot.force_torque.read().force
     np.testing.assert_allclose(pull, 0.921 * np.array(engine.world.gravity), atol=0.01)
@@ -82,8 +82,8 @@ def test_a_world_is_read_relative_to_where_the_person_is(
 ) -> None:
     (tmp_path / "theirs.world").write_text(WORLD)
     monkeypatch.chdir(tmp_path)
-    _, engine = bring_up(world="theirs.world")
-    engine.world.delete("crate")
+    _, engine = bring_up(engine_options={"world": "theirs.world"})
+    engine.delete("crate")
 
 
 @pytest.mark.parametrize(
@@ -98,10 +98,8 @@ def test_a_world_that_is_none_is_named(
     text: str, line: int | None, named: str, file: Path
 ) -> None:
     file.write_text(text)
-    with pytest.raises(DescriptionError) as error:
-        tool0.bringup(engine="gazebo", world=file)
-    assert error.value.location == SourceLocation(file, line)
-    assert named in str(error.value)
+    with pytest.raises(DescriptionError, match=f"{file}{message}"):
+        tool0.bringup(simulation=gazebo_with(world=file))
 
 
 @pytest.mark.parametrize("gripper", ["2f85", None])
@@ -109,14 +107,14 @@ def test_physics_other_than_ode_is_refused(
     gripper: str | None, file: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     file.write_text(WORLD.replace('physics type="ode"', 'physics type="bullet"'))
-    with pytest.raises(EngineError, match="'bullet'"):
-        tool0.bringup(engine="gazebo", world=file, gripper=gripper)
+    with pytest.raises(EngineError, match=r"physics is 'bullet', .* needs .*\"ode\""):
+        tool0.bringup(simulation=gazebo_with(world=file), gripper=gripper)
     assert caplog.records == []
 
 
 def test_a_world_that_is_not_there_is_named() -> None:
-    with pytest.raises(DescriptionError, match=r"nowhere\.world"):
-        tool0.bringup(engine="gazebo", world="nowhere.world")
+    with pytest.raises(DescriptionError, match=r"nowhere\.world: No such file"):
+        tool0.bringup(simulation=gazebo_with(world="nowhere.world"))
 
 
 def test_what_a_world_lacks_is_told_and_the_rest_is_used(
@@ -124,7 +122,7 @@ def test_what_a_world_lacks_is_told_and_the_rest_is_used(
 ) -> None:
     plugin = '<plugin name="p" filename="libnowhere.so"/>'
     file.write_text(WORLD.replace("<model", f"{plugin}<model"))
-    robot, _ = bring_up(world=file)
+    robot, _ = bring_up(engine_options={"world": file})
     (record,) = caplog.records
     assert record.levelno == logging.WARNING
     assert "libnowhere.so: cannot open shared object file" in record.getMessage()
@@ -136,6 +134,14 @@ def test_the_usual_start_has_nothing_to_complain_of(
 ) -> None:
     bring_up()
     assert caplog.records == []
+
+
+@pytest.mark.parametrize("option", ["world", "gui"])
+def test_what_is_for_gazebo_is_refused_elsewhere(option: str) -> None:
+    simulation = tool0.SimulationConfig(engine_options={option: True})
+    with pytest.raises(ConfigError) as error:
+        tool0.bringup(simulation=simulation)
+    assert f"'{option}'" in str(error.value)
 
 
 def test_a_model_comes_and_goes_while_the_robot_is_up(

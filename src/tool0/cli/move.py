@@ -8,8 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tool0.cli.connection import Bringup, wait_for_goal
-from tool0.cli.options import joint_values
-from tool0.cli.parsing import parse
+from tool0.cli.parsing import joint_values, parse
 from tool0.description.transform import Pose
 from tool0.errors import ConfigError, ControlError, did_you_mean
 

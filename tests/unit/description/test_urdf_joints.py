@@ -140,8 +140,9 @@ def test_the_linkage_differs_from_mimic_in_its_passive_joints_alone() -> None:
 
 
 def test_unknown_gripper_models_and_those_of_no_gripper_are_refused() -> None:
-    with pytest.raises(DescriptionError) as caught:
+    with pytest.raises(DescriptionError) as unknown:
         assemble(gripper_model="linkag")
-    assert "'linkage'" in str(caught.value)
-    with pytest.raises(DescriptionError):
+    assert "'linkage'" in str(unknown.value)
+    with pytest.raises(DescriptionError) as none:
         assemble(gripper=None, gripper_model="linkage")
+    assert "gripper_model" in str(none.value)

@@ -196,7 +196,7 @@ def test_what_fingers_wrap_around_has_no_width(depth: float, wraps: bool) -> Non
         ),
     )
     with tool0.bringup(
-        gripper_model="linkage",
+        description=tool0.DescriptionConfig(gripper_model="linkage"),
         initial_pose="ready",
         scene=Scene((rod,)),
         realtime=False,

@@ -168,5 +168,5 @@ class CameraEdge:
 
 
 def _prefixed(frame: str, node: RosNode) -> str:
-    prefix = node.options.frames
+    prefix = node.frame_prefix
     return f"{prefix}/{frame}" if prefix else frame

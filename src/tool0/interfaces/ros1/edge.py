@@ -66,7 +66,7 @@ class Ros1:
         with contextlib.ExitStack() as exits:
             master = Master(options.node)
             exits.enter_context(running_master(master, start=options.roscore))
-            self.node = node = RosNode(options, master)
+            self.node = node = RosNode(options, master, robot.description.tf_prefix)
             exits.callback(node.close)
             handler = forward_to_rosout()
             exits.callback(logging.getLogger("tool0").removeHandler, handler)

@@ -29,7 +29,7 @@ class ForceTorqueEdge:
 
         self._node = node
         self._sensor = sensor
-        prefix = node.options.frames
+        prefix = node.frame_prefix
         self._frame = f"{prefix}/{sensor.link}" if prefix else sensor.link
         self._message = WrenchStamped
         self._publisher = node.publisher(TOPIC, WrenchStamped, queue_size=100)

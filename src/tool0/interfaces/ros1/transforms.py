@@ -58,7 +58,7 @@ class TheirTransforms:
         node, options = self._node, self._node.options
         place = node.name(NAME)
         node.master.call("setParam", f"{place}/publish_frequency", options.tf_pub_rate)
-        node.master.call("setParam", f"{place}/tf_prefix", options.frames)
+        node.master.call("setParam", f"{place}/tf_prefix", node.frame_prefix)
         environment = {**os.environ, "ROS_NAMESPACE": options.root or "/"}
         return Child([str(self._program), f"__name:={NAME}"], environment)
 
@@ -102,7 +102,7 @@ class OwnTransforms:
         self._moving = [joint for joint in joints if joint.is_movable]
         self._stamped, self._message = TransformStamped, TFMessage
         self._rate = PublishRate(node.options.tf_pub_rate)
-        prefix = node.options.frames
+        prefix = node.frame_prefix
         self._prefix = f"{prefix}/" if prefix else ""
         self._publisher = node.publisher("/tf", TFMessage, queue_size=100)
         self._static = node.publisher("/tf_static", TFMessage, latch=True)

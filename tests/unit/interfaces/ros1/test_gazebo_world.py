@@ -32,7 +32,10 @@ OFFSET = """<sdf version='1.6'><model name='any'><pose>0 0 0.5 0 0 0</pose>
 @pytest.fixture
 def robot() -> Iterator[tool0.Robot]:
     with tool0.bringup(
-        scene=Scene((TABLE,)), spawn_z=SPAWN_Z, realtime=False, paused=True
+        scene=Scene((TABLE,)),
+        simulation=tool0.SimulationConfig(spawn_z=SPAWN_Z),
+        realtime=False,
+        paused=True,
     ) as robot:
         yield robot
 

@@ -1,4 +1,4 @@
-"""A pose given by some joints, as the positions of all."""
+"""Positions of all joints from those of some."""
 
 from __future__ import annotations
 

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from tool0.description.model import RobotModel
+from tool0.description.positions import joint_positions
 from tool0.errors import LimitsError, ModelError
-from tool0.runtime.initial_pose import joint_positions
 
 OTHERWISE = [0.1, 0.2, 0.05, 9.9]  # the last one mimics: 0.2 - 0.5 · bend
 
@@ -28,20 +28,20 @@ def test_the_limits_themselves_are_allowed(skew_model: RobotModel) -> None:
 def test_a_position_outside_the_limits_is_refused(
     skew_model: RobotModel, value: float
 ) -> None:
-    with pytest.raises(LimitsError) as caught:
+    with pytest.raises(LimitsError) as error:
         joint_positions(skew_model, {"lift": value}, OTHERWISE)
-    assert "'lift'" in str(caught.value)
-    assert "[-2.8, 2.8]" in str(caught.value)
+    assert "'lift'" in str(error.value)
+    assert "[-2.8, 2.8]" in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("wrong", "named"),
+    ("joint", "names"),
     [("lfit", "'lift'"), ("cap_joint", "'cap_joint'"), ("follower", "'bend'")],
-    ids=["misspelt", "fixed", "a mimic"],
+    ids=["unknown", "fixed", "mimic"],
 )
-def test_other_joints_cannot_be_placed(
-    skew_model: RobotModel, wrong: str, named: str
+def test_a_joint_that_cannot_be_placed_is_refused(
+    skew_model: RobotModel, joint: str, names: str
 ) -> None:
-    with pytest.raises(ModelError) as caught:
-        joint_positions(skew_model, {wrong: 0.0}, OTHERWISE)
-    assert named in str(caught.value)
+    with pytest.raises(ModelError) as error:
+        joint_positions(skew_model, {joint: 0.0}, OTHERWISE)
+    assert names in str(error.value)
