@@ -3,9 +3,9 @@
 Such an arm has an upright first axis, three parallel axes that make an arm in a plane,
 a fifth axis in that plane and a sixth across it; the last two meet in the *centre of
 the wrist*.  The lengths are read from the joints' axes, so that any arm of this
-geometry works.  The steps are those of K. P. Hawkins, Analytic Inverse Kinematics for the
-Universal Robots UR-5/UR-10 Arms (2013), http://hdl.handle.net/1853/50782, written with
-vectors in place of Denavit-Hartenberg parameters.
+geometry works.  The steps are those of K. P. Hawkins, Analytic Inverse Kinematics for
+the Universal Robots UR-5/UR-10 Arms (2013), http://hdl.handle.net/1853/50782, written
+with vectors in place of Denavit-Hartenberg parameters.
 
 Coordinates: z is the first axis, y the second; the plane of the arm is z and x, and
 angles in it count from z towards x, as the joints turn.
@@ -90,7 +90,7 @@ class ArmGeometry:
 
     @property
     def reach(self) -> float:
-        """Largest distance from shoulder to wrist's centre, in the plane of the arm [m]."""
+        """Largest distance from shoulder to wrist's centre, in the arm's plane [m]."""
         return self.upper_arm + self.forearm + abs(self.wrist)
 
     def wrist_centre(self, T_base_tip: Array) -> Array:
