@@ -46,7 +46,7 @@ class GripperActionSpec:
     allow_stalling: bool = False
     """Whether a stall is a success: the gripper holds something."""
     action_monitor_rate: float = 20.0
-    """[Hz], for the edges."""
+    """[Hz], for interfaces that publish feedback."""
 
     waits_for_command: ClassVar[bool] = False
 

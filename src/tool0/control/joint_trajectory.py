@@ -54,9 +54,9 @@ class JointTrajectorySpec:
     """Length of the ramp to rest [s]; 0 holds the measured position at once."""
     allow_partial_joints_goal: bool = False
     state_publish_rate: float = 50.0
-    """[Hz], for the edges that publish the state; 0 is never."""
+    """[Hz], for interfaces that publish the state; 0 is never."""
     action_monitor_rate: float = 20.0
-    """[Hz], for the edges that publish feedback."""
+    """[Hz], for interfaces that publish feedback."""
 
     waits_for_command: ClassVar[bool] = False
 
@@ -105,7 +105,7 @@ class JointTrajectoryController:
         self._replacement = TrajectoryReplacement(
             spec.joint_models, spec.tolerances, spec.stop_trajectory_duration
         )
-        self._law = Pid(spec.gains) if spec.gains else None
+        self._pid = Pid(spec.gains) if spec.gains else None
         self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
         self._monitor: GoalMonitor | None = None
         self._state = state
@@ -125,8 +125,8 @@ class JointTrajectoryController:
             sampler.advance(time)
             if monitor is not None:
                 monitor.watch(sampler, time)
-        law = self._law
-        if law is None and monitor is None:
+        pid = self._pid
+        if pid is None and monitor is None:
             return sampler.desired(time)[0]
         speeds = self._select(velocity)
         errors, rates = sampler.errors(time, self._select(position), speeds)
@@ -136,9 +136,9 @@ class JointTrajectoryController:
             result = monitor.check(time, errors, rates)
             if result is not None:
                 self._end_goal(result)
-        if law is None:
+        if pid is None:
             return sampler.desired(time)[0]
-        commands = law.update(errors, rates, period)
+        commands = pid.update(errors, rates, period)
         if self._feed_forward:
             for k, scale in enumerate(self._feed_forward):
                 commands[k] += scale * (rates[k] + speeds[k])

@@ -75,14 +75,19 @@ def numbers(
     """Return ``count`` numbers from ``attribute``, separated by spaces."""
     if default is not None and not element.hasAttribute(attribute):
         return tuple(default)
-    words = required(element, attribute).split()
+    return to_numbers(required(element, attribute), count, element, attribute)
+
+
+def to_numbers(text: str, count: int, element: Element, what: str) -> tuple[float, ...]:
+    """Return ``count`` numbers from ``text``, found in ``element``."""
+    words = text.split()
     if len(words) != count:
         raise DescriptionError(
-            f'<{element.tagName} {attribute}="{" ".join(words)}"> has {len(words)} '
-            f"numbers; give {count}, separated by spaces",
+            f"<{element.tagName}>: {what} '{text}' has {len(words)} numbers; "
+            f"give {count}, separated by spaces",
             locate(element),
         )
-    return tuple(to_number(word, element, attribute) for word in words)
+    return tuple(to_number(word, element, what) for word in words)
 
 
 def vector(

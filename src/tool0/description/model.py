@@ -63,16 +63,10 @@ class Collision:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surface:
-    """Contact parameters of a gripping link, from ``<gazebo reference=…>``."""
+    """A surface made for gripping: the link has one in ``<gazebo reference=…>``."""
 
     mu1: float | None = None
-    mu2: float | None = None
-    kp: float | None = None
-    """Contact stiffness [N/m]."""
-    kd: float | None = None
-    """Contact damping [N·s/m]."""
-    min_depth: float | None = None
-    max_vel: float | None = None
+    """Coulomb's coefficient; None if absent."""
 
 
 @final
@@ -83,8 +77,6 @@ class Link:
     visuals: tuple[Visual, ...] = ()
     collisions: tuple[Collision, ...] = ()
     surface: Surface | None = None
-    self_collide: bool | None = None
-    """``<gazebo reference><selfCollide>``; None if absent."""
 
 
 class JointType(enum.Enum):

@@ -14,7 +14,7 @@ from tool0.description.attributes import (
     required,
     required_child,
     text_of,
-    to_number,
+    to_numbers,
 )
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import Collision, Link, RobotModel
@@ -251,15 +251,8 @@ def _sdf_pose(element: Element) -> Transform:
     return to_transform(Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw)))
 
 
-def _numbers(element: Element, count: int) -> list[float]:
-    words = text_of(element).split()
-    if len(words) != count:
-        raise DescriptionError(
-            f"<{element.tagName}> holds {len(words)} numbers; give {count}, separated "
-            "by spaces",
-            locate(element),
-        )
-    return [to_number(word, element, "its value") for word in words]
+def _numbers(element: Element, count: int) -> tuple[float, ...]:
+    return to_numbers(text_of(element), count, element, "its text")
 
 
 def _number(parent: Element, tag: str) -> float:

@@ -15,13 +15,13 @@ from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
 
 PRECISION = 1e-9
-"""How exactly a solution reaches its pose [m, rad]."""
+"""Largest error of a solution [m, rad]."""
 EXACT = 1e-6
-"""Below this the closed form is as good as any refinement [rad]."""
+"""Below this deviation the closed form needs no refinement [rad]."""
 _SAME = 1e-6
-"""Postures nearer to each other than this are one [rad]."""
+"""Postures nearer to each other than this are the same [rad]."""
 _LIMIT_ROUNDING = 1e-9
-"""How far beyond a limit a position may be, which is put back then [rad]."""
+"""Excess over a limit that is clipped [rad]."""
 _STEPS = 12
 _DAMPING = 1e-12
 
@@ -79,11 +79,11 @@ class Solution:
     """A posture that reaches the pose."""
 
     positions: Mapping[str, float]
-    """Joint → where to [rad], from the base on."""
+    """Joint → position [rad], from the base on."""
     branch: Branch
     distance: float
-    """How far it is from ``near``: what each joint has to turn by its largest velocity,
-    as the root of the sum of squares [s]."""
+    """Distance from ``near``: each joint's turn divided by its largest velocity, as the
+    root of the sum of squares [s]."""
 
 
 @final
@@ -106,8 +106,8 @@ class InverseKinematics:
 
         Args:
             T_base_tip: Where the flange is to be, shape (4, 4).
-            near: The positions to be near to [rad], shape (6,).  Each joint makes the
-                whole turns that bring it nearest.
+            near: The positions to compare with [rad], shape (6,).  Each joint takes
+                the number of whole turns that is nearest.
             branch: Only postures of this kind.
 
         Raises:

@@ -75,23 +75,21 @@ def test_a_continuous_joint_goes_the_shortest_way_to_a_position() -> None:
     assert robot.position[3] == pytest.approx(5.0 - math.tau, abs=1e-3)
 
 
-def test_a_velocity_is_followed_by_effort() -> None:
+@pytest.mark.parametrize(
+    ("interface", "kind"),
+    [(Interface.EFFORT, "Velocity"), (Interface.VELOCITY, "Position")],
+)
+def test_other_quantities_are_followed_by_a_pid(
+    interface: Interface, kind: str
+) -> None:
+    package = interface.name.lower()
     robot = ToyRobot(
-        "c: {type: effort_controllers/JointVelocityController, joint: hip, pid: {p: 9}}"
-    )
-    controller = robot.start("c")
-    controller.command(0.7)
-    robot.run(3.0)
-    assert robot.velocity[1] == pytest.approx(0.7)
-
-
-def test_a_position_is_followed_by_velocity() -> None:
-    robot = ToyRobot(
-        "c: {type: velocity_controllers/JointPositionController, joint: hip,"
+        f"c: {{type: {package}_controllers/Joint{kind}Controller, joint: hip,"
         " pid: {p: 9}}",
-        Interface.VELOCITY,
+        interface,
     )
     controller = robot.start("c")
     controller.command(0.7)
     robot.run(3.0)
-    assert robot.position[1] == pytest.approx(0.7)
+    followed = robot.velocity if kind == "Velocity" else robot.position
+    assert followed[1] == pytest.approx(0.7)

@@ -237,6 +237,7 @@ def test_cancel_ramps_down_and_holds() -> None:
     assert controller.query_state(1.0).velocities == pytest.approx([1.0] * 3)
     robot.run(1.0)
     end = 1.0 + 0.625 * 0.5
+    assert controller.setpoint().target() == pytest.approx([end] * 3)
     assert desired(controller, 2.0) == pytest.approx([end] * 3)
     assert robot.position[1:] == pytest.approx([end] * 3, abs=1e-3)
 

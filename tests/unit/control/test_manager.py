@@ -156,13 +156,6 @@ def test_best_effort_starts_a_stopped_controller_named_in_both_lists(robot) -> N
     assert running(robot) == {"one"}
 
 
-def test_a_started_controller_holds_the_measured_position(robot: ToyRobot) -> None:
-    robot.position = [0.0, 0.3, 0.2, 0.1]
-    switch(robot, ["arm"])
-    robot.tick()
-    assert robot.hardware.command[1:] == pytest.approx([0.0] * 3)
-
-
 def test_loading_twice_and_unloading_while_running_are_refused(robot) -> None:
     with pytest.raises(ControlError):
         robot.manager.load("arm")

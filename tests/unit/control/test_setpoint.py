@@ -41,18 +41,6 @@ def test_a_trajectory_controller_tells_where_its_trajectory_ends() -> None:
     assert controller.setpoint().target() == pytest.approx((1.0, 0.5, -0.2))
 
 
-def test_a_cancelled_goal_ends_where_the_ramp_does() -> None:
-    robot = ToyRobot(ARM)
-    controller = robot.start("arm")
-    goal = controller.follow(to(1.0, 0.5, -0.2), robot.time)
-    robot.run(0.5)
-    controller.cancel(goal, robot.time)
-    target = controller.setpoint().target()
-    robot.run(2.0)
-    assert robot.position[1:] == pytest.approx(target, abs=1e-3)
-    assert target[0] > 1.05, "ROS's ramp is longer than what was left of the way"
-
-
 def test_of_one_joint_it_says_the_same_as_of_all() -> None:
     robot = ToyRobot(ARM)
     robot.start("arm").follow(to(1.0, 0.5, -0.2), robot.time)

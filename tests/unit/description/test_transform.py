@@ -1,6 +1,8 @@
 """Laws of rigid transforms, against the algebra of matrices."""
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -109,3 +111,11 @@ def test_what_is_no_pose_is_refused(wrong: object) -> None:
 def test_a_transform_prints_short() -> None:
     T = Transform(position=(1.0, -1e-12, 0.25))
     assert repr(T) == "Transform(position=(1, 0, 0.25), quat_wxyz=(1, 0, 0, 0))"
+
+
+def test_numpy_is_not_imported_before_a_matrix_is_needed() -> None:
+    code = (
+        "import sys; from tool0.description import camera, rigid_model_xml, urdf; "
+        "sys.exit('numpy' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -70,7 +70,6 @@ class Arguments:
         argument = Argument(
             name=name,
             place=scope.place(element),
-            doc=element.getAttribute("doc"),
             origin="missing",
             default=default,
         )
@@ -164,7 +163,7 @@ class Arguments:
                 f"use it as $(arg {name}), or remove it",
                 severity="warning",
             )
-        return tuple(replace(a, is_used=a.name in used) for a in self._found)
+        return tuple(self._found)
 
     def report_unknown(self) -> None:
         """Report what the command line gives and the file does not declare."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 from tool0.errors import SourceLocation
@@ -79,16 +79,14 @@ class _ContentsExplainer:
         return _item(kind, _shown(name), _shown(value), entry.place)
 
     def _include(self, include: Include) -> Item:
-        inside: tuple[Item, ...] = ()
-        if include.launch is not None:
-            inside = tuple(self.entry(entry) for entry in include.launch.entries)
-        off = _off(include.place)
-        return Item(
-            kind="include",
-            name=include.file.raw if include.path is None else str(include.path),
-            location=include.place.location,
-            note=off or include.reason,
-            items=inside,
+        entries = () if include.launch is None else include.launch.entries
+        return _item(
+            "include",
+            include.file.raw if include.path is None else str(include.path),
+            None,
+            include.place,
+            note=include.reason,
+            items=tuple(map(self.entry, entries)),
         )
 
     def _node(self, node: Node) -> Item:
@@ -100,34 +98,32 @@ class _ContentsExplainer:
             _item("remap", _shown(r.from_name), _shown(r.to_name), r.place)
             for r in node.remaps
         ]
-        return Item(
-            kind="test" if node.is_test else "node",
-            name=node.full_name or node.name.raw,
-            value=" ".join([program, *args]),
-            location=node.place.location,
-            note=_off(node.place) or (node.args.reason if node.args else ""),
+        return _item(
+            "test" if node.is_test else "node",
+            node.full_name or node.name.raw,
+            " ".join([program, *args]),
+            node.place,
+            note=node.args.reason if node.args else "",
             items=tuple(parts),
         )
 
     def _parameter(self, parameter: Parameter, name: str | None) -> Item:
         robot = self._robots.get(parameter)
         value = parameter.content.resolved
-        shown = f"{parameter.source} {value}" if value is not None else None
-        if parameter.source == "value" or value is None:
-            shown = value
-        return Item(
-            kind="param",
-            name=name or parameter.name.raw,
-            value=shown if robot is None else None,
-            location=parameter.place.location,
-            note=_off(parameter.place) or parameter.content.reason,
+        if parameter.source != "value" and value is not None:
+            value = f"{parameter.source} {value}"
+        return _item(
+            "param",
+            name or parameter.name.raw,
+            value if robot is None else None,
+            parameter.place,
+            note=parameter.content.reason,
             items=() if robot is None else (self._robot(parameter, robot),),
         )
 
     def _robot(self, parameter: Parameter, robot: XacroFile) -> Item:
-        """Return the xacro file that a parameter loads, with what it is given."""
+        """Return the xacro file that a parameter loads, with its arguments."""
         call = xacro_call(parameter)
-        args = {} if call is None else call.args
         declared = {name for file in robot.walk() for name in file.defaults}
         given = [
             Item(
@@ -137,38 +133,42 @@ class _ContentsExplainer:
                 location=parameter.place.location,
                 note="" if name in declared else "no file declares it",
             )
-            for name, value in args.items()
+            for name, value in ({} if call is None else call.args).items()
         ]
         item = _xacro(robot)
-        return Item(
-            kind=item.kind,
-            name=item.name,
-            location=item.location,
-            note=item.note,
-            items=(*given, *item.items),
-        )
+        return replace(item, items=(*given, *item.items))
 
 
-def _item(kind: str, name: str, value: str, place: Place) -> Item:
+def _item(
+    kind: str,
+    name: str,
+    value: str | None,
+    place: Place,
+    *,
+    note: str = "",
+    items: tuple[Item, ...] = (),
+) -> Item:
+    """Return an item; that it is switched off comes before any other note."""
     return Item(
-        kind=kind, name=name, value=value, location=place.location, note=_off(place)
+        kind=kind,
+        name=name,
+        value=value,
+        location=place.location,
+        note=_off(place) or note,
+        items=items,
     )
 
 
 def _rosparam(rosparam: Rosparam) -> Item:
     file = rosparam.file
-    value = "YAML in the launch file"
-    if file is not None:
-        value = file.resolved or file.raw
-    elif rosparam.command == "delete":
-        value = ""
+    value = "" if rosparam.command == "delete" else "YAML in the launch file"
     verb = "" if rosparam.command == "load" else f"{rosparam.command} "
-    return Item(
-        kind="rosparam",
-        name=verb + (rosparam.namespace or "(unknown)"),
-        value=value,
-        location=rosparam.place.location,
-        note=_off(rosparam.place) or (file.reason if file is not None else ""),
+    return _item(
+        "rosparam",
+        verb + (rosparam.namespace or "(unknown)"),
+        value if file is None else _shown(file),
+        rosparam.place,
+        note=file.reason if file is not None else "",
     )
 
 

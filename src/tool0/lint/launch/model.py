@@ -28,8 +28,6 @@ class Text:
     location: SourceLocation
     uses: tuple[str, ...] = ()
     """The names of the arguments in it, each once, of the file it is written in."""
-    packages: tuple[str, ...] = ()
-    """The packages that ``$(find …)`` in it asks for, each once."""
     reason: str = ""
     """Why it is not resolved."""
 
@@ -96,14 +94,12 @@ class Argument:
 
     name: str
     place: Place
-    doc: str = ""
     value: Text | None = None
     """None if it has none.  Its location is where the origin says; it uses arguments of
     the file there."""
     origin: Origin
     default: Text | None = None
     """What the declaration offers, which need not be the value."""
-    is_used: bool = False
 
 
 @final
@@ -269,9 +265,6 @@ class LaunchFile:
     """A launch file, as it is read with certain arguments in a certain namespace."""
 
     file: Path
-    package: str | None
-    """The name of the package it lies in."""
-    namespace: str | None
     arguments: tuple[Argument, ...] = ()
     entries: tuple[Entry, ...] = ()
     """In the order of the file; those of groups too, in place of the group."""

@@ -56,8 +56,7 @@ def read_launch(
     file = file.absolute()
     root = context.root(file)
     if isinstance(root, Finding):
-        package = context.packages.package_of(file)
-        return LaunchFile(file=file, package=package, namespace="/", findings=(root,))
+        return LaunchFile(file=file, findings=(root,))
     reader = _FileReader(context, file, given)
     launch = reader.read(root)
     reader.arguments.report_unknown()
@@ -114,8 +113,6 @@ class _FileReader:
         self._read_children(root, scope.at(root))
         return LaunchFile(
             file=scope.file,
-            package=self._context.packages.package_of(scope.file),
-            namespace=scope.namespace,
             arguments=self.arguments.finished(),
             entries=tuple(self._entries),
             findings=tuple(dict.fromkeys(scope.findings)),

@@ -113,15 +113,8 @@ class Scope:
         )
         text, problems = resolve(raw, location, around)
         self.used.update(text.uses)
-        for problem in problems:
-            self.report(
-                location,
-                problem.rule,
-                problem.key,
-                problem.message,
-                problem.remedy,
-                severity=problem.severity,
-            )
+        if self.activity is not Activity.INACTIVE:
+            self.findings += problems
         length = len(raw) + len(text.resolved or "")
         if not self.context.spend("characters", length):
             return replace(text, resolved=None, reason="too much text in these files")

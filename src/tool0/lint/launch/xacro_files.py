@@ -58,7 +58,6 @@ class XacroFile:
     """Its name as the file that includes it writes it."""
     location: SourceLocation
     """Where it is included."""
-    package: str | None = None
     reason: str = ""
     """Why it could not be read."""
     defaults: Mapping[str, str] = field(default_factory=dict)
@@ -134,12 +133,7 @@ class _XacroReader:
 
     def read(self, file: Path, written: str, where: SourceLocation) -> XacroFile:
         """Return one file and what it includes."""
-        result = XacroFile(
-            file=file,
-            written=written,
-            location=where,
-            package=self._packages.package_of(file),
-        )
+        result = XacroFile(file=file, written=written, location=where)
         self._left -= 1
         if file in self._open:
             return replace(result, reason="it includes itself")

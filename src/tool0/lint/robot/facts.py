@@ -87,11 +87,6 @@ class PluginFacts:
         return next((text for key, text, _ in self.parameters if key == name), None)
 
     @property
-    def namespace(self) -> str:
-        """Where its topics are, without slashes around; empty: the model's own."""
-        return (self.parameter("robotNamespace") or "").strip("/")
-
-    @property
     def is_control(self) -> bool:
         """Whether it is ROS 1's controller manager for Gazebo classic."""
         return CONTROL_PLUGIN in self.filename

@@ -61,7 +61,6 @@ def test_a_bring_up_is_read_with_all_that_it_includes() -> None:
         "load_arm.launch.xml",
         "control.launch.xml",
     ]
-    assert launch.package == "arm_gazebo"
     nodes = [node.full_name for node in launch.nodes()]
     assert nodes == [
         "/robot_state_publisher",
