@@ -6,18 +6,21 @@ import json
 import os
 import subprocess
 import sys
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from promised import require_ros
 
+from tool0.description.yaml_tree import Tree
 from tool0.installation.ros1.library import DEBIAN
-from tool0.lint.launch.model import LaunchFile
-from tool0.lint.launch.packages import Packages
-from tool0.lint.launch.parameters import parameter_values
+from tool0.lint.launch import grammar
+from tool0.lint.launch.model import LaunchFile, Parameter, Rosparam
 from tool0.lint.launch.reader import read_launch
+from tool0.lint.packages import PackageIndex
 
 SOURCES = Path(__file__).parents[1] / "data" / "launch" / "src"
 ASK = """
@@ -79,6 +82,34 @@ def theirs(requests: list[tuple[str, ...]]) -> Any:
     return json.loads(done.stdout.splitlines()[-1])
 
 
+def parameter(param: Parameter) -> dict[str, object]:
+    """Return name and value of a <param>; None is known at run time alone."""
+    if param.full_name is None:  # private, for the nodes that follow
+        return {}
+    text = param.content.resolved
+    value: object = None
+    if param.source == "value" and text is not None:
+        kinds = {"auto": grammar.converted, "int": int, "double": float}
+        kinds |= {"bool": grammar.as_boolean, "yaml": yaml.safe_load}
+        value = kinds.get(param.type, str)(text.strip())
+    return {param.full_name: value}
+
+
+def yaml_of(rosparam: Rosparam) -> dict[str, object]:
+    """Return the parameters that a <rosparam> loads, by full name."""
+    if rosparam.yaml is None:
+        return {}
+    tree = Tree()
+    text = textwrap.indent(rosparam.yaml.resolved or "", " ")
+    tree.load(f"value:\n{text}", rosparam.yaml.location)
+    found = {}
+    for leaf in tree.root.leaves():
+        name = f"{rosparam.namespace}/{leaf.key.removeprefix('value')}"
+        if not leaf.is_null:
+            found[grammar.canonical(name)] = leaf.plain()
+    return found
+
+
 def ours(launch: LaunchFile) -> Any:
     """Return the same of what our reader says."""
     nodes = {}
@@ -87,14 +118,16 @@ def ours(launch: LaunchFile) -> Any:
         remaps = sorted([r.from_name.resolved, r.to_name.resolved] for r in node.remaps)
         program = [node.package.resolved, node.type.resolved]
         nodes[node.full_name] = [*program, args.split(), remaps]
-    values, findings = parameter_values(launch)
-    assert not findings
-    params = {name: value.value for name, value in values.items()}
+    params: dict[str, object] = {}
+    for setting in launch.settings():  # the last that sets a parameter counts
+        params.update(
+            parameter(setting) if isinstance(setting, Parameter) else yaml_of(setting)
+        )
     return json.loads(json.dumps({"nodes": nodes, "params": params, "said": []}))
 
 
 def read(file: Path, **arguments: str) -> LaunchFile:
-    return read_launch(file, arguments, Packages())
+    return read_launch(file, arguments, PackageIndex())
 
 
 def test_what_is_read_is_what_roslaunch_reads(packages: Path) -> None:

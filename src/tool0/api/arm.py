@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, final
 
 from tool0.api.channel import Channel
 from tool0.api.controller import GoalHandle
-from tool0.description.kinematics import Transform
-from tool0.description.model import Pose
-from tool0.kinematics.branch import Branch, Solution
+from tool0.description.transform import Pose, Transform
+from tool0.kinematics.inverse import Branch, Solution
 from tool0.requests.arm import (
     ArmInfo,
     MoveLinear,

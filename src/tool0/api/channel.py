@@ -32,10 +32,6 @@ class Channel(Protocol):
     def description(self) -> RobotDescription: ...
 
     @property
-    def control_period(self) -> float:
-        """Simulated time of a tick [s]."""
-
-    @property
     def snapshot(self) -> Snapshot:
         """The newest state."""
 
@@ -84,10 +80,6 @@ class LocalChannel:
     @property
     def description(self) -> RobotDescription:
         return self.simulation.description
-
-    @property
-    def control_period(self) -> float:
-        return self._loop.control_period
 
     @property
     def snapshot(self) -> Snapshot:

@@ -44,7 +44,7 @@ from tool0.requests.codec import (
 )
 from tool0.requests.messages import Fault, GoalEnded, Hello, LateTicks, ResetDone
 from tool0.requests.motion import GoalStarted
-from tool0.requests.state import ReadInfo, ReadSnapshot, SimulationInfo
+from tool0.requests.state import ReadDescription, ReadSnapshot
 from tool0.requests.streams import Subscribe, Unsubscribe
 from tool0.requests.table import Request, checked, method_name
 from tool0.requests.time import Run, Step
@@ -115,14 +115,9 @@ class SocketChannel:
             raise
 
     @cached_property
-    def info(self) -> SimulationInfo:
-        """What does not change while the bring-up runs."""
-        return self.call(ReadInfo())
-
-    @cached_property
     def description(self) -> RobotDescription:
         """The robot, read from the URDF that the bring-up sends."""
-        info = self.info
+        info = self.call(ReadDescription())
         return RobotDescription(
             model=read_model(document := parse_text(info.urdf)),
             source=Path(info.source),
@@ -131,10 +126,6 @@ class SocketChannel:
             prefix=info.prefix,
             _document=document,
         )
-
-    @property
-    def control_period(self) -> float:
-        return self.info.control_period
 
     @property
     def snapshot(self) -> Snapshot:

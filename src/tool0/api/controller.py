@@ -140,7 +140,13 @@ class ControllerHandle:
         )
         self._channel.call(request)
 
-    def move(self, positions: Mapping[str, float], *, speed: float = 0.5) -> GoalHandle:
+    def move(
+        self,
+        positions: Mapping[str, float],
+        *,
+        speed: float = 0.5,
+        duration: float | None = None,
+    ) -> GoalHandle:
         """Move joints of a trajectory controller smoothly.
 
         The motion starts from the present setpoints, keeps to the joints' limits and
@@ -149,13 +155,17 @@ class ControllerHandle:
         Args:
             positions: Joint → target [rad | m].
             speed: Fraction of each joint's largest velocity, 0.01 … 1.
+            duration: Instead of a speed: how long the motion takes [simulated s].
 
         Raises:
             GoalRejectedError: If a joint is not the controller's, or a position is out
                 of its limits; the controller's motion continues.
         """
         request = MoveJoints(
-            positions=dict(positions), speed=speed, controller=self.name
+            positions=dict(positions),
+            speed=speed,
+            duration=duration,
+            controller=self.name,
         )
         (started,) = self._channel.call(request)
         return GoalHandle(started, self._channel)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,6 +15,7 @@ from tool0.api.gripper import Gripper
 from tool0.api.scene import SceneHandle
 from tool0.api.sensors import CameraHandle, ForceTorque
 from tool0.control.controller_types import TYPES
+from tool0.description.model import JointLimits
 from tool0.errors import ControlError, RenderError, did_you_mean
 from tool0.requests.arm import ListArms
 from tool0.requests.controllers import (
@@ -43,7 +45,7 @@ if TYPE_CHECKING:
     from tool0.control.config import ControllerConfig
     from tool0.control.manager import ControllerStatus
     from tool0.description.catalogue import RobotDescription
-    from tool0.description.kinematics import Transform
+    from tool0.description.transform import Transform
     from tool0.hardware.engine import Contact, Engine
     from tool0.runtime.bus import Subscription
     from tool0.runtime.poses import NamedPose
@@ -91,6 +93,35 @@ class Robot:
     def description(self) -> RobotDescription:
         """The robot as a model and as URDF."""
         return self.channel.description
+
+    @property
+    def control_period(self) -> float:
+        """Simulated time of a tick [s]."""
+        return self.info.control_period
+
+    @property
+    def is_realtime(self) -> bool:
+        """Whether time passes by itself."""
+        return self.info.is_realtime
+
+    @property
+    def joint_limits(self) -> Mapping[str, JointLimits]:
+        """Limits of each driven joint: the URDF's, or those of the YAML."""
+        infinity = math.inf
+        return {
+            name: JointLimits(
+                lower=-infinity if limits.lower is None else limits.lower,
+                upper=infinity if limits.upper is None else limits.upper,
+                velocity=infinity if limits.velocity is None else limits.velocity,
+                effort=infinity if limits.effort is None else limits.effort,
+            )
+            for name, limits in self.info.joint_limits.items()
+        }
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Findings about the controllers' YAML, such as unused keys."""
+        return self.info.warnings
 
     @property
     def simulation(self) -> Simulation:
@@ -208,13 +239,19 @@ class Robot:
     # ---- motion ---------------------------------------------------------------------
 
     def move_joints(
-        self, positions: Mapping[str, float], *, speed: float = 0.5
+        self,
+        positions: Mapping[str, float],
+        *,
+        speed: float = 0.5,
+        duration: float | None = None,
     ) -> tuple[GoalHandle, ...]:
         """Move joints smoothly, by the controllers that claim them.
 
         Args:
             positions: Joint → target [rad | m].
             speed: Fraction of each joint's largest velocity, 0.01 … 1.
+            duration: Instead of a speed: how long the motion takes [simulated s].  All
+                joints must belong to one controller then.
 
         Returns:
             A goal for each running JointTrajectoryController that has one of the
@@ -224,7 +261,8 @@ class Robot:
             ControlError: If no such controller claims a joint, or one of them refuses;
                 nothing moves then.
         """
-        goals = self.channel.call(MoveJoints(positions=dict(positions), speed=speed))
+        request = MoveJoints(positions=dict(positions), speed=speed, duration=duration)
+        goals = self.channel.call(request)
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
     def poses(self) -> Mapping[str, NamedPose]:

@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import final, overload
 
 from tool0.api.channel import Channel
-from tool0.description.kinematics import Transform
-from tool0.description.mesh_files import mesh
-from tool0.description.model import Geometry
-from tool0.description.motion import from_quaternion
 from tool0.description.scene import DEFAULT_FRICTION, RGBA, SceneObject
+from tool0.description.shapes import Geometry, mesh
+from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.engine import ObjectState
 from tool0.requests.objects import AddObject, PlaceObject, RemoveObject, shape_of

@@ -1,4 +1,4 @@
-"""``tool0 check``: what makes a set-up fail, found before it is run."""
+"""``tool0 check``: find faults in launch files, robots and YAML before they run."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import tyro
 from tool0.cli.parsing import parse
 
 if TYPE_CHECKING:
-    from tool0.lint.check import Report
+    from tool0.lint.check import CheckReport
 
 Format = Literal["text", "json"]
 
@@ -34,9 +34,9 @@ def check(
     Exit status: 0 if nothing will fail, 1 if something will, 2 for bad arguments.
 
     Args:
-        paths: Files, and folders, of which everything below is checked.
+        paths: Files, and folders with everything below them.
         format: For people, or for programs.
-        strict: Whether what is only suspicious counts as an error.
+        strict: Whether a warning counts as an error.
     """
     from tool0.errors import ConfigError
     from tool0.lint.check import check as look_into
@@ -51,12 +51,12 @@ def check(
     return FOUND if is_bad else CLEAN
 
 
-def _text(report: Report) -> str:
+def _text(report: CheckReport) -> str:
     lines = []
     for finding in report.findings:
-        said = ": ".join(part for part in (finding.key, finding.message) if part)
+        text = ": ".join(part for part in (finding.key, finding.message) if part)
         where = f"{finding.location}: {finding.severity}"
-        lines.append(f"{where}: {said} [{finding.rule}]")
+        lines.append(f"{where}: {text} [{finding.rule}]")
         if finding.remedy:
             lines.append(f"    {finding.remedy}")
     lines += [f"note: {note}" for note in report.notes]
@@ -72,25 +72,12 @@ def _count(number: int, what: str) -> str:
     return f"{number or 'no'} {what}" + ("" if number == 1 else "s")
 
 
-def _json(report: Report) -> str:
+def _json(report: CheckReport) -> str:
     import json
 
     return json.dumps(
         {
-            "findings": [
-                {
-                    "file": None
-                    if finding.location.file is None
-                    else str(finding.location.file),
-                    "line": finding.location.line,
-                    "severity": finding.severity,
-                    "rule": finding.rule,
-                    "key": finding.key,
-                    "message": finding.message,
-                    "remedy": finding.remedy,
-                }
-                for finding in report.findings
-            ],
+            "findings": [finding.as_json() for finding in report.findings],
             "files": [str(path) for path in report.files],
             "notes": list(report.notes),
             "errors": report.n_errors,

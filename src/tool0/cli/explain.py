@@ -13,8 +13,8 @@ from tool0.errors import ConfigError, DescriptionError
 
 if TYPE_CHECKING:
     from tool0.description.finding import Finding
-    from tool0.lint.launch.item import Item
-    from tool0.lint.launch.packages import Packages
+    from tool0.lint.launch.explanation import Item
+    from tool0.lint.packages import PackageIndex
 
 OK, HAS_ERRORS = 0, 1
 
@@ -30,7 +30,7 @@ def explain(
     ],
     format: Literal["text", "json"] = "text",
 ) -> int:
-    """Tell what a ROS 1 launch file includes, starts, sets and does with arguments.
+    """Show what a ROS 1 launch file includes, starts, sets and does with arguments.
 
     tool0 explain FILE.launch [name:=value …], or PACKAGE FILE.launch [name:=value …].
     Status 1 if there are errors in the files.
@@ -39,20 +39,20 @@ def explain(
         words: The launch file, or its package and its name; then its arguments.
         format: For people or for programs.
     """
-    from tool0.lint.launch.contents import contents
-    from tool0.lint.launch.packages import Packages, packages_around
+    from tool0.lint.launch.argument_flow import argument_flow
+    from tool0.lint.launch.explanation import contents
     from tool0.lint.launch.reader import read_launch
-    from tool0.lint.launch.ways import argument_ways
     from tool0.lint.launch.xacro_files import xacro_robots
+    from tool0.lint.packages import PackageIndex, packages_around
 
     names = [word for word in words if ":=" not in word]
     file = _file(names)
     pairs = [word.split(":=", 1) for word in words if ":=" in word]
     given = {name: value for name, value in pairs if name and value}  # as roslaunch
-    packages = Packages(packages_around(file))
+    packages = PackageIndex(packages_around(file))
     launch = read_launch(file, given, packages)
     robots = xacro_robots(launch, packages)
-    tree, arguments = contents(launch, robots), argument_ways(launch, robots)
+    tree, arguments = contents(launch, robots), argument_flow(launch, robots)
     if format == "json":
         print(json.dumps(_json(tree, arguments, launch.findings)))
     else:
@@ -64,7 +64,7 @@ def explain(
 
 
 def _file(names: list[str]) -> Path:
-    """Return the file that is meant."""
+    """Return the launch file that the words name."""
     match names:
         case [name]:
             file = Path(name)
@@ -80,9 +80,9 @@ def _file(names: list[str]) -> Path:
 
 def _in_package(package: str, name: str) -> Path:
     """Return the file of a package, wherever it lies in it, as roslaunch does."""
-    from tool0.lint.launch.packages import Packages, packages_around
+    from tool0.lint.packages import PackageIndex, packages_around
 
-    packages: Packages = Packages(packages_around(Path.cwd() / name))
+    packages: PackageIndex = PackageIndex(packages_around(Path.cwd() / name))
     try:
         folder = packages.find(package)
     except DescriptionError as error:
@@ -106,18 +106,7 @@ def _json(
     return {
         "contents": _as_json(contents),
         "arguments": [_as_json(item) for item in arguments],
-        "findings": [
-            {
-                "severity": finding.severity,
-                "rule": finding.rule,
-                "file": str(finding.location.file),
-                "line": finding.location.line,
-                "key": finding.key,
-                "message": finding.message,
-                "remedy": finding.remedy,
-            }
-            for finding in findings
-        ],
+        "findings": [finding.as_json() for finding in findings],
     }
 
 

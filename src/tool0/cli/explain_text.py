@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import final
 
 from tool0.description.finding import Finding
-from tool0.lint.launch.item import Item
-from tool0.lint.launch.packages import Packages
+from tool0.lint.launch.explanation import Item
+from tool0.lint.packages import PackageIndex
 
 WIDTH = 100
 EMPTY = "''"
@@ -22,7 +22,7 @@ def text_of(
     contents: Item,
     arguments: tuple[Item, ...],
     findings: tuple[Finding, ...],
-    packages: Packages,
+    packages: PackageIndex,
 ) -> str:
     """Return all of it: what there is, where arguments go, what is wrong."""
     writer = _Writer(packages)
@@ -57,7 +57,7 @@ def _count(findings: tuple[Finding, ...]) -> str:
 class _Writer:
     """Writes items; paths are shown from their packages on."""
 
-    def __init__(self, packages: Packages) -> None:
+    def __init__(self, packages: PackageIndex) -> None:
         self._packages = packages
         known = {str(f): name for name, f in packages.folders().items()}
         self._folders = dict(sorted(known.items(), key=lambda item: -len(item[0])))

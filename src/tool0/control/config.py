@@ -1,20 +1,24 @@
-"""A person's ros_control YAML, parsed once, into the specs of controllers."""
+"""ros_control YAML, parsed once into the specs of controllers."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import final
 
 from tool0.control.controller import ControllerSpec
 from tool0.control.controller_types import parser_of
-from tool0.control.parameters import Robot
+from tool0.control.parameters import RobotJoints
 from tool0.description.model import JointLimits
-from tool0.description.yaml_tree import Entry, Tree, read_files
+from tool0.description.yaml_tree import Tree, read_files
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
+
+NOT_ENFORCED = ("max_acceleration", "max_jerk")
+"""Limits that ROS knows and no drive here enforces."""
 
 
 @final
@@ -74,52 +78,45 @@ class ControllerConfig:
     @property
     def names(self) -> tuple[str, ...]:
         """The namespaces that have a ``type``: the controllers."""
-        return tuple(
-            name
-            for name, entry in (self.tree.root.children or {}).items()
-            if "type" in (entry.children or {})
-        )
+        return tuple(self.types)
 
     @property
     def types(self) -> Mapping[str, str]:
         """The type of each controller, as written, which need not exist."""
-        namespaces = self.tree.root.children or {}
         return {
-            name: str((namespaces[name].children or {})["type"].scalar)
-            for name in self.names
+            name: str(entry.children["type"].scalar)
+            for name, entry in self.tree.root.children.items()
+            if "type" in entry.children
         }
 
     def parameters(self) -> Mapping[str, object]:
         """Return everything that the files say, as plain values by name."""
-        return {
-            name: entry.plain()
-            for name, entry in (self.tree.root.children or {}).items()
-        }
+        return {name: e.plain() for name, e in self.tree.root.children.items()}
 
-    def spec(self, name: str, robot: Robot) -> ControllerSpec:
+    def spec(self, name: str, robot: RobotJoints) -> ControllerSpec:
         """Return the checked parameters of a controller.
 
         Raises:
             ConfigError: If it is not there, or anything about it is wrong.
         """
         parameters = self._namespace(name)
-        if parameters.find("type") is None:
+        type_entry = parameters.find("type")
+        if type_entry is None:
             raise ConfigError(
                 f"Could not load controller '{name}' because its type was not "
                 f"specified; '{name}' needs a 'type'",
                 parameters.location,
             )
-        type_entry = parameters.find("type") or parameters.entry
         parse = parser_of(parameters.text("type"), type_entry.location)
         return parse(parameters, robot)
 
     def _namespace(self, name: str) -> Namespace:
-        entry = (self.tree.root.children or {}).get(name)
+        entry = self.tree.root.children.get(name)
         if entry is None:
             raise ConfigError(
-                f"unknown controller '{name}'{did_you_mean(name, list(self.names))}"
+                f"unknown controller '{name}'{did_you_mean(name, self.names)}"
             )
-        if entry.children is None:
+        if not entry.is_mapping:
             raise ConfigError(
                 f"'{name}' is no controller, but {entry.describe()}", entry.location
             )
@@ -128,41 +125,45 @@ class ControllerConfig:
     def joint_limits(self) -> Mapping[str, LimitOverrides]:
         """Return the limits that ``joint_limits`` puts over the URDF's, by joint."""
         limits = Namespace(self.tree.root).namespace("joint_limits")
-        if limits is None:
-            return {}
-        return {
-            name: _limits(Namespace(entry))
-            for name, entry in (limits.entry.children or {}).items()
-            if _is_mapping(entry)
-        }
+        entries = {} if limits is None else limits.entry.children
+        return {name: _limits(Namespace.of(entry)) for name, entry in entries.items()}
 
 
-def _is_mapping(entry: Entry) -> bool:
-    if entry.children is None:
-        raise ConfigError(
-            f"'{entry.key}' must be a mapping of limits, got {entry.describe()}",
-            entry.location,
-        )
-    return True
+@cache
+def joint_limit_parameters() -> frozenset[str]:
+    """Return the parameters that are known under ``joint_limits/<joint>``."""
+    tree = Tree()
+    tree.load(_SAMPLE_LIMITS, SourceLocation(None, 1))
+    sample = Namespace(tree.root)
+    _limits(sample)
+    return frozenset(key.strip("/") for key in sample.read_keys())
+
+
+_SAMPLE_LIMITS = """
+{has_position_limits: true, min_position: 0, max_position: 0,
+ has_velocity_limits: true, max_velocity: 1, has_effort_limits: true, max_effort: 1}
+"""
 
 
 def _limits(limits: Namespace) -> LimitOverrides:
     """Read one joint's limits: each counts beside ``has_…: true``, as in ROS."""
+    limits.accept(*NOT_ENFORCED, "has_acceleration_limits", "has_jerk_limits")
+    limits.accept("angle_wraparound")
 
-    def says(kind: str) -> bool | None:
+    def has_limit(kind: str) -> bool | None:
         flag = f"has_{kind}_limits"
         return None if limits.find(flag) is None else limits.boolean(flag, default=True)
 
     def largest(kind: str) -> float | None:
-        has = says(kind)
+        has = has_limit(kind)
         if has is None:
             return None
         return limits.not_negative(f"max_{kind}") if has else math.inf
 
     position: tuple[float, float] | None = None
-    if says("position") is False:
+    if has_limit("position") is False:
         position = (-math.inf, math.inf)
-    elif says("position"):
+    elif has_limit("position"):
         position = (limits.number("min_position"), limits.number("max_position"))
         if not position[0] <= position[1]:
             raise ConfigError(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
-from tool0.control.parameters import Robot
+from tool0.control.parameters import RobotJoints
 from tool0.description.model import Interface
 from tool0.description.yaml_tree import Entry
 from tool0.description.yaml_values import Namespace
@@ -49,15 +49,8 @@ class JointStateSpec:
     """[Hz]; 0 or less is never."""
     extra_joints: tuple[ExtraJoint, ...] = ()
 
-    @property
-    def waits_for_command(self) -> bool:
-        """It holds by itself."""
-        return False
-
-    @property
-    def interface(self) -> Interface | None:
-        """No command interface: it only reads."""
-        return None
+    interface: ClassVar[Interface | None] = None
+    waits_for_command: ClassVar[bool] = False
 
     def start(self, indices: Sequence[int], state: JointState) -> JointStateController:
         """Return a controller; joints and their state are no matter of it."""
@@ -97,14 +90,14 @@ class JointStateController:
         """Return no command."""
         return ()
 
-    def intent(self) -> None:
+    def setpoint(self) -> None:
         """Return None: it wants nothing of the joints."""
 
     def stop(self) -> None:
         """Do nothing: there is no goal to end."""
 
 
-def parse(parameters: Namespace, robot: Robot) -> JointStateSpec:
+def parse(parameters: Namespace, robot: RobotJoints) -> JointStateSpec:
     """Return the checked parameters of a JointStateController.
 
     Without ``joints`` it publishes those with a transmission, by name, as in ROS, which
@@ -141,7 +134,7 @@ def _extra_joints(
     entry = parameters.find("extra_joints")
     if entry is None:
         return ()
-    if entry.items is None:
+    if not entry.is_list:
         raise ConfigError(
             f"'{entry.key}' must be a list of mappings with a name, "
             f"got {entry.describe()}",
@@ -152,7 +145,7 @@ def _extra_joints(
 
 
 def _extra_joint(entry: Entry) -> ExtraJoint:
-    if entry.children is None:
+    if not entry.is_mapping:
         raise ConfigError(
             f"'{entry.key}' must be a mapping with a name, got {entry.describe()}",
             entry.location,

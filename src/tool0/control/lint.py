@@ -1,26 +1,34 @@
-"""Parameters that do nothing: ROS ignores them without a word."""
+"""Parameters of ros_control that do nothing: ROS ignores them silently."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from typing import final
 
-from tool0.control.config import ControllerConfig
-from tool0.control.lint_controller import (
-    JOINT_MAPPINGS,
-    complaint,
-    controller_findings,
-    or_remove,
+from tool0.control.config import (
+    NOT_ENFORCED,
+    ControllerConfig,
+    joint_limit_parameters,
 )
-from tool0.control.parameter_tables import GAINS, LIMITS
+from tool0.control.controller_types import TYPES, parameters_of, readers_of
+from tool0.control.parameters import joint_entries
 from tool0.description.finding import Finding
 from tool0.description.model import RobotModel
 from tool0.description.yaml_tree import Entry
 from tool0.errors import nearest_name
 
 OF_TOOL0 = ("gazebo-only", "not-enforced")
-"""Rules that tell what tool0 does otherwise than Gazebo: no fault of the file."""
+"""Rules for what tool0 does differently from Gazebo, which is no fault of the file."""
+_JOINT_MAPPINGS = ("gains", "constraints", "velocity_ff")
+"""Parameters whose keys are joints."""
 _GAZEBO_GAINS = "gazebo_ros_control/pid_gains"
-_NOT_ENFORCED = ("max_acceleration", "max_jerk")
+
+
+def gain_parameters() -> frozenset[str]:
+    """Return the parameters that are read of a joint's gains."""
+    read = parameters_of("effort_controllers/JointTrajectoryController")
+    return frozenset(p.rpartition("/")[2] for p in read if p.startswith("gains/"))
 
 
 def lint(
@@ -41,11 +49,11 @@ def lint_joints(
 ) -> tuple[Finding, ...]:
     """Do as ``lint``, given the names of the robot's movable joints, if known."""
     findings = list(config.tree.findings)
-    for name, entry in (config.tree.root.children or {}).items():
-        if name in config.names:
-            findings += controller_findings(entry, joints)
-        else:
+    for name, entry in config.tree.root.children.items():
+        if name not in config.names:
             findings += _lint_other(name, entry, joints)
+        elif config.types[name] in TYPES:  # loading another type fails with a reason
+            findings += _Controller(entry, config.types[name], joints).findings()
     return tuple(sorted(findings, key=_place))
 
 
@@ -53,28 +61,30 @@ def _place(finding: Finding) -> tuple[str, int]:
     return str(finding.location.file), finding.location.line or 0
 
 
+def _or_remove(near: str | None) -> str:
+    """Return the remedy for a name that nothing knows."""
+    return f"did you mean '{near}'?" if near else "remove it"
+
+
 def _lint_other(
     name: str, entry: Entry, known: Collection[str] | None
 ) -> Iterator[Finding]:
-    """Complain of what stands at the top and is no controller."""
-    children = entry.children or {}
-    gains = children.get("pid_gains")
+    """Yield what is wrong with an entry at the top that is no controller."""
+    gains = entry.find("pid_gains")
     if gains is not None:
         yield _gazebo_gains(name, gains)
         yield from _unknown_joints(gains, known)
     elif name == "joint_limits":
         yield from _lint_limits(entry, known)
-    elif name in GAINS | set(JOINT_MAPPINGS) | {"joints", "joint", "type"}:
-        yield complaint(
-            entry,
+    elif name in {*gain_parameters(), *_JOINT_MAPPINGS, "joints", "joint", "type"}:
+        yield entry.finding(
             "flat-yaml",
             "nothing reads it here; it belongs into a controller",
             "indent it",
         )
     elif name != "gazebo_ros_control":
-        near = nearest_name("type", list(children))
-        yield complaint(
-            entry,
+        near = nearest_name("type", entry.children)
+        yield entry.finding(
             "no-type",
             "nothing reads it: without a 'type' it is no controller",
             f"is '{near}' meant to be 'type'?" if near else "give it a type, or remove",
@@ -83,16 +93,13 @@ def _lint_other(
 
 def _gazebo_gains(name: str, gains: Entry) -> Finding:
     if name == "gazebo_ros_control":
-        return complaint(
-            gains,
+        return gains.finding(
             "gazebo-only",
             "read by Gazebo's gazebo_ros_control only; the servos of position and "
             "velocity joints need no gains here",
-            "",
-            "warning",
+            severity="warning",
         )
-    return complaint(
-        gains,
+    return gains.finding(
         "misplaced-key",
         "nothing reads it",
         f"gazebo_ros_control reads '{_GAZEBO_GAINS}', for position and velocity joints "
@@ -101,39 +108,157 @@ def _gazebo_gains(name: str, gains: Entry) -> Finding:
 
 
 def _unknown_joints(names: Entry, known: Collection[str] | None) -> Iterator[Finding]:
-    for name, entry in (names.children or {}).items():
+    for name, entry in names.children.items():
         if known is not None and name not in known:
-            unused = [joint for joint in known if joint not in (names.children or {})]
-            yield complaint(
-                entry,
+            unused = [joint for joint in known if joint not in names.children]
+            yield entry.finding(
                 "unknown-joint",
                 f"the robot has no joint '{name}'",
-                or_remove(nearest_name(name, unused) or nearest_name(name, known)),
+                _or_remove(nearest_name(name, unused) or nearest_name(name, known)),
             )
 
 
 def _lint_limits(limits: Entry, known: Collection[str] | None) -> Iterator[Finding]:
     yield from _unknown_joints(limits, known)
-    for joint in (limits.children or {}).values():
-        keys = joint.children or {}
-        for name, entry in keys.items():
-            if name not in LIMITS:
-                near = or_remove(nearest_name(name, LIMITS))
-                yield complaint(entry, "unread-key", "nothing reads it", near)
-            kind = name.partition("_")[2]
-            flag = f"has_{kind}_limits"
-            if name.startswith(("min_", "max_")) and flag not in keys:
-                yield complaint(
-                    entry,
+    valid = joint_limit_parameters()
+    for joint in limits.children.values():
+        for name, entry in joint.children.items():
+            if name not in valid:
+                near = _or_remove(nearest_name(name, valid))
+                yield entry.finding("unread-key", "nothing reads it", near)
+            flag = f"has_{name.partition('_')[2]}_limits"
+            if name.startswith(("min_", "max_")) and flag not in joint.children:
+                yield entry.finding(
                     "limit-without-flag",
                     f"ignored, as in ROS, without '{flag}: true'",
                     "write that beside it",
                 )
-            elif name in _NOT_ENFORCED and keys[flag].scalar is not False:
-                yield complaint(
-                    entry,
+            elif name in NOT_ENFORCED and joint.children[flag].scalar is not False:
+                yield entry.finding(
                     "not-enforced",
                     "no drive of tool0 enforces it",
-                    "",
-                    "warning",
+                    severity="warning",
                 )
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _Controller:
+    """The parameters of one controller, whose type is known."""
+
+    entry: Entry
+    type: str
+    known_joints: Collection[str] | None
+    """The robot's movable joints, if they are known."""
+
+    @property
+    def kind(self) -> str:
+        return self.type.partition("/")[2]
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints that it names."""
+        return tuple(str(item.scalar) for item in joint_entries(self.entry))
+
+    def findings(self) -> Iterator[Finding]:
+        """Yield what the controller does not read, or reads in vain."""
+        read = parameters_of(self.type)
+        reported: list[str] = []
+        for leaf in self.entry.leaves():
+            path = self._path(leaf)
+            if path == "type" or path in read or self._pattern(path) in read:
+                continue
+            unread = self._outermost_unread(path)
+            if unread.key not in reported:
+                reported.append(unread.key)
+                yield self._unread(unread)
+        if any(pattern.endswith("/p") for pattern in read):
+            yield from _idle_integrals(self.entry)
+
+    def _path(self, entry: Entry) -> str:
+        return entry.key[len(self.entry.key) + 1 :]
+
+    def _pattern(self, path: str) -> str:
+        """Return ``path`` with ``*`` for the controller's joints."""
+        joints = self.joints
+        return "/".join("*" if part in joints else part for part in path.split("/"))
+
+    def _outermost_unread(self, path: str) -> Entry:
+        """Return the outermost entry on ``path`` of which nothing is read."""
+        read = parameters_of(self.type)
+        here = self.entry
+        for part in path.split("/"):
+            here = here.children[part]
+            pattern = self._pattern(self._path(here))
+            if not any(p == pattern or p.startswith(f"{pattern}/") for p in read):
+                break
+        return here
+
+    def _unread(self, entry: Entry) -> Finding:
+        path, read = self._path(entry), parameters_of(self.type)
+        first, _, rest = path.partition("/")
+        is_by_joint = any(p.startswith(f"{first}/*") for p in read)
+        if first in _JOINT_MAPPINGS and is_by_joint and rest and "/" not in rest:
+            return self._not_a_joint(entry, first, rest)
+        pattern = self._pattern(path)
+        others = [kind for kind in readers_of(pattern) if kind != self.kind]
+        if others:
+            return entry.finding(
+                "misplaced-key",
+                f"{self.kind} does not read it; read by {' and '.join(others)} only",
+                "remove it, or take that controller",
+            )
+        if first in ("gains", "velocity_ff", "pid") and "/" not in path:
+            return entry.finding(
+                "misplaced-key",
+                f"{self.type} has no use for {first}: its interface needs no PID",
+                "remove it",
+            )
+        outer = pattern.rpartition("/")[0]
+        prefix = f"{outer}/" if outer else ""
+        siblings = {
+            parameter.removeprefix(prefix).partition("/")[0]
+            for parameter in read
+            if parameter.startswith(prefix)
+        }
+        near = nearest_name(path.rpartition("/")[2], siblings)
+        return entry.finding(
+            "unread-key", f"{self.kind} does not read it", _or_remove(near)
+        )
+
+    def _not_a_joint(self, entry: Entry, mapping: str, name: str) -> Finding:
+        is_unknown = self.known_joints is not None and name not in self.known_joints
+        if mapping == "constraints" and name not in (self.known_joints or ()):
+            near = nearest_name(name, ("goal_time", "stopped_velocity_tolerance"))
+            if near is not None:
+                remedy = f"did you mean '{near}'?"
+                return entry.finding("unread-key", "nothing reads it", remedy)
+        remedy = _or_remove(nearest_name(name, self.joints))
+        if is_unknown:
+            message = f"the robot has no joint '{name}'"
+            return entry.finding("unknown-joint", message, remedy)
+        message = f"'{name}' is not among the controller's joints"
+        return entry.finding("unread-key", message, remedy)
+
+
+def _idle_integrals(entry: Entry) -> Iterator[Finding]:
+    """Yield integral gains whose contribution is clamped to zero."""
+    for gains in entry.children.values():
+        yield from _idle_integrals(gains)
+        keys = gains.children
+        if "p" not in keys or not _number(keys.get("i")):
+            continue
+        clamps = [keys.get(k) for k in ("i_clamp", "i_clamp_min", "i_clamp_max")]
+        if not any(map(_number, clamps)):
+            yield keys["i"].finding(
+                "idle-integral",
+                "the integral contributes nothing, since i_clamp is "
+                + ("0" if "i_clamp" in keys else "not given and hence 0"),
+                "give i_clamp the largest effort that it may add, or leave i out",
+                severity="warning",
+            )
+
+
+def _number(entry: Entry | None) -> float:
+    value = None if entry is None else entry.scalar
+    return float(value) if isinstance(value, int | float) else 0.0

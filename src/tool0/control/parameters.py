@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import final
 
 from tool0.control.pid import Gains
-from tool0.description.model import Interface, Joint
+from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_tree import Entry
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean, nearest_name
@@ -22,16 +22,43 @@ INTERFACE_OF_PACKAGE = {
 
 @final
 @dataclass(frozen=True, slots=True)
-class Robot:
-    """What a controller's parameters are checked against."""
+class RobotJoints:
+    """The joints that a controller's parameters may name."""
 
     joints: Mapping[str, Joint]
     interfaces: Mapping[str, Interface]
     """The joints with a transmission, in the engine's order."""
 
+    @staticmethod
+    def assumed(names: Iterable[str], type_name: str) -> RobotJoints:
+        """Return joints that a controller of a type can command, for want of a robot.
+
+        Args:
+            names: The joints.
+            type_name: The controller's type; its package names the interface.
+        """
+        package = type_name.partition("/")[0]
+        interface = INTERFACE_OF_PACKAGE.get(package, Interface.EFFORT)
+        joints = {
+            name: Joint(
+                name=name, type=JointType.CONTINUOUS, parent="world", child=name
+            )
+            for name in names
+        }
+        return RobotJoints(joints, dict.fromkeys(joints, interface))
+
+
+def joint_entries(controller: Entry) -> list[Entry]:
+    """Return where a controller names its joints: ``joint`` and those of ``joints``."""
+    joint, joints = controller.find("joint"), controller.find("joints")
+    return [
+        *([] if joint is None else [joint]),
+        *([] if joints is None else joints.items),
+    ]
+
 
 def controlled_joint(
-    robot: Robot, name: str, interface: Interface | None, entry: Entry
+    robot: RobotJoints, name: str, interface: Interface | None, entry: Entry
 ) -> Joint:
     """Return the joint called ``name``, if a controller may command it.
 
@@ -46,7 +73,7 @@ def controlled_joint(
     if joint is None:
         raise ConfigError(
             f"Could not find joint '{name}' in {wanted}: the robot has no such joint"
-            + did_you_mean(name, list(robot.interfaces)),
+            + did_you_mean(name, robot.interfaces),
             entry.location,
         )
     has = robot.interfaces.get(name)
@@ -67,12 +94,12 @@ def controlled_joint(
 
 
 def controlled_joints(
-    robot: Robot, parameters: Namespace, interface: Interface
+    robot: RobotJoints, parameters: Namespace, interface: Interface
 ) -> tuple[Joint, ...]:
     """Return the joints of the list ``joints``, each of them named once."""
     names = parameters.texts("joints")
     entry = parameters.find("joints")
-    items = (entry.items if entry is not None else None) or []
+    items = [] if entry is None else entry.items
     for name, item in zip(names, items, strict=True):
         if names.count(name) > 1:
             raise ConfigError(f"'{item.key}' names joint '{name}' twice", item.location)
@@ -82,7 +109,9 @@ def controlled_joints(
     )
 
 
-def single_joint(robot: Robot, parameters: Namespace, interface: Interface) -> Joint:
+def single_joint(
+    robot: RobotJoints, parameters: Namespace, interface: Interface
+) -> Joint:
     """Return the joint that ``joint`` names."""
     name = parameters.text("joint")
     entry = parameters.find("joint") or parameters.entry
@@ -100,8 +129,7 @@ def read_gains(parameters: Namespace, path: str, why: str) -> Gains:
     gains = parameters.namespace(path)
     if gains is None:
         outer = parameters.find(path.rpartition("/")[0]) or parameters.entry
-        present = list(outer.children or ())
-        near = nearest_name(path.rpartition("/")[2], present)
+        near = nearest_name(path.rpartition("/")[2], outer.children)
         hint = f"; did you mean '{near}'?" if near else ""
         raise ConfigError(
             f"No p gain specified for pid: '{parameters.entry.key}' lacks "
@@ -113,6 +141,7 @@ def read_gains(parameters: Namespace, path: str, why: str) -> Gains:
             f"No p gain specified for pid: '{gains.entry.key}' lacks 'p', which {why}",
             gains.location,
         )
+    gains.accept("publish_state")
     clamp = abs(gains.number("i_clamp", 0.0))
     return Gains(
         p=gains.number("p"),

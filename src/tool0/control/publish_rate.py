@@ -6,11 +6,11 @@ import math
 from typing import final
 
 _ROUNDING = 1e-9
-"""[s], by which sums of periods differ from multiples of the tick."""
+"""[s] that sums of periods may differ from multiples of the tick."""
 
 _PAUSE = 0.5
-"""After so long without being asked [s] there is nothing to catch up with: whoever
-publishes did not run.  ros_control forgets at every start."""
+"""After so long a pause [s] no late publication is made up for: the publisher did not
+run.  ros_control forgets at every start."""
 
 
 @final
@@ -20,16 +20,16 @@ class PublishRate:
     def __init__(self, rate: float) -> None:
         """Take a rate [Hz]; 0 or less is never."""
         self._period = 1.0 / rate if rate > 0.0 else math.inf
-        self._last = self._asked = -math.inf
+        self._last = self._checked = -math.inf
 
     def is_due(self, time: float) -> bool:
         """Return whether to publish at ``time`` [s]; the first time always.
 
-        An instant is published once, though snapshots may tell it again.
+        An instant is published once, though several snapshots may have it.
         """
-        if not math.isfinite(self._period) or time == self._asked:
+        if not math.isfinite(self._period) or time == self._checked:
             return False
-        pause, self._asked = time - self._asked, time
+        pause, self._checked = time - self._checked, time
         if pause < 0.0 or pause > max(_PAUSE, self._period):
             self._last = time
             return True

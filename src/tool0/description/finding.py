@@ -1,25 +1,28 @@
-"""What is wrong in a person's file: where, why it matters, and what would be right."""
+"""Findings: what is wrong in a user's file, where, and what would be right."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, final
 
 from tool0.errors import SourceLocation
 
+_LONGEST = 100
+_MOST_QUOTED = 8
+
 Severity = Literal["error", "warning"]
-"""An error will fail, or do something else than it says; what is suspicious, yet may
-be meant, is a warning."""
+"""An error fails or does something else than intended; a warning is suspicious."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """One complaint about a person's file."""
+    """One fault in a user's file."""
 
     location: SourceLocation
     rule: str
-    """What kind of complaint, the same in every file: ``unread-key``."""
+    """The kind of fault, the same in every file: ``unread-key``."""
     severity: Severity = "error"
     key: str = ""
     """What it is about: a parameter's full name, an element, a joint."""
@@ -33,7 +36,59 @@ class Finding:
         """What is wrong, and what would be right: ``message; remedy``."""
         return "; ".join(part for part in (self.message, self.remedy) if part)
 
+    def as_json(self) -> dict[str, str | int | None]:
+        """Return the finding as plain values."""
+        file = self.location.file
+        return {
+            "file": None if file is None else str(file),
+            "line": self.location.line,
+            "severity": self.severity,
+            "rule": self.rule,
+            "key": self.key,
+            "message": self.message,
+            "remedy": self.remedy,
+        }
+
     def __str__(self) -> str:
         """Return ``file:line: key: message; remedy``."""
-        said = ": ".join(part for part in (self.key, self.text) if part)
-        return f"{self.location}: {said}"
+        text = ": ".join(part for part in (self.key, self.text) if part)
+        return f"{self.location}: {text}"
+
+
+def error_at(
+    location: SourceLocation, rule: str, key: str, message: str, remedy: str = ""
+) -> Finding:
+    """Return an error; the arguments are those of ``Finding``."""
+    return Finding(
+        location=location, rule=rule, key=key, message=message, remedy=remedy
+    )
+
+
+def warning_at(
+    location: SourceLocation, rule: str, key: str, message: str, remedy: str = ""
+) -> Finding:
+    """Return a warning; the arguments are those of ``Finding``."""
+    return Finding(
+        location=location,
+        rule=rule,
+        severity="warning",
+        key=key,
+        message=message,
+        remedy=remedy,
+    )
+
+
+def quoted(names: Iterable[str]) -> str:
+    """Return some of ``names`` for a sentence: ``'a', 'b' and 3 more``."""
+    items = [f"'{short(name)}'" for name in names]
+    left_out = len(items) - _MOST_QUOTED
+    more = f" and {left_out} more" if left_out > 0 else ""
+    return ", ".join(items[:_MOST_QUOTED]) + more
+
+
+def short(text: str) -> str:
+    """Return ``text`` without its middle if it is too long for a sentence."""
+    if len(text) <= _LONGEST:
+        return text
+    half = _LONGEST // 2 - 1
+    return f"{text[:half]}…{text[-half:]}"

@@ -1,66 +1,113 @@
-"""YAML as rosparam reads it, with the line of every key."""
+"""YAML as a tree of entries: each value with its full key, its file and its line.
+
+Controllers, scenes, launch files, the linter and xacro read YAML through this module.
+"""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Any, final
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, Severity
 from tool0.errors import ConfigError, SourceLocation
 
 if TYPE_CHECKING:
     import yaml
 
 Scalar = str | float | int | bool | None
+Constructor = Callable[[Any, Any], Any]
+"""Value of a tagged scalar, from PyYAML's loader and the node."""
 
 MOST_ENTRIES = 30_000
 """Of one text: a few lines of aliases can stand for billions."""
 _ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
-"""rosparam's ``deg(90)`` and ``rad(pi/2)``, of which numbers are understood here."""
+"""rosparam's ``deg(90)`` and ``rad(pi/2)``, of which only numbers are understood."""
 
 
 @final
 @dataclass(slots=True)
 class Entry:
-    """A value of the parameter tree: a number, a text, a list or a namespace."""
+    """A value of YAML: a scalar, a list or a mapping."""
 
     key: str
     """The full name: ``arm_controller/gains/elbow_joint/p``."""
     location: SourceLocation
-    scalar: Scalar = None
-    items: list[Entry] | None = None
-    """The elements, if it is a list."""
-    children: dict[str, Entry] | None = None
-    """The keys below, if it is a namespace."""
+    value: Scalar | list[Entry] | dict[str, Entry] = None
+
+    @property
+    def is_mapping(self) -> bool:
+        return isinstance(self.value, dict)
+
+    @property
+    def is_list(self) -> bool:
+        return isinstance(self.value, list)
 
     @property
     def is_null(self) -> bool:
         """Whether nothing stands after the key."""
-        return (self.scalar, self.items, self.children) == (None, None, None)
+        return self.value is None
+
+    @property
+    def scalar(self) -> Scalar:
+        """The number, text or truth value; None if it is anything else."""
+        return None if isinstance(self.value, list | dict) else self.value
+
+    @property
+    def items(self) -> list[Entry]:
+        """The elements of a list; empty if it is none."""
+        return self.value if isinstance(self.value, list) else []
+
+    @property
+    def children(self) -> dict[str, Entry]:
+        """The entries of a mapping by key; empty if it is none."""
+        return self.value if isinstance(self.value, dict) else {}
+
+    def find(self, path: str) -> Entry | None:
+        """Return the entry at ``a/b`` below this one, or None."""
+        entry: Entry | None = self
+        for part in path.split("/"):
+            entry = None if entry is None else entry.children.get(part)
+        return entry
 
     def describe(self) -> str:
         """Return what a message calls the value."""
-        if self.children is not None:
+        if self.is_mapping:
             return "a mapping"
-        return "a list" if self.items is not None else f"{self.scalar!r}"
+        return "a list" if self.is_list else f"{self.scalar!r}"
 
     def plain(self) -> object:
-        """Return the value as YAML's own: mappings, lists, scalars."""
-        if self.children is not None:
+        """Return the value as Python's own: dicts, lists, scalars."""
+        if self.is_mapping:
             return {name: child.plain() for name, child in self.children.items()}
-        if self.items is not None:
-            return [item.plain() for item in self.items]
-        return self.scalar
+        return [item.plain() for item in self.items] if self.is_list else self.scalar
+
+    def finding(
+        self,
+        rule: str,
+        message: str,
+        remedy: str = "",
+        *,
+        severity: Severity = "error",
+    ) -> Finding:
+        """Return a finding about this entry."""
+        return Finding(
+            location=self.location,
+            rule=rule,
+            severity=severity,
+            key=self.key,
+            message=message,
+            remedy=remedy,
+        )
 
     def leaves(self) -> Iterator[Entry]:
-        """Yield every value that is no namespace, depth first."""
-        if self.children is None:
+        """Yield every value that is no mapping, depth first."""
+        if not self.is_mapping:
             yield self
-        for child in (self.children or {}).values():
+        for child in self.children.values():
             yield from child.leaves()
 
 
@@ -69,9 +116,7 @@ class Entry:
 class Tree:
     """All parameters of one or several files; later ones override, as in ROS."""
 
-    root: Entry = field(
-        default_factory=lambda: Entry("", SourceLocation(None), children={})
-    )
+    root: Entry = field(default_factory=lambda: Entry("", SourceLocation(None), {}))
     findings: list[Finding] = field(default_factory=list)
     """What is suspicious, yet can be read."""
 
@@ -85,11 +130,10 @@ class Tree:
         Raises:
             ConfigError: If it is not YAML, or not a mapping.
         """
-        node = _compose(text, location)
-        if node is None:
+        entry = _TreeReader(location, self.findings).read(text)
+        if entry is None:
             return
-        entry = _Reader(location, self.findings).entry(node, "")
-        if entry.children is None:
+        if not entry.is_mapping:
             raise ConfigError(
                 f"expected a mapping of parameters, got {entry.describe()}",
                 entry.location,
@@ -97,49 +141,92 @@ class Tree:
         _merge(self.root, entry)
 
 
-def _compose(text: str, location: SourceLocation) -> yaml.Node | None:
-    import yaml
+def read_files(files: list[Path]) -> Tree:
+    """Return the parameters of all files, of which later ones override.
 
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    Raises:
+        ConfigError: If a file cannot be read, is not YAML, or not a mapping.
+    """
+    tree = Tree()
+    for file in files:
+        tree.load(_text_of(file), SourceLocation(file, 1))
+    return tree
+
+
+def read_with_units(file: Path, units: Mapping[str, Constructor]) -> Entry | None:
+    """Return what a YAML file of xacro holds; None if it is empty.
+
+    Keys and texts are taken as they are, without rosparam's slashes and angles.
+
+    Args:
+        file: The file.
+        units: Constructors of tagged scalars by tag, such as ``!degrees``.
+
+    Raises:
+        ConfigError: If it cannot be read, or is not YAML.
+    """
+    return _TreeReader(SourceLocation(file, 1), [], units).read(_text_of(file))
+
+
+def _text_of(file: Path) -> str:
     try:
-        node: yaml.Node | None = yaml.compose(text, Loader=loader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        line = (location.line or 1) + (mark.line if mark is not None else 0)
+        return file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error.reason
         raise ConfigError(
-            f"not YAML: {error.problem or error}"
-            + (f" ({error.context})" if error.context else ""),
-            SourceLocation(location.file, line),
+            f"cannot read the file: {reason}", SourceLocation(file)
         ) from None
-    except yaml.YAMLError as error:
-        raise ConfigError(f"not YAML: {error}", location) from None
-    return node
 
 
 def _merge(target: Entry, source: Entry) -> None:
-    """Put ``source`` over ``target``; both are namespaces."""
-    if target.children is None:
-        target.children = {}
-    for name, child in (source.children or {}).items():
+    """Put ``source`` over ``target``; both are mappings."""
+    for name, child in source.children.items():
         present = target.children.get(name)
-        if present is None or present.children is None or child.children is None:
-            target.children[name] = child
-        else:
+        if present is not None and present.is_mapping and child.is_mapping:
             _merge(present, child)
+        else:
+            target.children[name] = child
 
 
 @final
-class _Reader:
+class _TreeReader:
     """Turns the nodes of one text into entries."""
 
-    def __init__(self, location: SourceLocation, findings: list[Finding]) -> None:
-        self._file = location.file
-        self._first_line = location.line or 1
+    def __init__(
+        self,
+        location: SourceLocation,
+        findings: list[Finding],
+        units: Mapping[str, Constructor] | None = None,
+    ) -> None:
+        import yaml
+
+        self._location = location
         self._findings = findings
+        self._units = units
         self._open: list[yaml.Node] = []
         self._left = MOST_ENTRIES
+        self._loader = yaml.SafeLoader("")
 
-    def entry(self, node: yaml.Node, key: str) -> Entry:
+    def read(self, text: str) -> Entry | None:
+        """Return what the text holds; None if that is nothing."""
+        import yaml
+
+        loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+        try:
+            node: yaml.Node | None = yaml.compose(text, Loader=loader)
+        except yaml.MarkedYAMLError as error:
+            mark = error.problem_mark
+            line = (self._location.line or 1) + (mark.line if mark is not None else 0)
+            raise ConfigError(
+                f"not YAML: {error.problem or error}"
+                + (f" ({error.context})" if error.context else ""),
+                SourceLocation(self._location.file, line),
+            ) from None
+        except yaml.YAMLError as error:
+            raise ConfigError(f"not YAML: {error}", self._location) from None
+        return None if node is None else self._entry(node, "")
+
+    def _entry(self, node: yaml.Node, key: str) -> Entry:
         import yaml
 
         where = self._where(node)
@@ -155,48 +242,50 @@ class _Reader:
         self._open.append(node)
         try:
             if isinstance(node, yaml.MappingNode):
-                return self._namespace(node, key)
+                return self._mapping(node, key)
             if isinstance(node, yaml.SequenceNode):
                 items = [
-                    self.entry(item, f"{key}[{number}]")
+                    self._entry(item, f"{key}[{number}]")
                     for number, item in enumerate(node.value)
                 ]
-                return Entry(key, where, items=items)
-            return Entry(key, where, scalar=_scalar(node, key, where))
+                return Entry(key, where, items)
+            return Entry(key, where, self._scalar(node, key, where))
         finally:
             self._open.pop()
 
-    def _namespace(self, node: yaml.MappingNode, key: str) -> Entry:
-        result = Entry(key, self._where(node), children={})
+    def _mapping(self, node: yaml.MappingNode, key: str) -> Entry:
+        result = Entry(key, self._where(node), {})
         seen: set[str] = set()
         for name_node, value in self._pairs(node):
             name = str(name_node.value)
             where = self._where(name_node)
-            if not name_node.tag.endswith(":str"):
-                raise ConfigError(
-                    f"key {name!r} under '{key or '/'}' must be a text; quote it", where
-                )
-            path = [part for part in name.split("/") if part]
-            if not path:
-                raise ConfigError(f"key {name!r} names no parameter", where)
-            child = self.entry(value, "/".join([*([key] if key else []), *path]))
+            path = self._path(name_node, key)
+            child = self._entry(value, _joined(key, path))
             child.location = where
             if name in seen:
-                self._findings.append(
-                    Finding(
-                        location=where,
-                        rule="duplicate-key",
-                        key=child.key,
-                        message="stands twice in one mapping; the last one wins",
-                        remedy="leave one",
-                    )
-                )
+                message = "stands twice in one mapping; the last one wins"
+                found = child.finding("duplicate-key", message, "leave one")
+                self._findings.append(found)
             seen.add(name)
             for depth in range(len(path) - 1, 0, -1):
-                outer = "/".join([*([key] if key else []), *path[:depth]])
-                child = Entry(outer, where, children={path[depth]: child})
-            _merge(result, Entry(key, where, children={path[0]: child}))
+                child = Entry(_joined(key, path[:depth]), where, {path[depth]: child})
+            _merge(result, Entry(key, where, {path[0]: child}))
         return result
+
+    def _path(self, name_node: yaml.Node, key: str) -> list[str]:
+        """Return the names in a key: in ROS ``a/b`` is ``b`` in the namespace ``a``."""
+        name = str(name_node.value)
+        if self._units is not None:
+            return [name]
+        where = self._where(name_node)
+        if not name_node.tag.endswith(":str"):
+            raise ConfigError(
+                f"key {name!r} under '{key or '/'}' must be a text; quote it", where
+            )
+        path = [part for part in name.split("/") if part]
+        if not path:
+            raise ConfigError(f"key {name!r} names no parameter", where)
+        return path
 
     def _pairs(self, node: yaml.MappingNode) -> Iterator[tuple[yaml.Node, yaml.Node]]:
         """Yield keys and values, those of ``<<`` first unless they are overridden."""
@@ -218,30 +307,39 @@ class _Reader:
         yield from own
 
     def _where(self, node: yaml.Node) -> SourceLocation:
-        return SourceLocation(self._file, self._first_line + node.start_mark.line)
+        line = (self._location.line or 1) + node.start_mark.line
+        return SourceLocation(self._location.file, line)
 
+    def _scalar(self, node: yaml.Node, key: str, where: SourceLocation) -> Scalar:
+        """Return the value that ROS's parameter server would hold."""
+        import yaml
 
-def _scalar(node: yaml.Node, key: str, where: SourceLocation) -> Scalar:
-    """Return the value that ROS's parameter server would hold."""
-    import yaml
-
-    text = str(node.value)
-    if node.tag in ("!degrees", "!radians"):
-        return _angle(node.tag == "!degrees", text, key, where)
-    match = _ANGLE.fullmatch(text)
-    if match is not None and node.tag.endswith(":str"):
-        return _angle(match[1] == "deg", match[2], key, where)
-    if node.tag.endswith((":int", ":float", ":bool", ":null")):
+        text = str(node.value)
         try:
-            value: Scalar = yaml.SafeLoader("").construct_object(node)
+            if self._units is not None and node.tag in self._units:
+                value: Scalar = self._units[node.tag](self._loader, node)
+                return value
+            if node.tag.endswith((":int", ":float", ":bool", ":null")):
+                value = self._loader.construct_object(node)
+                return value
         except (ValueError, yaml.YAMLError) as error:
             raise ConfigError(f"'{key}' is {text!r}: {error}", where) from None
-        return value
-    if node.tag.startswith("!"):
-        raise ConfigError(
-            f"'{key}' has the tag {node.tag}; known are !degrees and !radians", where
-        )
-    return text
+        if self._units is None:
+            match = _ANGLE.fullmatch(text) if node.tag.endswith(":str") else None
+            if match is not None:
+                return _angle(match[1] == "deg", match[2], key, where)
+            if node.tag in ("!degrees", "!radians"):
+                return _angle(node.tag == "!degrees", text, key, where)
+        if node.tag.startswith("!"):
+            known = " and ".join(self._units or ("!degrees", "!radians"))
+            raise ConfigError(
+                f"'{key}' has the tag {node.tag}; known are {known}", where
+            )
+        return text
+
+
+def _joined(key: str, path: list[str]) -> str:
+    return "/".join([key, *path] if key else path)
 
 
 def _angle(is_degrees: bool, text: str, key: str, where: SourceLocation) -> float:
@@ -250,18 +348,3 @@ def _angle(is_degrees: bool, text: str, key: str, where: SourceLocation) -> floa
     except ValueError:
         raise ConfigError(f"'{key}' must be an angle, got {text!r}", where) from None
     return math.radians(value) if is_degrees else value
-
-
-def read_files(files: list[Path]) -> Tree:
-    """Return the parameters of all files, of which later ones override."""
-    tree = Tree()
-    for file in files:
-        try:
-            text = file.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            reason = error.strerror if isinstance(error, OSError) else error.reason
-            raise ConfigError(
-                f"cannot read the file: {reason}", SourceLocation(file)
-            ) from None
-        tree.load(text, SourceLocation(file, 1))
-    return tree

@@ -5,10 +5,10 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
-from tool0.description.model import Vector3
+from tool0.description.transform import Vector3
 from tool0.description.yaml_tree import Entry
 from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 
@@ -19,11 +19,13 @@ class Namespace:
     """A mapping of values; every getter raises ConfigError with file and line."""
 
     entry: Entry
+    lookups: set[str] = field(default_factory=set)
+    """The full key of everything that was looked up so far."""
 
     @staticmethod
     def of(entry: Entry) -> Namespace:
         """Return ``entry`` as a namespace, or raise ConfigError if it is none."""
-        if entry.children is None:
+        if not entry.is_mapping:
             raise _wrong(entry, "a mapping")
         return Namespace(entry)
 
@@ -38,21 +40,33 @@ class Namespace:
 
     def find(self, path: str) -> Entry | None:
         """Return what stands at ``a/b``, or None."""
-        entry: Entry | None = self.entry
-        for part in path.split("/"):
-            if entry is None or entry.children is None:
-                return None
-            entry = entry.children.get(part)
-        return entry
+        self.lookups.add(f"{self.entry.key}/{path}")
+        return self.entry.find(path)
 
     def namespace(self, path: str) -> Namespace | None:
         """Return the mapping at ``path``, or None if there is nothing."""
         entry = self.find(path)
-        return None if entry is None else Namespace.of(entry)
+        if entry is not None and not entry.is_mapping:
+            raise _wrong(entry, "a mapping")
+        return None if entry is None else Namespace(entry, self.lookups)
+
+    def accept(self, *paths: str) -> None:
+        """Count parameters as known that ROS reads and this program has no use for."""
+        self.lookups.update(f"{self.entry.key}/{path}" for path in paths)
+
+    def read_keys(self) -> frozenset[str]:
+        """Return the keys that were looked up, without the mappings around them."""
+        keys = {key.removeprefix(f"{self.entry.key}/") for key in self.lookups}
+        outer = {
+            "/".join(parts[:n])
+            for parts in (key.split("/") for key in keys)
+            for n in range(1, len(parts))
+        }
+        return frozenset(keys - outer)
 
     def only(self, *valid: str) -> None:
         """Raise ConfigError if there is a key that is not one of ``valid``."""
-        for name, entry in (self.entry.children or {}).items():
+        for name, entry in self.entry.children.items():
             if name not in valid:
                 raise ConfigError(
                     f"unknown key '{entry.key}'{did_you_mean(name, valid)}",
@@ -61,7 +75,7 @@ class Namespace:
 
     def names(self) -> Iterator[str]:
         """Yield the keys."""
-        yield from self.entry.children or ()
+        yield from self.entry.children
 
     def number(self, path: str, default: float | None = None) -> float:
         """Return the finite number at ``path``."""
@@ -82,7 +96,7 @@ class Namespace:
             if default is None:
                 raise self.missing(path, kind)
             return default
-        if entry.items is None or len(entry.items) != count:
+        if len(entry.items) != count:
             raise _wrong(entry, kind)
         return tuple(_number(item) for item in entry.items)
 
@@ -96,7 +110,7 @@ class Namespace:
         entry = self.find(path)
         if entry is None or entry.is_null:
             return ()
-        if entry.items is None:
+        if not entry.is_list:
             raise _wrong(entry, "a list")
         return tuple(entry.items)
 
@@ -130,15 +144,15 @@ class Namespace:
         if entry is None:
             raise self.missing(path, "a list of names")
         texts = tuple(
-            item.scalar for item in entry.items or () if isinstance(item.scalar, str)
+            item.scalar for item in entry.items if isinstance(item.scalar, str)
         )
-        if not texts or len(texts) != len(entry.items or ()):
+        if not texts or len(texts) != len(entry.items):
             raise _wrong(entry, "a list of names, like [joint_1, joint_2]")
         return texts
 
     def missing(self, path: str, kind: str) -> ConfigError:
         """Return the error that ``path`` must be there."""
-        near = nearest_name(path, list(self.names()))
+        near = nearest_name(path, self.entry.children)
         hint = f"; did you mean '{near}'?" if near else ""
         return ConfigError(
             f"'{self.entry.key}' lacks '{path}', {kind}{hint}", self.location

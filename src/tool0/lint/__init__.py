@@ -1,1 +1,1 @@
-"""What makes such set-ups fail, found in a person's files before they are run."""
+"""Finds faults in launch files, robots, controllers and packages before they run."""

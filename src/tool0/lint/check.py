@@ -1,4 +1,4 @@
-"""All rules over all files that a person names."""
+"""All rules over all files that ``tool0 check`` is given."""
 
 from __future__ import annotations
 
@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ParamSpec, TypeVar, final
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
-from tool0.lint.absence import absence_judged
-from tool0.lint.bounded import OutOfBoundsError, bounded
-from tool0.lint.document import document_findings
-from tool0.lint.launch.packages import Packages, packages_around
 from tool0.lint.launch_file import ReadLaunch
-from tool0.lint.package_file import package_findings
-from tool0.lint.parameters.file import YamlText, yaml_findings
+from tool0.lint.package_file import judge_missing_package, package_findings
+from tool0.lint.packages import PackageIndex, packages_around
+from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
+from tool0.lint.resource_limits import ResourceLimitError, run_limited
 from tool0.lint.robot.facts import RobotFacts
 from tool0.lint.robot_file import (
     ReadRobot,
@@ -24,8 +22,7 @@ from tool0.lint.robot_file import (
     read_robot,
     read_xacro_source,
 )
-from tool0.lint.sources import Kind, Source, collect, read_text
-from tool0.lint.upstream import edit_findings, known_findings
+from tool0.lint.sources import FileKind, Source, collect, read_text
 
 R = TypeVar("R")
 P = ParamSpec("P")
@@ -36,15 +33,15 @@ _Expansion = tuple[Path, tuple[tuple[str, str], ...]]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Report:
-    """What came of it."""
+class CheckReport:
+    """The findings of one run, and what was checked."""
 
     findings: tuple[Finding, ...]
     """By file and line."""
     files: tuple[Path, ...]
-    """What was looked into."""
+    """What was checked."""
     notes: tuple[str, ...]
-    """What could not be looked into, and why: no fault of the files."""
+    """What could not be checked, and why: no fault of the files."""
 
     @property
     def n_errors(self) -> int:
@@ -55,7 +52,7 @@ class Report:
         return len(self.findings) - self.n_errors
 
 
-def check(paths: Iterable[Path]) -> Report:
+def check(paths: Iterable[Path]) -> CheckReport:
     """Check files and folders, each file within bounds of time and memory.
 
     Raises:
@@ -77,29 +74,24 @@ class _Check:
             if source.was_named:
                 for name, folder in packages_around(source.path).items():
                     self._packages.setdefault(name, folder)
-        self._places = Packages(self._packages)
+        self._places = PackageIndex(self._packages)
         self._findings: list[Finding] = []
         self._notes = [f"{path}: {why}" for path, why in self._sources.skipped]
         self._loaded: set[Path] = set()
         self._robots: dict[_Expansion, ReadRobot | None] = {}
 
-    def report(self) -> Report:
-        """Look into everything."""
-        for look in (
-            self._launch_files,
-            self._xacro_files,
-            self._urdf_files,
-            self._yaml_files,
-            self._package_files,
-            self._documents,
-            self._edits,
-        ):
-            look()
-        judged = [absence_judged(finding) for finding in self._findings]
+    def report(self) -> CheckReport:
+        """Check everything: what loads other files before what is loaded."""
+        self._launch_files()
+        self._xacro_files()
+        self._urdf_files()
+        self._yaml_files()
+        self._package_files()
+        judged = [judge_missing_package(finding) for finding in self._findings]
         self._notes += [item for item in judged if isinstance(item, str)]
         findings = [item for item in judged if isinstance(item, Finding)]
         once = {_identity(item): item for item in sorted(findings, key=_place)}
-        return Report(
+        return CheckReport(
             findings=tuple(once.values()),
             files=tuple(source.path for source in self._sources.files),
             notes=tuple(dict.fromkeys(self._notes)),
@@ -109,10 +101,11 @@ class _Check:
 
     def _launch_files(self) -> None:
         read: dict[Path, ReadLaunch] = {}
-        for source in self._sources.of(Kind.LAUNCH):
-            answer = self._try(source, launch_file.read, source.path, self._packages)
+        for source in self._sources.of(FileKind.LAUNCH):
+            path = source.path
+            answer = self._try(path, launch_file.read, path, self._packages)
             if answer is not None:
-                read[source.path] = answer
+                read[path] = answer
         included = {path for answer in read.values() for path in answer.included}
         for path, answer in read.items():
             named = any(s.path == path and s.was_named for s in self._sources.files)
@@ -121,11 +114,10 @@ class _Check:
 
     def _launch_file(self, path: Path, read: ReadLaunch) -> None:
         own = {source.path.resolve() for source in self._sources.files}
-        self._findings += [  # and not what is wrong in those of others
-            finding
-            for finding in read.findings
-            if finding.location.file is None or finding.location.file.resolve() in own
-        ]
+        for finding in read.findings:  # but for those in other people's files
+            file = finding.location.file
+            if file is None or file.resolve() in own:
+                self._findings.append(finding)
         facts = None
         for robot in read.robots:
             answer = self._read_robot(robot.file, robot.args, spawned=read.spawns)
@@ -135,24 +127,23 @@ class _Check:
         self._loaded |= {
             y.location.file.resolve() for y in read.yamls if y.location.file
         }
-        source = Source(path, Kind.LAUNCH, was_named=False)
-        found = self._try(source, _listed, launch_file.control_findings, read, facts)
-        self._findings += found or ()
+        self._apply(path, launch_file.control_findings, read, facts)
 
     def _xacro_files(self) -> None:
         read: dict[Path, XacroSource] = {}
-        for source in self._sources.of(Kind.XACRO):
-            answer = self._try(source, read_xacro_source, source.path, self._packages)
+        for source in self._sources.of(FileKind.XACRO):
+            path = source.path
+            answer = self._try(path, read_xacro_source, path, self._packages)
             if answer is not None:
                 self._findings += answer.findings
-                read[source.path] = answer
+                read[path] = answer
         parts = {path for answer in read.values() for path in answer.includes}
         for path, answer in read.items():
             if answer.makes_a_robot and path.resolve() not in parts | self._loaded:
                 self._xacro_robot(path, answer)
 
     def _xacro_robot(self, path: Path, answer: XacroSource) -> None:
-        """Look into the robot that a file makes which nothing else loads."""
+        """Check the robot of a file that nothing else loads."""
         read = self._read_robot(path, {})
         if read is not None and read.facts is None and answer.needs:
             needs = ", ".join(answer.needs)
@@ -163,17 +154,17 @@ class _Check:
             self._findings += read.findings
 
     def _urdf_files(self) -> None:
-        for source in self._sources.of(Kind.URDF):
+        for source in self._sources.of(FileKind.URDF):
             if source.path.resolve() in self._loaded:
                 continue
             read = self._read_robot(source.path, None)
             self._findings += () if read is None else read.findings
 
     def _yaml_files(self) -> None:
-        for source in self._sources.of(Kind.PARAMETERS):
+        for source in self._sources.of(FileKind.PARAMETERS):
             if source.path.resolve() in self._loaded:
                 continue
-            text = self._try(source, read_text, source.path)
+            text = self._try(source.path, read_text, source.path)
             if text is None:
                 continue
             yaml = YamlText(text, SourceLocation(source.path, 1))
@@ -181,12 +172,10 @@ class _Check:
                 if source.was_named:
                     self._notes.append(f"{source.path}: holds no controllers")
                 continue
-            facts = self._robot_of(source)
-            found = self._try(source, _listed, yaml_findings, (yaml,), facts)
-            self._findings += found or ()
+            self._apply(source.path, yaml_findings, (yaml,), self._robot_of(source))
 
     def _robot_of(self, yaml: Source) -> RobotFacts | None:
-        """Return the robot that a YAML which nobody loads is for, if only one can be.
+        """Return the robot for a YAML that no launch file loads, if only one fits.
 
         It was named with it, or lies in the same package or folder.
         """
@@ -206,27 +195,9 @@ class _Check:
 
     def _package_files(self) -> None:
         files = self._sources.files
-        for source in self._sources.of(Kind.PACKAGE):
-            found = self._try(
-                source, _listed, package_findings, source.path, files, self._packages
-            )
-            self._findings += found or ()
-
-    def _documents(self) -> None:
-        for source in self._sources.of(Kind.DOCUMENT):
-            found = self._try(source, _listed, document_findings, source.path)
-            self._findings += found or ()
-
-    def _edits(self) -> None:
-        kinds = (Kind.XACRO, Kind.LAUNCH, Kind.URDF, Kind.PARAMETERS)
-        for source in self._sources.of(*kinds):
-            self._findings += self._try(source, self._edits_of, source.path) or ()
-
-    def _edits_of(self, file: Path) -> list[Finding]:
-        text = file.read_text(encoding="utf-8", errors="replace")
-        package = self._places.package_of(file.absolute())
-        known = known_findings(text, SourceLocation(file, 1), self._is_here)
-        return [*edit_findings(file, text, package), *known]
+        for source in self._sources.of(FileKind.PACKAGE):
+            file = source.path
+            self._apply(file, package_findings, file, files, self._packages)
 
     # --- parts ---
 
@@ -238,56 +209,48 @@ class _Check:
         key = (file.resolve(), tuple(sorted((args or {}).items())))
         if key not in self._robots:
             self._robots[key] = self._try(
-                Source(file, Kind.XACRO, was_named=False),
-                read_robot,
-                file,
-                args,
-                self._packages,
-                spawned=spawned,
+                file, read_robot, file, args, self._packages, spawned=spawned
             )
         return self._robots[key]
 
     def _try(
         self,
-        source: Source,
+        file: Path,
         work: Callable[P, R],
         *arguments: P.args,
         **keywords: P.kwargs,
     ) -> R | None:
-        """Return what ``work`` returns; if it does not, that is a finding."""
-        where = SourceLocation(source.path)
+        """Return what ``work`` returns, or None and add a finding if it fails."""
+        where = SourceLocation(file)
         try:
-            return bounded(work, *arguments, **keywords)
-        except OutOfBoundsError as error:
+            return run_limited(work, *arguments, **keywords)
+        except ResourceLimitError as error:
             message = str(error)
         except RecursionError:
-            message = "things stand too deep in one another to be read"
+            message = "its elements are nested too deep to be read"
         except (Tool0Error, OSError, ValueError) as error:
             message = getattr(error, "message", str(error))
             where = getattr(error, "location", None) or where
-        self._findings.append(
-            Finding(
-                location=where,
-                rule="unreadable",
-                message=message,
-            )
-        )
+        self._findings.append(error_at(where, "unreadable", "", message))
         return None
 
-    def _is_here(self, package: str) -> bool:
-        try:
-            self._places.find(package)
-        except Tool0Error:
-            return False
-        return True
+    def _apply(
+        self,
+        file: Path,
+        rules: Callable[P, Iterable[Finding]],
+        *arguments: P.args,
+        **keywords: P.kwargs,
+    ) -> None:
+        """Add what ``rules`` find in ``file``."""
 
+        def found() -> list[Finding]:
+            return list(rules(*arguments, **keywords))
 
-def _listed(work: Callable[P, Iterable[R]], *args: P.args, **kw: P.kwargs) -> list[R]:
-    return list(work(*args, **kw))
+        self._findings += self._try(file, found) or ()
 
 
 def _identity(finding: Finding) -> tuple[object, ...]:
-    """Return what two findings share that tell the same.
+    """Return what two findings of the same fault have in common.
 
     A macro's source and what it expands to have the same typo, under two keys.
     """

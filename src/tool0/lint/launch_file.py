@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
+from xml.parsers import expat
 
 from tool0.control.config import ControllerConfig
-from tool0.description.finding import Finding
+from tool0.control.controller_types import TYPES, parameters_of
+from tool0.control.parameters import joint_entries
+from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.yaml_tree import Tree
-from tool0.errors import ConfigError
-from tool0.lint.control import request_findings, requests
-from tool0.lint.launch.comments import commented_elements
-from tool0.lint.launch.model import LaunchFile
-from tool0.lint.launch.packages import Packages
+from tool0.errors import ConfigError, DescriptionError, SourceLocation, nearest_name
+from tool0.lint.launch.load_context import read_limited
+from tool0.lint.launch.model import LaunchFile, Node
 from tool0.lint.launch.reader import read_launch
-from tool0.lint.parameters.file import YamlText, yaml_findings
+from tool0.lint.launch.xacro_files import xacro_call
+from tool0.lint.packages import PackageIndex
+from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.robot.facts import RobotFacts
+
+_ROSPARAM = re.compile(r"""<rosparam\b[^<>]*\bfile=["']([^"'<>]+)["'][^<>]*>""")
+_SPAWNERS = ("spawner", "spawner.py")
+_TAKES_VALUE = ("--namespace", "--timeout", "-t", "--shutdown-timeout")
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Robot:
+class LoadedRobot:
     """A robot that a launch file puts on the parameter server."""
 
     file: Path
@@ -36,7 +45,7 @@ class ReadLaunch:
     """A launch file as far as it could be read."""
 
     findings: tuple[Finding, ...]
-    robots: tuple[Robot, ...] = ()
+    robots: tuple[LoadedRobot, ...] = ()
     yamls: tuple[YamlText, ...] = ()
     included: tuple[Path, ...] = ()
     spawns: bool = False
@@ -51,7 +60,7 @@ def read(file: Path, packages: Mapping[str, Path]) -> ReadLaunch:
         file: The launch file.
         packages: Name → folder of packages that come before all others.
     """
-    launch = read_launch(file, {}, Packages(packages))
+    launch = read_launch(file, {}, PackageIndex(packages))
     yamls = []
     for rosparam in launch.rosparams():
         if rosparam.command == "load" and rosparam.yaml is not None:
@@ -70,7 +79,7 @@ def read(file: Path, packages: Mapping[str, Path]) -> ReadLaunch:
 def control_findings(read: ReadLaunch, robot: RobotFacts | None) -> Iterator[Finding]:
     """Yield what is wrong between a launch file's controllers, YAML and robot."""
     yield from yaml_findings(read.yamls, robot)
-    wanted = list(requests(read.launch)) if read.launch is not None else []
+    wanted = list(_spawn_requests(read.launch)) if read.launch is not None else []
     if not wanted:
         return
     tree = Tree()
@@ -78,44 +87,149 @@ def control_findings(read: ReadLaunch, robot: RobotFacts | None) -> Iterator[Fin
         try:
             tree.load(yaml.text, yaml.location)
         except ConfigError:
-            return  # what it defines is unknown, and it was told
+            return  # what it defines is unknown, which was reported
     files = dict.fromkeys(str(yaml.location.file) for yaml in read.yamls)
-    yield from request_findings(wanted, ControllerConfig(tree), list(files))
+    yield from _spawn_findings(wanted, ControllerConfig(tree), list(files))
 
 
-def _robots(launch: LaunchFile) -> Iterator[Robot]:
+def _robots(launch: LaunchFile) -> Iterator[LoadedRobot]:
     for parameter in launch.parameters():
-        words = parameter.words
-        if parameter.source == "command" and words and _is_xacro(words[0]):
-            pairs = [word.partition(":=") for word in words[1:] if ":=" in word]
-            files = [w for w in words[1:] if ":=" not in w and not w.startswith("-")]
-            if files:
-                yield Robot(Path(files[-1]), {key: value for key, _, value in pairs})
+        call = xacro_call(parameter)
+        if call is not None and call.file is not None:
+            yield LoadedRobot(call.file, call.args)
         elif parameter.source == "textfile" and parameter.content.resolved:
             path = Path(parameter.content.resolved)
             if path.suffix == ".urdf":
-                yield Robot(path, None)
-
-
-def _is_xacro(program: str) -> bool:
-    return Path(program).name in ("xacro", "xacro.py")
+                yield LoadedRobot(path, None)
 
 
 def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Finding]:
     """Yield YAML whose only <rosparam> is commented out."""
     loaded = {yaml.location.file.name for yaml in yamls if yaml.location.file}
     for child in launch.files():
-        for location, element in commented_elements(child.file):
-            if element.tagName != "rosparam":
-                continue
-            file = element.getAttribute("file")
-            if file and Path(file).name not in loaded:
-                yield Finding(
-                    location=location,
-                    rule="commented-out",
-                    severity="warning",
-                    key="rosparam",
-                    message=f"is commented out, and nothing else loads '{file}': what "
+        for location, file in commented_rosparams(child.file):
+            if Path(file).name not in loaded:
+                yield warning_at(
+                    location,
+                    "commented-out",
+                    "rosparam",
+                    f"is commented out, and nothing else loads '{file}': what "
                     "stands in it has no effect",
-                    remedy="load it, or delete the line and the file",
+                    "load it, or delete the line and the file",
                 )
+
+
+def commented_rosparams(launch_file: Path) -> Iterator[tuple[SourceLocation, str]]:
+    """Yield each ``<rosparam file="…">`` in an XML file's comments: place and file."""
+    comments: list[tuple[int, str]] = []
+    parser = expat.ParserCreate()
+    parser.CommentHandler = lambda data: comments.append(
+        (parser.CurrentLineNumber, data)
+    )
+    with suppress(DescriptionError, expat.ExpatError, LookupError, ValueError):
+        parser.Parse(read_limited(launch_file), True)  # up to the first mistake
+    for first_line, comment in comments:
+        for match in _ROSPARAM.finditer(comment):
+            line = first_line + comment.count("\n", 0, match.start())
+            yield SourceLocation(launch_file, line), match[1]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SpawnRequest:
+    """A controller that a node asks the controller manager for."""
+
+    name: str
+    is_started: bool
+    location: SourceLocation
+
+
+def _spawn_requests(launch: LaunchFile) -> Iterator[SpawnRequest]:
+    """Yield the controllers that the nodes of a launch file load or start."""
+    for node in launch.nodes():
+        if node.package.resolved == "controller_manager":
+            yield from _requests_of_node(node)
+
+
+def _requests_of_node(node: Node) -> Iterator[SpawnRequest]:
+    words = list(node.words)
+    is_started = "--stopped" not in words
+    if node.type.resolved not in _SPAWNERS:
+        if node.type.resolved != "controller_manager" or not words:
+            return
+        command = words.pop(0)
+        if command not in ("spawn", "start", "load"):
+            return
+        is_started = command != "load"
+    location = node.place.location if node.args is None else node.args.location
+    skip = False
+    for word in words:
+        if not skip and not word.startswith("-") and ":=" not in word:
+            yield SpawnRequest(word, is_started, location)
+        skip = word in _TAKES_VALUE
+
+
+def _spawn_findings(
+    wanted: Sequence[SpawnRequest], config: ControllerConfig, files: Sequence[str]
+) -> Iterator[Finding]:
+    """Yield controllers that no YAML defines, and those that claim the same joint.
+
+    Args:
+        wanted: What the launch file asks for.
+        config: All parameters that it loads.
+        files: The YAML files that these came from, for messages.
+    """
+    known = config.names
+    for request in wanted:
+        if request.name in known:
+            continue
+        near = nearest_name(request.name, known)
+        where = ", ".join(files) or "and no YAML is loaded"
+        yield error_at(
+            request.location,
+            "no-controller",
+            request.name,
+            f"no YAML that is loaded defines the controller '{request.name}' "
+            f"({where}), so it does not load",
+            f"did you mean '{near}'?"
+            if near
+            else f"defined are: {', '.join(known) or 'none'}",
+        )
+    yield from _conflicts([item for item in wanted if item.is_started], config)
+
+
+def _conflicts(
+    started: Sequence[SpawnRequest], config: ControllerConfig
+) -> Iterator[Finding]:
+    claims: dict[str, SpawnRequest] = {}
+    reported: set[tuple[str, str]] = set()
+    for request in started:
+        for joint in _claimed(request.name, config):
+            other = claims.setdefault(joint, request)
+            pair = (other.name, request.name)
+            if other.name == request.name or pair in reported:
+                continue
+            reported.add(pair)
+            yield error_at(
+                request.location,
+                "two-controllers",
+                request.name,
+                f"'{other.name}' and '{request.name}' are both started, and "
+                f"both command '{joint}': the manager refuses the second",
+                f"start one of them; load the other stopped ({other.location})",
+            )
+
+
+def _claimed(name: str, config: ControllerConfig) -> Iterator[str]:
+    """Yield the joints that a controller commands."""
+    entry = config.tree.root.children.get(name)
+    if entry is None or _only_reads(config.types.get(name, "")):
+        return
+    yield from (str(item.scalar) for item in joint_entries(entry))
+
+
+def _only_reads(type_name: str) -> bool:
+    """Return whether a controller only publishes."""
+    if type_name in TYPES:
+        return "publish_rate" in parameters_of(type_name)
+    return "state" in type_name.lower() or "sensor" in type_name.lower()

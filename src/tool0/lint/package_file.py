@@ -1,18 +1,19 @@
-"""A package.xml, and what the files of its package use without its saying so."""
+"""A package.xml, and the packages that files use or that this machine lacks."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from xml.dom.minidom import Element
 
 from tool0.description.attributes import text_of
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.description.xml_source import LocatedElement, children, locate, parse_file
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.launch.packages import Packages
-from tool0.lint.sources import Kind, Source
+from tool0.lint.packages import PackageIndex
+from tool0.lint.sources import FileKind, Source
 
 DEPENDENCIES = ("depend", "exec_depend", "run_depend", "build_depend", "test_depend")
 _REQUIRED = ("name", "version", "description", "maintainer", "license")
@@ -22,7 +23,7 @@ _GAZEBO_PLUGIN = "libgazebo_ros_control.so"
 
 
 def declared_dependencies(package: Path) -> frozenset[str]:
-    """Return what the package in a folder says that it depends on."""
+    """Return the dependencies that the package in a folder declares."""
     try:
         root = parse_file(package / "package.xml").documentElement
     except DescriptionError:
@@ -47,35 +48,37 @@ def package_findings(
     try:
         root = parse_file(file).documentElement
     except DescriptionError as error:
-        yield Finding(
-            location=error.location or SourceLocation(file),
-            rule="bad-xml",
-            message=error.message,
+        yield error_at(
+            error.location or SourceLocation(file),
+            "bad-xml",
+            "",
+            error.message,
         )
         return
     if not isinstance(root, LocatedElement) or root.tagName != "package":
-        yield Finding(
-            location=SourceLocation(file, 1),
-            rule="bad-package",
-            message='a package.xml begins with <package format="3">',
+        yield error_at(
+            SourceLocation(file, 1),
+            "bad-package",
+            "",
+            'a package.xml begins with <package format="3">',
         )
         return
     present = {item.tagName for item in children(root)}
     here = root.location or SourceLocation(file)
     for tag in _REQUIRED:
         if tag not in present:
-            yield Finding(
-                location=here,
-                rule="bad-package",
-                key=tag,
-                message=f"<{tag}> is missing, so catkin refuses the package",
-                remedy=f"add <{tag}>",
+            yield error_at(
+                here,
+                "bad-package",
+                tag,
+                f"<{tag}> is missing, so catkin refuses the package",
+                f"add <{tag}>",
             )
     name = next((text_of(item) for item in children(root, "name")), "")
     declared = {
         text_of(item) for item in children(root) if item.tagName in DEPENDENCIES
     }
-    reached, is_whole = _reached(declared, Packages(given))
+    reached, is_whole = _reached(declared, PackageIndex(given))
     for used, where in sorted(_used(file.parent, sources).items()):
         if used in declared or used == name:
             continue
@@ -99,9 +102,9 @@ def package_findings(
 
 
 def _reached(
-    declared: Iterable[str], packages: Packages
+    declared: Iterable[str], packages: PackageIndex
 ) -> tuple[dict[str, str], bool]:
-    """Return what else gets installed and by which dependency, and if that is all."""
+    """Return what is installed indirectly, by which dependency, and if all is known."""
     by: dict[str, str] = {}
     waiting, is_whole = [(name, name) for name in sorted(declared)], True
     while waiting:
@@ -121,14 +124,14 @@ def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
     """Return the packages that files below a folder use, and where first."""
     found: dict[str, SourceLocation] = {}
     for source in sources:
-        if source.kind not in (Kind.LAUNCH, Kind.XACRO, Kind.URDF):
+        if source.kind not in (FileKind.LAUNCH, FileKind.XACRO, FileKind.URDF):
             continue
         if not source.path.is_relative_to(folder):
             continue
         try:
             root = parse_file(source.path).documentElement
         except DescriptionError:
-            continue  # which is told where the file is checked
+            continue  # reported where the file is checked
         for name, element in _uses(root):
             where = locate(element) or SourceLocation(source.path)
             found.setdefault(name, where)
@@ -141,7 +144,7 @@ def _uses(root: Element | None) -> Iterator[tuple[str, Element]]:
     while waiting:
         element = waiting.pop()
         if element.tagName in _CHOICES:
-            continue  # may be meant for who has that package
+            continue  # perhaps only for machines with that package
         waiting += reversed(list(children(element)))
         texts = [*(value for _, value in element.attributes.items()), text_of(element)]
         for match in _USES.finditer("\n".join(texts)):
@@ -152,3 +155,34 @@ def _uses(root: Element | None) -> Iterator[tuple[str, Element]]:
             yield element.getAttribute("pkg"), element
         if _GAZEBO_PLUGIN in element.getAttribute("filename"):
             yield "gazebo_ros_control", element
+
+
+_RULES = ("unresolved-find", "unknown-package", "missing-package")
+_NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
+
+
+def judge_missing_package(finding: Finding) -> Finding | str:
+    """Return the finding with the severity that it deserves, or a note instead of it.
+
+    A missing package that the file's own package.xml declares is no fault of the file.
+    For a file outside any package it is a warning, unless the name is a typo.
+    """
+    lacking, file = _missing_package(finding), finding.location.file
+    if lacking is None or file is None:
+        return finding
+    folder = next(
+        (f for f in file.absolute().parents if (f / "package.xml").is_file()), None
+    )
+    if folder is not None and lacking in declared_dependencies(folder):
+        return f"{file}: '{lacking}' is not on this machine; its files were not checked"
+    if folder is None and "did you mean" not in finding.text:
+        return replace(finding, severity="warning")
+    return finding
+
+
+def _missing_package(finding: Finding) -> str | None:
+    """Return the package that the finding reports as missing, if any."""
+    if finding.rule in _RULES:
+        return finding.key
+    match = _NO_PACKAGE.search(finding.message)
+    return None if match is None else match[1]

@@ -1,22 +1,35 @@
-"""One robot of a file: expanded if it is xacro, and judged."""
+"""All rules for one robot, expanded from xacro or not, and for one xacro file."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import final
 
 from tool0.description.expansion import expand
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at
 from tool0.description.packages import preferring
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import LocatedElement, children, parse_file
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint.robot.facts import RobotFacts, facts_of
-from tool0.lint.robot.rules import robot_findings, xacro_findings
-from tool0.lint.robot.xacro_includes import included_files
+from tool0.lint.robot.gazebo import extension_findings, plugin_findings
+from tool0.lint.robot.inertias import inertia_findings
+from tool0.lint.robot.joints import effort_findings, joint_findings, value_findings
+from tool0.lint.robot.meshes import mesh_findings
+from tool0.lint.robot.mimics import mimic_findings
+from tool0.lint.robot.transmissions import transmission_findings
+from tool0.lint.robot.tree import tree_findings
+from tool0.lint.robot.xacro_source import (
+    call_findings,
+    include_findings,
+    included_files,
+    interface_findings,
+    parameter_findings,
+)
 
 _DEFINES = frozenset({"xacro:include", "xacro:macro", "xacro:property", "xacro:arg"})
 
@@ -84,7 +97,7 @@ def read_robot(
 
 
 def read_xacro_source(file: Path, packages: Mapping[str, Path]) -> XacroSource:
-    """Return what a xacro file says before any expansion."""
+    """Return what a xacro file holds before any expansion."""
     with preferring(packages):
         try:
             root = parse_file(file).documentElement
@@ -114,6 +127,69 @@ def _resolved(path: Path) -> Path:
 def _as_finding(error: Tool0Error, rule: str, file: Path) -> Finding:
     location: SourceLocation | None = getattr(error, "location", None)
     message: str = getattr(error, "message", str(error))
-    return Finding(
-        location=location or SourceLocation(file), rule=rule, message=message
+    return error_at(
+        location or SourceLocation(file),
+        rule,
+        "",
+        message,
     )
+
+
+_NONE: Mapping[str, Path] = MappingProxyType({})
+_MOST = 50
+"""Findings of one subject; a file with more needs another look after these."""
+
+
+def robot_findings(
+    root: LocatedElement, packages: Mapping[str, Path] = _NONE, *, spawned: bool = False
+) -> Iterator[Finding]:
+    """Yield what is wrong in a <robot> of URDF, or of expanded xacro.
+
+    Args:
+        root: The <robot>.
+        packages: Folders of packages by name, which are found before any other.
+        spawned: Whether it is known to be put into Gazebo to be controlled there.
+    """
+    facts = facts_of(root)
+    for subject in (
+        tree_findings(root, facts),
+        joint_findings(root, facts),
+        value_findings(root),
+        inertia_findings(root, facts, spawned),
+        transmission_findings(facts, spawned),
+        plugin_findings(facts, spawned),
+        extension_findings(root, facts),
+        mimic_findings(facts, spawned),
+        effort_findings(root, facts),
+        mesh_findings(root, packages),
+    ):
+        yield from _at_most(subject)
+
+
+def xacro_findings(
+    root: LocatedElement, packages: Mapping[str, Path] = _NONE
+) -> Iterator[Finding]:
+    """Yield what is wrong in a xacro file as it is written, before any expansion."""
+    for subject in (
+        include_findings(root, packages),
+        parameter_findings(root),
+        call_findings(root),
+        interface_findings(root),
+    ):
+        yield from _at_most(subject)
+
+
+def _at_most(findings: Iterator[Finding]) -> Iterator[Finding]:
+    """Yield at most ``_MOST`` and one more, which says that there are others."""
+    for count, finding in enumerate(findings, 1):
+        if count > _MOST:
+            yield Finding(
+                location=finding.location,
+                rule=finding.rule,
+                severity=finding.severity,
+                key=finding.key,
+                message=f"and more such as this: {finding.message}",
+                remedy=finding.remedy,
+            )
+            return
+        yield finding

@@ -1,4 +1,4 @@
-"""Which files a person's paths name, and what each of them is."""
+"""The files to check below the given paths, and the kind of each."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from typing import final
 
 from tool0.description.packages import package_name
 from tool0.errors import ConfigError, SourceLocation
-from tool0.lint.xml_comments import without_comments
 
 LARGEST = 5_000_000
 """[bytes] of a file that is read; descriptions are a hundredth of it."""
@@ -21,7 +20,7 @@ _IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 _ROOT = re.compile(r"<\s*([A-Za-z_][\w.-]*)(?=[\s/>])")
 
 
-class Kind(Enum):
+class FileKind(Enum):
     """What a file is."""
 
     URDF = "URDF"
@@ -29,7 +28,6 @@ class Kind(Enum):
     LAUNCH = "launch file"
     PARAMETERS = "YAML"
     PACKAGE = "package.xml"
-    DOCUMENT = "text"
 
 
 @final
@@ -38,7 +36,7 @@ class Source:
     """A file to check."""
 
     path: Path
-    kind: Kind
+    kind: FileKind
     was_named: bool
     """Whether a person named it, rather than a folder above it."""
 
@@ -52,9 +50,9 @@ class Sources:
     packages: dict[str, Path] = field(default_factory=dict)
     """Name → folder, of the packages below the folders that were named."""
     skipped: list[tuple[Path, str]] = field(default_factory=list)
-    """What was not looked into, and why."""
+    """What was not read, and why."""
 
-    def of(self, *kinds: Kind) -> Iterator[Source]:
+    def of(self, *kinds: FileKind) -> Iterator[Source]:
         return (source for source in self.files if source.kind in kinds)
 
 
@@ -103,12 +101,12 @@ def _add(sources: Sources, file: Path, was_named: bool) -> None:
             kind, why = kind_of(file), "is of no kind that is understood"
     except OSError as error:
         kind, why = None, f"cannot be read: {error.strerror}"
-    if kind is not None and (was_named or kind is not Kind.DOCUMENT):
+    if kind is not None:
         sources.files.append(Source(file, kind, was_named))
     elif was_named:
         raise ConfigError(
             f"'{file}' {why}; tool0 check reads URDF, xacro, launch files, ros_control "
-            "YAML, package.xml, texts that show them (.md, .txt), and folders of these"
+            "YAML, package.xml, and folders of these"
         )
     elif "cannot" in why or "larger" in why:
         sources.skipped.append((file, why))
@@ -131,26 +129,29 @@ def read_text(file: Path) -> str:
         ) from None
 
 
-def kind_of(file: Path) -> Kind | None:
+def kind_of(file: Path) -> FileKind | None:
     """Return what a file is, by its name and, for XML, by its outermost element."""
     name, suffix = file.name, file.suffix.lower()
     if name == "package.xml":
-        return Kind.PACKAGE
+        return FileKind.PACKAGE
     if suffix in (".yaml", ".yml"):
-        return Kind.PARAMETERS
-    if suffix in (".md", ".txt", ".rst"):
-        return None if name == "CMakeLists.txt" else Kind.DOCUMENT
+        return FileKind.PARAMETERS
     if suffix == ".xacro":
-        return Kind.XACRO
+        return FileKind.XACRO
     if suffix in (".launch", ".test"):
-        return Kind.LAUNCH
+        return FileKind.LAUNCH
     if suffix not in (".xml", ".urdf"):
         return None
     text = file.read_text(encoding="utf-8", errors="replace")
-    match = _ROOT.search(without_comments(text))
+    match = _ROOT.search(_without_comments(text))
     root = match[1] if match else ""
     if root == "launch":
-        return Kind.LAUNCH
+        return FileKind.LAUNCH
     if root == "robot" or suffix == ".urdf":
-        return Kind.XACRO if "xmlns:xacro" in text else Kind.URDF
+        return FileKind.XACRO if "xmlns:xacro" in text else FileKind.URDF
     return None
+
+
+def _without_comments(xml: str) -> str:
+    before, *rest = xml.split("<!--")
+    return before + "".join(part.partition("-->")[2] for part in rest)

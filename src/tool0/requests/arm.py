@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 from msgspec import Meta, Struct, field
 
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
-from tool0.description.kinematics import Transform, transforms
-from tool0.description.model import Pose
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
-from tool0.kinematics.branch import Branch, Solution
+from tool0.kinematics.inverse import Branch, Solution
 from tool0.requests.fields import JointPositions, SpeedScale
 from tool0.requests.motion import GoalStarted, follow, started
 from tool0.requests.table import Request, handles
@@ -99,7 +99,6 @@ class MoveTo(Request[GoalStarted], frozen=True):
     The tool's path is a curve; the nearest posture is taken.
     """
 
-    supersedes_streams = True
     unchecked = ("pose", "tool")
 
     pose: AnyPose
@@ -119,7 +118,6 @@ class MoveLinear(Request[GoalStarted], frozen=True):
     velocity or acceleration.  The whole line is checked before anything moves.
     """
 
-    supersedes_streams = True
     unchecked = ("pose", "tool")
 
     pose: AnyPose
@@ -147,11 +145,11 @@ def _list(simulation: Simulation, request: ListArms) -> tuple[ArmInfo, ...]:
 
 @handles(ReadToolPose)
 def _pose(simulation: Simulation, request: ReadToolPose) -> Transform:
-    from tool0.kinematics.pose_matrix import as_transform
+    from tool0.description.transform import from_matrix
 
     chain, model = simulation.arm(request.arm), simulation.description.model
-    found = transforms(model, _measured(simulation))
-    T_tip_tool = as_transform(_tool(simulation, chain, request))
+    found = link_poses(model, _measured(simulation))
+    T_tip_tool = from_matrix(_tool(simulation, chain, request))
     T_root_tool = found[chain.tip] @ T_tip_tool
     if request.relative_to is None:
         return T_root_tool
@@ -207,7 +205,7 @@ def _move_to(simulation: Simulation, request: MoveTo) -> GoalStarted:
 def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
     import numpy as np
 
-    from tool0.kinematics.line import Line
+    from tool0.kinematics.line import LinePath
     from tool0.runtime.linear_motion import LinearLimits, LinearMotion
 
     limits = LinearLimits(
@@ -223,8 +221,8 @@ def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
     T_base_tip = chain.forward(start[None]).T_base_tip[0]
     positions = {**_measured(simulation), **standing}
     end = _in_base(simulation, chain, request, positions)
-    T_root_base = transforms(model, positions)[chain.base].matrix
-    line = Line(T_base_tip @ T_tip_tool, end, T_tip_tool, T_root_base)
+    T_root_base = link_poses(model, positions)[chain.base].matrix
+    line = LinePath(T_base_tip @ T_tip_tool, end, T_tip_tool, T_root_base)
     points = LinearMotion(_kinematics(chain), line, start, limits).points()
     if _at_rest(simulation, controller) != standing:
         raise ControlError("the arm was moved while its line was planned")
@@ -269,7 +267,7 @@ def _commanded(simulation: Simulation, chain: ArmChain) -> Mapping[str, float]:
     try:
         name = _controller(simulation, chain)
         state = simulation.loop.call(
-            lambda: core.trajectory_controller(name).state(), publishes=False
+            lambda: core.trajectory_controller(name).setpoint().state(), publishes=False
         )
     except ControlError:
         return measured
@@ -283,7 +281,7 @@ def _at_rest(simulation: Simulation, name: str) -> Mapping[str, float]:
 
     def read() -> Any:
         controller = core.trajectory_controller(name)
-        state = controller.state()
+        state = controller.setpoint().state()
         return state, controller.query_state(state.time + _AFTER_ANY_MOTION)
 
     state, end = simulation.loop.call(read, publishes=False)
@@ -322,8 +320,8 @@ def _tool(simulation: Simulation, chain: ArmChain, request: Any) -> Array:
     """Return the tool's pose in the flange, shape (4, 4)."""
     import numpy as np
 
+    from tool0.description.transform import as_matrix
     from tool0.kinematics.chain import fixed_transform
-    from tool0.kinematics.pose_matrix import as_matrix
 
     T = np.eye(4) if request.tool is None else as_matrix(request.tool)
     if request.tip is None or request.tip == chain.tip:
@@ -340,10 +338,10 @@ def _in_base(
     position: Mapping[str, float],
 ) -> Array:
     """Return the requested pose in the link that carries the arm, shape (4, 4)."""
-    from tool0.kinematics.pose_matrix import as_matrix
+    from tool0.description.transform import as_matrix
 
     model = simulation.description.model
-    found = transforms(model, position)
+    found = link_poses(model, position)
     T = as_matrix(request.pose)
     if request.relative_to is not None:
         T = found[model.link(request.relative_to).name].matrix @ T

@@ -37,7 +37,7 @@ from tool0.requests.table import (
     plain,
 )
 from tool0.sensing.cameras import CameraImage
-from tool0.sensing.snapshot import Setpoint, Snapshot
+from tool0.sensing.snapshot import JointSetpoint, Snapshot
 
 PROTOCOL: Final = 2
 """Raised by one when a program written for the old protocol could be misled."""
@@ -166,7 +166,7 @@ class SnapshotMessage(Struct, frozen=True, kw_only=True, tag="snapshot"):
     """[rad/s | m/s]"""
     effort: tuple[float, ...]
     """[N·m | N]"""
-    setpoints: dict[str, Setpoint]
+    setpoints: dict[str, JointSetpoint]
     """Joint → [position, velocity, target], of joints that are moved by position."""
     objects: tuple[ObjectState, ...]
     """Poses and velocities in the robot's root, in the order of ``scene``."""

@@ -102,7 +102,7 @@ def _switch(simulation: Simulation, request: SwitchControllers) -> None:
 
 @handles(ReadController, in_tick=True, publishes=False)
 def _state(simulation: Simulation, request: ReadController) -> TrajectoryState:
-    return simulation.core.trajectory_controller(request.controller).state()
+    return simulation.core.trajectory_controller(request.controller).setpoint().state()
 
 
 @handles(QueryState, in_tick=True, publishes=False)

@@ -11,7 +11,7 @@ from msgspec import Meta
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError, ModelError
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.requests.fields import Name
 from tool0.requests.motion import GoalStarted, follow, started
 from tool0.requests.table import Request, handles
@@ -30,8 +30,6 @@ class Grip(Request[GoalStarted], frozen=True):
     Speed and force are settings of the drive, as on the real gripper: they hold until
     another goal moves its joint.
     """
-
-    supersedes_streams = True
 
     gripper: Name | None = None
     """The robot's only one, if left out."""
@@ -63,7 +61,7 @@ def _grip(simulation: Simulation, request: Grip) -> GoalStarted:
     force = request.force
     if force is None and request.effort is None:
         force = gripper.force[1]
-    bounds = DriveBounds(
+    bounds = DriveLimits(
         gripper=gripper, speed=speed, force=force, effort=request.effort
     )
     core, loop = simulation.core, simulation.loop

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from msgspec import Struct, field
+from typing import Annotated
+
+from msgspec import Meta, Struct, field
 
 from tool0.control.goal import Goal, GoalStatus
 from tool0.control.tolerances import ToleranceOverride
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.errors import ControlError
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.requests.fields import JointPositions, Name, SpeedScale
 from tool0.requests.table import Request, handles
 from tool0.runtime.joint_motion import import_planner
@@ -73,10 +75,11 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
     where they are going.
     """
 
-    supersedes_streams = True
-
     positions: JointPositions
     speed: SpeedScale = 0.5
+    duration: Annotated[float, Meta(gt=0.0)] | None = None
+    """Instead of a speed: how long the motion of one controller takes [s].  It is a
+    cubic, and the controller's other joints keep their setpoints."""
     controller: Name | None = None
     """The controller whose joints they are; those that claim them, if left out."""
 
@@ -120,8 +123,6 @@ class CommandJoints(Request[None], frozen=True):
 class CancelGoal(Request[None], frozen=True):
     """Stop a goal's motion as ROS does: ramp down; the goal is PREEMPTED."""
 
-    supersedes_streams = True
-
     goal: int
 
 
@@ -140,7 +141,7 @@ def follow(
     simulation: Simulation,
     controller: str,
     goal: TrajectoryGoal,
-    bounds: dict[str, DriveBounds] | None = None,
+    bounds: dict[str, DriveLimits] | None = None,
 ) -> GoalStarted:
     """Start a trajectory goal between two ticks; from the thread that asks."""
     core = simulation.core
@@ -173,7 +174,14 @@ def _command(simulation: Simulation, request: CommandTrajectory) -> None:
 @handles(MoveJoints)
 def _move(simulation: Simulation, request: MoveJoints) -> tuple[GoalStarted, ...]:
     import_planner()  # slow the first time: not in the thread of the tick
-    core = simulation.core
+    core, duration = simulation.core, request.duration
+    if duration is not None:
+        goal = simulation.loop.call(
+            lambda: core.move_joints_within(
+                request.positions, duration, request.controller
+            )
+        )
+        return (started(simulation, goal),)
     goals = simulation.loop.call(
         lambda: core.move_joints(request.positions, request.speed, request.controller)
     )

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from tool0.description.kinematics import to_transform
-from tool0.description.mesh_files import mesh
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
 from tool0.description.scene import (
     DEFAULT_FRICTION,
     PALETTE,
     STILL_RGBA,
     SceneObject,
 )
-from tool0.errors import ConfigError, ControlError
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere, mesh
+from tool0.description.transform import Pose, to_transform
+from tool0.errors import ConfigError
 from tool0.hardware.engine import Contact, ObjectState
 from tool0.requests.fields import RGBA, Length, Name, Place, Quaternion, Vector3
 from tool0.requests.table import Request, handles
@@ -200,16 +198,12 @@ def _remove(simulation: Simulation, request: RemoveObject) -> None:
 def _place(simulation: Simulation, request: PlaceObject) -> None:
     pose = Pose(xyz=request.xyz, rpy=request.rpy)
     quat_wxyz = request.quat_wxyz or to_transform(pose).quat_wxyz
-    length = math.hypot(*quat_wxyz)
-    if not 0.0 < length < math.inf:
-        raise ControlError(f"the quaternion of object '{request.name}' has no length")
-    w, x, y, z = (part / length for part in quat_wxyz)
     state = ObjectState(
-        request.name, request.xyz, (w, x, y, z), request.linear, request.angular
+        request.name, request.xyz, quat_wxyz, request.linear, request.angular
     )
     simulation.core.surroundings.place(state)
 
 
 @handles(ReadContacts, in_tick=True, publishes=False)
 def _contacts(simulation: Simulation, request: ReadContacts) -> tuple[Contact, ...]:
-    return simulation.core.engine.contacts()
+    return simulation.core.engine.world.contacts()

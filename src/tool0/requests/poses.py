@@ -28,8 +28,6 @@ class DeletePose(Request[None], frozen=True):
 class GoToPose(Request[tuple[GoalStarted, ...]], frozen=True):
     """Move every joint of a named pose there, as ``MoveJoints`` does."""
 
-    supersedes_streams = True
-
     name: Name
     speed: SpeedScale = 0.5
 

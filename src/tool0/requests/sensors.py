@@ -9,7 +9,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from tool0.description.camera import Camera
-from tool0.description.kinematics import Transform
+from tool0.description.transform import Transform
 from tool0.errors import ControlError
 from tool0.requests.fields import Name, Vector3
 from tool0.requests.table import Request, handles

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from msgspec import Struct
 
-from tool0.description.kinematics import Transform, link_pose
+from tool0.description.forward_kinematics import link_pose
+from tool0.description.transform import Transform
 from tool0.requests.fields import Name
 from tool0.requests.table import Request, handles
 from tool0.runtime.simulation import Simulation
@@ -30,13 +32,6 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     """Simulated time of a tick [s]."""
     is_realtime: bool
     """Whether time passes by itself."""
-    urdf: str
-    """The robot as one URDF document."""
-    source: str
-    """The xacro or URDF file it was read from."""
-    arm: str | None
-    gripper: str | None
-    prefix: str
     spawn_z: float
     """Height of the robot's root above the world's origin [m]."""
     ground: float | None
@@ -49,6 +44,23 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     """The whole YAML, as plain values."""
     warnings: tuple[str, ...]
     """Findings about the YAML."""
+
+
+class DescriptionInfo(Struct, frozen=True, kw_only=True):
+    """The robot's description."""
+
+    urdf: str
+    """The robot as one URDF document."""
+    source: str
+    """The xacro or URDF file it was read from."""
+    arm: str | None
+    """Its name in the catalogue; None for your own robot."""
+    gripper: str | None
+    prefix: str
+
+
+class ReadDescription(Request[DescriptionInfo], frozen=True):
+    """The robot's description as URDF."""
 
 
 class ReadInfo(Request[SimulationInfo], frozen=True):
@@ -73,31 +85,37 @@ class ReadSummary(Request[dict[str, Any]], frozen=True):
 
 @handles(ReadInfo)
 def _info(simulation: Simulation, request: ReadInfo) -> SimulationInfo:
-    description = simulation.description
     return SimulationInfo(
         engine=simulation.engine.name,
         control_period=simulation.loop.control_period,
         is_realtime=simulation.loop.is_realtime,
-        urdf=description.urdf,
-        source=str(description.source),
-        arm=description.arm,
-        gripper=description.gripper,
-        prefix=description.prefix,
         spawn_z=simulation.spawn_z,
         ground=simulation.ground,
         grasp_assist=simulation.grasp_assist,
         joint_limits={
             name: LimitsInfo(
-                lower=limits.lower,
-                upper=limits.upper,
-                velocity=limits.velocity,
-                effort=limits.effort,
+                lower=_finite(limits.lower),
+                upper=_finite(limits.upper),
+                velocity=_finite(limits.velocity),
+                effort=_finite(limits.effort),
             )
             for name, limits in simulation.joint_limits.items()
         },
         defined_controllers=dict(simulation.defined_controllers),
         parameters=dict(simulation.parameters),
         warnings=tuple(map(str, simulation.warnings)),
+    )
+
+
+@handles(ReadDescription)
+def _description(simulation: Simulation, request: ReadDescription) -> DescriptionInfo:
+    description = simulation.description
+    return DescriptionInfo(
+        urdf=description.urdf,
+        source=str(description.source),
+        arm=description.arm,
+        gripper=description.gripper,
+        prefix=description.prefix,
     )
 
 
@@ -121,3 +139,7 @@ def _link_pose(simulation: Simulation, request: ReadLinkPose) -> Transform:
 @handles(ReadSummary)
 def _summary(simulation: Simulation, request: ReadSummary) -> dict[str, Any]:
     return simulation.summary()
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -38,8 +38,6 @@ class Request(
 
     unchecked: ClassVar[tuple[str, ...]] = ()
     """Fields that the handler checks itself: large ones, as a trajectory's points."""
-    supersedes_streams: ClassVar[bool] = False
-    """Whether it ends the motions that sliders stream: newer than what waits."""
 
 
 RequestType = TypeVar("RequestType", bound=Request[Any])

@@ -45,8 +45,6 @@ class Reset(Request[None], frozen=True):
     Active goals are PREEMPTED; running controllers hold the pose.
     """
 
-    supersedes_streams = True
-
     position: JointPositions = field(default_factory=dict)
     """Joint → position instead of the initial one [rad | m]."""
     keep_time: bool = False
@@ -59,8 +57,6 @@ class EmergencyStop(Request[None], frozen=True):
     Goals are PREEMPTED; after the release the controllers hold where the joints are.
     It overtakes requests of the same connection that wait.
     """
-
-    supersedes_streams = True
 
     engaged: bool = True
 

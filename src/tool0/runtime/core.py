@@ -11,17 +11,17 @@ from tool0.control.goal import Goal
 from tool0.control.gripper_action import GripperActionController
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
-from tool0.control.trajectory import TrajectoryGoal
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import RobotModel
+from tool0.description.positions import joint_positions
 from tool0.description.scene import Scene
-from tool0.errors import ConfigError, ControlError
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.errors import ConfigError, ControlError, did_you_mean
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.engine import Engine
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.runtime.initial_pose import joint_positions
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
-from tool0.runtime.surroundings import Surroundings
+from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque_sensor import ForceTorqueSensor
 from tool0.sensing.grasp_assist import GraspAssist
 
@@ -59,7 +59,7 @@ class Core:
         self.engine = engine
         self.hardware = hardware
         self.manager = manager
-        self.surroundings = Surroundings(model, engine, scene or Scene())
+        self.surroundings = SceneObjects(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
@@ -92,7 +92,7 @@ class Core:
         self.state, self._before = state, before
         self.ticks += 1
         for sensor in self._sensors:
-            sensor.tick(before, state, engine.contacts)
+            sensor.tick(before, state, engine.world.contacts)
 
     # ---- controllers ----------------------------------------------------------------
 
@@ -100,7 +100,7 @@ class Core:
         self,
         controller: str,
         goal: TrajectoryGoal,
-        bounds: Mapping[str, DriveBounds] | None = None,
+        bounds: Mapping[str, DriveLimits] | None = None,
     ) -> Goal:
         """Start a trajectory goal, as ROS's action does.
 
@@ -148,6 +148,44 @@ class Core:
             for trajectory, plan in planned
         )
 
+    def move_joints_within(
+        self, positions: Mapping[str, float], duration: float, controller: str | None
+    ) -> Goal:
+        """Start a motion of one controller that takes ``duration`` simulated seconds.
+
+        It is a cubic that ends at rest; the controller's other joints keep their
+        setpoints.
+
+        Args:
+            positions: Joint → target [rad | m].
+            duration: [s]
+            controller: The controller of the joints; None for the one that claims them.
+        """
+        name = controller
+        if name is None:
+            moves = joints_by_controller(self.manager, positions)
+            if len(moves) != 1:
+                raise ControlError(
+                    f"no single controller claims {', '.join(positions)}; "
+                    "move them one after another"
+                )
+            name = next(iter(moves))
+        trajectory = self._drivable(name, JointTrajectoryController)
+        joints = trajectory.spec.joints
+        for joint in positions:
+            if joint not in joints:
+                raise ControlError(
+                    f"joint '{joint}' is not one of '{name}'"
+                    + did_you_mean(joint, joints)
+                )
+        held = trajectory.query_state(self.time).positions
+        point = TrajectoryPoint(
+            [positions.get(j, q) for j, q in zip(joints, held, strict=True)],
+            [0.0] * len(joints),
+            time_from_start=duration,
+        )
+        return self.follow(name, TrajectoryGoal(points=[point], joint_names=joints))
+
     def steer(
         self, controller: str, positions: Mapping[str, float], speed: float
     ) -> None:
@@ -163,7 +201,7 @@ class Core:
         controller: str,
         position: float,
         max_effort: float | None = None,
-        bounds: DriveBounds | None = None,
+        bounds: DriveLimits | None = None,
     ) -> Goal:
         """Start a gripper goal in joint units: [rad | m] and [N·m | N]."""
         gripper = self._drivable(controller, GripperActionController)
@@ -198,7 +236,7 @@ class Core:
 
     def start_sensor(self, sensor: ForceTorqueSensor) -> None:
         """Sample once now, and then in the tick."""
-        sensor.restart(self._before, self.state, self.engine.contacts)
+        sensor.restart(self._before, self.state, self.engine.world.contacts)
         self._sensors = (*self._sensors, sensor)
 
     def stop_sensor(self, sensor: ForceTorqueSensor) -> None:
@@ -223,7 +261,7 @@ class Core:
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
         for sensor in self._sensors:
-            sensor.restart(self._before, self.state, self.engine.contacts)
+            sensor.restart(self._before, self.state, self.engine.world.contacts)
 
     def engage_emergency_stop(self, engaged: bool) -> None:
         """Brake every joint, or release the brakes; controllers then hold still."""
@@ -269,7 +307,7 @@ class Core:
         self,
         controller: str,
         joints: Collection[str] | None = None,
-        bounds: Mapping[str, DriveBounds | None] | None = None,
+        bounds: Mapping[str, DriveLimits | None] | None = None,
     ) -> None:
         """Limit the drives that a goal moves, and lift the limits of earlier goals.
 
@@ -281,7 +319,7 @@ class Core:
         for _, claimed in self.manager.status(controller).claimed:
             for joint in claimed:
                 if joints is None or joint in joints:
-                    self.hardware.bind(joint, (bounds or {}).get(joint))
+                    self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))
 
     def _note_commanded(self, controller: str) -> None:
         for _, joints in self.manager.status(controller).claimed:

@@ -355,9 +355,9 @@ class Loop:
                 overruns=self._pacer.overruns,
                 fault=None if self._fault is None else str(self._fault),
                 speed=self._speed,
-                intents=core.manager.intents(),
+                controller_setpoints=core.manager.setpoints(),
                 scene=core.surroundings.objects,
-                objects=core.engine.object_states(),
+                objects=core.engine.world.object_states(),
             )
         )
 

@@ -73,7 +73,7 @@ class Simulation:
             description,
             joint_names=core.engine.joint_names,
             dt=core.engine.dt,
-            gravity=core.engine.gravity,
+            gravity=core.engine.world.gravity,
             control_period=loop.control_period,
             start=lambda sensor: loop.call(
                 lambda: core.start_sensor(sensor), publishes=False

@@ -12,8 +12,8 @@ from threading import Lock
 from typing import TYPE_CHECKING, final
 
 from tool0.description.camera import Camera
-from tool0.description.kinematics import Transform
 from tool0.description.model import RobotModel
+from tool0.description.transform import Transform
 from tool0.errors import RenderError, did_you_mean
 from tool0.sensing.snapshot import Snapshot
 

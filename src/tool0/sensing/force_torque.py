@@ -9,7 +9,8 @@ from collections.abc import Callable, Sequence
 from typing import final
 
 from tool0.description.catalogue import RobotDescription
-from tool0.description.model import FLANGE, Vector3
+from tool0.description.model import FLANGE
+from tool0.description.transform import Vector3
 from tool0.errors import ControlError
 from tool0.hardware.low_pass import LowPass
 from tool0.sensing.force_torque_sensor import ForceTorqueSensor

@@ -8,7 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from tool0.description.model import RobotModel, Vector3
+from tool0.description.model import RobotModel
+from tool0.description.transform import Vector3
 from tool0.hardware.engine import Contact
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.low_pass import LowPass

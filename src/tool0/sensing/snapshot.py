@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple, final
 
-from tool0.control.intent import Intent
 from tool0.control.manager import ControllerStatus
+from tool0.control.setpoint import Setpoint
 from tool0.description.scene import SceneObject
 from tool0.hardware.engine import ObjectState
 
@@ -16,7 +16,7 @@ SNAPSHOT_PERIOD = 0.008
 reports."""
 
 
-class Setpoint(NamedTuple):
+class JointSetpoint(NamedTuple):
     """What a controller wants of one joint."""
 
     position: float
@@ -56,41 +56,41 @@ class Snapshot:
     speed: float | None = None
     """Requested simulated seconds per wall second; None runs only on request, as fast
     as possible."""
-    intents: Mapping[str, Intent] = field(default_factory=dict)
+    controller_setpoints: Mapping[str, Setpoint] = field(default_factory=dict)
     """What each running controller wants of its joints; empty in another process."""
-    received_setpoints: Mapping[str, Setpoint] = field(default_factory=dict)
+    received_setpoints: Mapping[str, JointSetpoint] = field(default_factory=dict)
     """Joint → setpoint, where another process worked them out."""
     scene: tuple[SceneObject, ...] = ()
     """The objects around the robot: the same tuple until one is added or removed."""
     objects: tuple[ObjectState, ...] = ()
     """Poses and velocities of the objects, in the order of ``scene``."""
 
-    def setpoints(self) -> Mapping[str, Setpoint]:
+    def setpoints(self) -> Mapping[str, JointSetpoint]:
         """Return the setpoint of each joint that a controller moves by position.
 
         It is worked out here, in the thread of the reader.
         """
         found = dict(self.received_setpoints)
-        for intent in self.intents.values():
-            desired = intent.state().desired
+        for setpoint in self.controller_setpoints.values():
+            desired = setpoint.state().desired
             rows = zip(
-                intent.joint_names,
+                setpoint.joint_names,
                 desired.positions,
                 desired.velocities,
-                intent.target(),
+                setpoint.target(),
                 strict=True,
             )
-            found.update({name: Setpoint(q, qd, end) for name, q, qd, end in rows})
+            found.update({name: JointSetpoint(q, qd, end) for name, q, qd, end in rows})
         return found
 
-    def setpoint_positions(self, joint: str) -> tuple[float, float] | None:
+    def desired_and_target(self, joint: str) -> tuple[float, float] | None:
         """Return where one joint is wanted now and in the end [rad | m].
 
         None if no controller moves it by position.  Much cheaper than ``setpoints``.
         """
-        for intent in self.intents.values():
-            wanted = intent.wanted(joint)
+        for setpoint in self.controller_setpoints.values():
+            wanted = setpoint.desired_and_target(joint)
             if wanted is not None:
                 return wanted
-        setpoint = self.received_setpoints.get(joint)
-        return None if setpoint is None else (setpoint.position, setpoint.target)
+        received = self.received_setpoints.get(joint)
+        return None if received is None else (received.position, received.target)

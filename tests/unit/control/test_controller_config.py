@@ -4,17 +4,17 @@ from pathlib import Path
 import pytest
 from toy_robot import ARM, JOINTS
 
-from tool0.control.config import ControllerConfig
-from tool0.control.controller_types import TYPES, parser_of
+from tool0.control.config import ControllerConfig, joint_limit_parameters
+from tool0.control.controller_types import TYPES, parameters_of, readers_of
 from tool0.control.gripper_action import GripperActionSpec
-from tool0.control.joint_trajectory_spec import JointTrajectorySpec
-from tool0.control.parameters import Robot
+from tool0.control.joint_trajectory import JointTrajectorySpec
+from tool0.control.parameters import RobotJoints
 from tool0.control.pid import Gains
 from tool0.description.model import Interface, Joint, JointLimits, JointType
 from tool0.errors import ConfigError, SourceLocation
 
 DATA = Path(__file__).parents[2] / "data" / "controllers"
-TOY = Robot(JOINTS, dict.fromkeys(("hip", "slide", "wheel"), Interface.EFFORT))
+TOY = RobotJoints(JOINTS, dict.fromkeys(("hip", "slide", "wheel"), Interface.EFFORT))
 ARM_JOINTS = (
     "shoulder_pan_joint",
     "shoulder_lift_joint",
@@ -23,7 +23,7 @@ ARM_JOINTS = (
     "wrist_2_joint",
     "wrist_3_joint",
 )
-REAL = Robot(
+REAL = RobotJoints(
     {
         name: Joint(name=name, type=JointType.REVOLUTE, parent="x", child=name)
         for name in (*ARM_JOINTS, "finger_joint")
@@ -101,68 +101,70 @@ arm:
     assert spec.tolerances.joints["wheel"].path.position == 0.5
 
 
+def refused(text: str, name: str = "arm") -> tuple[int | None, str]:
+    """Return the line and the text of the error that loading a controller raises."""
+    with pytest.raises(ConfigError) as error:
+        from_text(text).spec(name, TOY)
+    location = error.value.location
+    assert location is not None
+    assert location.file == Path("c.yaml")
+    return location.line, str(error.value)
+
+
 @pytest.mark.parametrize(
-    ("old", "new", "text"),
+    ("old", "new", "line", "named"),
     [
-        (
-            "p: 4000",
-            "p: abc",
-            r"c.yaml:5: 'arm/gains/hip/p' must be a number, got 'abc'",
-        ),
-        ("p: 4000", "p: 1e3", r"YAML 1.1 writes that 1.0e\+03"),
-        ("p: 4000", "p: .nan", "finite number, got nan"),
-        ("p: 4000", "p: true", "must be a number, got True"),
-        ("p: 4000, ", "", r"c.yaml:5: No p gain specified.*lacks 'p'"),
-        ("gains:", "gians:", r"c.yaml:2: No p gain specified.*gains/hip/p"),
-        (
-            "gains: {hip:",
-            "gains: {hop:",
-            r"c.yaml:5: No p gain.*gains/hip/p.*did you mean 'hop'",
-        ),
-        (
-            "joints: [hip, slide, wheel]",
-            "joints: 5",
-            "c.yaml:4: 'arm/joints' must be a list",
-        ),
-        ("joints: [hip, slide, wheel]", "joints: []", "must be a list"),
-        ("joints: [hip, slide, wheel]", "joints: [hip, 3]", "must be a list of names"),
-        ("joints: [hip, slide, wheel]", "joints: [hip, hip]", "joint 'hip' twice"),
-        ("joints:", "joins:", "lacks 'joints'.*did you mean 'joins'"),
-        ("goal_time: 0.5", "goal_time: -1", "goal_time' must be 0 or more, got -1"),
-        ("constraints:", "constraints: 3 #", "not YAML"),
+        ("p: 4000", "p: abc", 5, ("arm/gains/hip/p", "'abc'")),
+        ("p: 4000", "p: 1e3", 5, ("arm/gains/hip/p", "1.0e+03")),
+        ("p: 4000", "p: .nan", 5, ("arm/gains/hip/p", "nan")),
+        ("p: 4000", "p: true", 5, ("arm/gains/hip/p", "True")),
+        ("p: 4000, ", "", 5, ("arm/gains/hip", "'p'")),
+        ("gains:", "gians:", 2, ("gains/hip/p",)),
+        ("gains: {hip:", "gains: {hop:", 5, ("gains/hip/p", "'hop'")),
+        ("joints: [hip, slide, wheel]", "joints: 5", 4, ("arm/joints",)),
+        ("joints: [hip, slide, wheel]", "joints: []", 4, ("arm/joints",)),
+        ("joints: [hip, slide, wheel]", "joints: [hip, 3]", 4, ("arm/joints",)),
+        ("joints: [hip, slide, wheel]", "joints: [hip, hip]", 4, ("'hip'",)),
+        ("joints:", "joins:", 2, ("'joints'", "'joins'")),
+        ("goal_time: 0.5", "goal_time: -1", None, ("goal_time", "-1")),
         (
             "stop_trajectory_duration: 0.5",
             "allow_partial_joints_goal: 1",
-            "true or false",
+            None,
+            ("allow_partial_joints_goal", "1"),
         ),
     ],
 )
-def test_wrong_values_name_file_line_key_and_remedy(old, new, text) -> None:
-    with pytest.raises(ConfigError, match=f"(?s){text}"):
-        from_text(ARM.replace(old, new, 1)).spec("arm", TOY)
+def test_wrong_values_name_file_line_and_key(
+    old: str, new: str, line: int | None, named: tuple[str, ...]
+) -> None:
+    found, text = refused(ARM.replace(old, new, 1))
+    assert line in (None, found)
+    assert all(name in text for name in named), text
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("text", "line", "named"),
     [
-        ("a:\n  b: [1,\nc: 2\n", "c.yaml:[34]: not YAML"),
-        ("a: *nowhere\n", "c.yaml:1: not YAML.*undefined alias"),
-        ("- a\n- b\n", "expected a mapping of parameters, got a list"),
-        ("1: {type: x}\n", "key '1' under '/' must be a text"),
-        ("a: !inch 3\n", "tag !inch"),
-        ("a: !degrees far\n", "c.yaml:1: 'a' must be an angle"),
-        ("a: &a [*a]\n", "contains itself"),
-        ("a: {<<: 3}\n", "'<<' needs a mapping"),
+        ("a: {b: 1}\nc: 3 # \n d: 4\n", 3, ""),
+        ("a: *nowhere\n", 1, "alias"),
+        ("- a\n- b\n", 1, "list"),
+        ("\n1: {type: x}\n", 2, "'1'"),
+        ("a: !inch 3\n", 1, "!inch"),
+        ("a: !degrees far\n", 1, "'far'"),
+        ("a: &a [*a]\n", 1, "'a[0]'"),
+        ("a: {<<: 3}\n", 1, "<<"),
     ],
 )
-def test_what_is_no_parameter_file_says_where(text: str, message: str) -> None:
-    with pytest.raises(ConfigError, match=f"(?s){message}"):
-        from_text(text)
+def test_what_is_no_parameter_file_says_where(text: str, line: int, named: str) -> None:
+    found, message = refused(text)
+    assert (found, named in message) == (line, True), message
 
 
-def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match=r"none\.yaml: cannot read the file: No such"):
+def test_a_file_that_does_not_exist_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError) as error:
         ControllerConfig.from_files(tmp_path / "none.yaml")
+    assert error.value.location == SourceLocation(tmp_path / "none.yaml")
 
 
 def test_an_empty_text_has_no_controllers() -> None:
@@ -170,13 +172,10 @@ def test_an_empty_text_has_no_controllers() -> None:
 
 
 def test_lines_count_on_from_where_the_text_stands() -> None:
-    config = ControllerConfig.from_text(
-        "\na: 5\n", SourceLocation(Path("outer.yaml"), 10)
-    )
-    with pytest.raises(
-        ConfigError, match=r"outer\.yaml:11: 'a' is no controller, but 5"
-    ):
-        config.spec("a", TOY)
+    place = SourceLocation(Path("outer.yaml"), 10)
+    with pytest.raises(ConfigError) as error:
+        ControllerConfig.from_text("\na: 5\n", place).spec("a", TOY)
+    assert error.value.location == SourceLocation(Path("outer.yaml"), 11)
 
 
 def test_a_key_that_stands_twice_is_a_warning() -> None:
@@ -203,21 +202,34 @@ joint_limits:
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("text", "named"),
     [
-        ("hip: 3", "'joint_limits/hip' must be a mapping"),
-        ("hip: {has_velocity_limits: true}", "lacks 'max_velocity'"),
+        ("hip: 3", ("joint_limits/hip",)),
+        ("hip: {has_velocity_limits: true}", ("joint_limits/hip", "max_velocity")),
         (
             "hip: {has_position_limits: true, min_position: 2, max_position: 1}",
-            "min_position 2.0 above max_position 1.0",
+            ("joint_limits/hip", "2.0", "1.0"),
         ),
     ],
 )
-def test_wrong_joint_limits_are_errors(text: str, message: str) -> None:
-    with pytest.raises(ConfigError, match=message):
+def test_wrong_joint_limits_are_errors(text: str, named: tuple[str, ...]) -> None:
+    with pytest.raises(ConfigError) as error:
         from_text(f"joint_limits: {{{text}}}").joint_limits()
+    assert all(name in str(error.value) for name in named)
 
 
 @pytest.mark.parametrize("type_name", TYPES)
-def test_every_type_has_a_parser(type_name: str) -> None:
-    assert callable(parser_of(type_name))
+def test_every_type_has_a_parser_that_names_its_parameters(type_name: str) -> None:
+    assert parameters_of(type_name) & {"joint", "joints"}
+
+
+def test_known_parameters_are_those_that_the_parsers_look_up() -> None:
+    trajectory = parameters_of("effort_controllers/JointTrajectoryController")
+    assert {"gains/*/p", "velocity_ff/*", "constraints/*/goal"} <= trajectory
+    assert "gains/*/publish_state" in trajectory  # of ROS only
+    positions = parameters_of("position_controllers/JointTrajectoryController")
+    assert trajectory - positions == {
+        item for item in trajectory if item.startswith(("gains/", "velocity_ff/"))
+    }
+    assert readers_of("stall_timeout") == ("GripperActionController",)
+    assert {"max_jerk", "has_effort_limits"} <= joint_limit_parameters()

@@ -9,7 +9,7 @@ from pathlib import Path
 from tool0.description.finding import Finding
 from tool0.errors import SourceLocation
 from tool0.lint.check import check
-from tool0.lint.parameters.file import YamlText, yaml_findings
+from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.robot.facts import RobotFacts
 
 DATA = Path(__file__).parents[2] / "data"

@@ -7,28 +7,32 @@ from check_files import write
 
 from tool0.errors import ConfigError
 from tool0.lint import sources
-from tool0.lint.sources import Kind, collect, kind_of
+from tool0.lint.sources import FileKind, collect, kind_of
 
 
 @pytest.mark.parametrize(
     ("name", "text", "kind"),
     [
-        ("package.xml", "<package/>", Kind.PACKAGE),
-        ("a.yaml", "", Kind.PARAMETERS),
-        ("a.yml", "", Kind.PARAMETERS),
-        ("README.md", "", Kind.DOCUMENT),
+        ("package.xml", "<package/>", FileKind.PACKAGE),
+        ("a.yaml", "", FileKind.PARAMETERS),
+        ("a.yml", "", FileKind.PARAMETERS),
+        ("README.md", "", None),
         ("CMakeLists.txt", "", None),
-        ("a.urdf.xacro", "", Kind.XACRO),
-        ("a.launch", "", Kind.LAUNCH),
-        ("a.launch.xml", "<?xml version='1.0'?><!-- <x> -->\n<launch>", Kind.LAUNCH),
-        ("a.xml", "<!-- --><robot name='r'>", Kind.URDF),
-        ("a.urdf", "", Kind.URDF),
-        ("b.urdf", "<robot xmlns:xacro='x'>", Kind.XACRO),
+        ("a.urdf.xacro", "", FileKind.XACRO),
+        ("a.launch", "", FileKind.LAUNCH),
+        (
+            "a.launch.xml",
+            "<?xml version='1.0'?><!-- <x> -->\n<launch>",
+            FileKind.LAUNCH,
+        ),
+        ("a.xml", "<!-- --><robot name='r'>", FileKind.URDF),
+        ("a.urdf", "", FileKind.URDF),
+        ("b.urdf", "<robot xmlns:xacro='x'>", FileKind.XACRO),
         ("world.xml", "<sdf>", None),
         ("a.py", "", None),
     ],
 )
-def test_kinds(tmp_path: Path, name: str, text: str, kind: Kind | None) -> None:
+def test_kinds(tmp_path: Path, name: str, text: str, kind: FileKind | None) -> None:
     file = tmp_path / name
     file.write_text(text, encoding="utf-8")
     assert kind_of(file) is kind
@@ -55,13 +59,11 @@ def test_a_folder_is_searched_but_not_what_was_built(tmp_path: Path) -> None:
 def test_what_is_named_must_be_readable(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pytest.raises(ConfigError, match="No such file"):
-        collect([tmp_path / "a.launch"])
     write(tmp_path, {"a.py": "", "large.launch": "<launch/>"})
-    with pytest.raises(ConfigError, match=r"a\.py' is of no kind"):
-        collect([tmp_path / "a.py"])
     monkeypatch.setattr(sources, "LARGEST", 3)
-    with pytest.raises(ConfigError, match="larger than 3 bytes"):
-        collect([tmp_path / "large.launch"])
+    for name in ("a.launch", "a.py", "large.launch"):
+        with pytest.raises(ConfigError) as error:
+            collect([tmp_path / name])
+        assert name in str(error.value)
     ((path, why),) = collect([tmp_path]).skipped
-    assert (path.name, why) == ("large.launch", "is larger than 3 bytes")
+    assert (path.name, "3 bytes" in why) == ("large.launch", True)

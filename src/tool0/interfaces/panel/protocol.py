@@ -12,7 +12,7 @@ from typing import Literal
 
 from msgspec import Struct
 
-from tool0.description.presets import PartName
+from tool0.description.catalogue import DisplayName
 from tool0.requests.fields import RGBA, Quaternion, Vector3
 from tool0.requests.messages import Mode
 
@@ -74,7 +74,7 @@ class RobotInfo(Struct, frozen=True, kw_only=True):
     joints: list[JointInfo]
     """In the order of every array of a ``frame``."""
     grippers: list[GripperInfo]
-    part_names: dict[str, PartName]
+    part_names: dict[str, DisplayName]
     """Link or joint → its name in English and Chinese, where it has one."""
 
 

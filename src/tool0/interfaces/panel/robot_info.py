@@ -10,18 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast, final
 
 from tool0.description.catalogue import RobotDescription, part_names
-from tool0.description.model import (
-    Box,
-    Cylinder,
-    Geometry,
-    Joint,
-    JointLimits,
-    JointType,
-    Mesh,
-    RobotModel,
-    Sphere,
-)
+from tool0.description.model import Joint, JointLimits, JointType, RobotModel
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.xml_source import parse_text, to_text
 from tool0.interfaces.panel.protocol import (
     GripperInfo,

@@ -116,7 +116,7 @@ class RobotView:
         self._checked(request.positions)
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
-        return ("",) if request.supersedes_streams else ()
+        return ("",) if isinstance(request, GoToPose | Reset) else ()
 
     def carry_out(self, request: Request[Any]) -> Any:
         match request:

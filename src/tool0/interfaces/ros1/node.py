@@ -65,7 +65,9 @@ class Worker:
 class RosNode:
     """What every part needs of ROS."""
 
-    def __init__(self, options: Ros1Options, master: Master) -> None:
+    def __init__(
+        self, options: Ros1Options, master: Master, tf_prefix: str = ""
+    ) -> None:
         """Register with the master; and that once in a process.
 
         Raises:
@@ -84,6 +86,8 @@ class RosNode:
                 "or give this robot a namespace with --ns"
             )
         self.options = options
+        self.frame_prefix = tf_prefix.strip("/")
+        """Prefix of every frame, without slashes around it."""
         self.master = master
         others = self.clocks_of_others()
         _register(options.root)

@@ -6,6 +6,7 @@ from collections.abc import Collection
 from typing import Any, Final, Protocol, final
 
 from tool0.errors import ControlError, did_you_mean
+from tool0.requests.arm import MoveLinear, MoveTo
 from tool0.requests.codec import outcome_of
 from tool0.requests.controllers import SwitchControllers
 from tool0.requests.gripper import Grip
@@ -20,9 +21,12 @@ from tool0.requests.messages import (
 from tool0.requests.motion import (
     CommandTrajectory,
     FollowTrajectory,
+    MoveJoints,
     SteerJoints,
 )
+from tool0.requests.poses import GoToPose
 from tool0.requests.table import Request, answer
+from tool0.requests.time import EmergencyStop, Reset
 from tool0.runtime.bus import Event, Faulted, GoalFinished, Overran
 from tool0.runtime.simulation import Simulation
 
@@ -100,8 +104,15 @@ class SimulationBackend:
                     for status in simulation.snapshot.controllers
                     if any(joint in joints for _, joints in status.claimed)
                 ]
-        if request.supersedes_streams:
-            return tuple(simulation.defined_controllers)
+            case (
+                GoToPose()
+                | MoveJoints()
+                | MoveTo()
+                | MoveLinear()
+                | Reset()
+                | EmergencyStop(engaged=True)
+            ):
+                return tuple(simulation.defined_controllers)
         return ()
 
 

@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import logging
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any, Final, final
@@ -114,7 +114,7 @@ class Hub:
             return True
         if not is_urgent(request):
             return False
-        self._setpoints.drop(self._superseded(request))
+        self._setpoints.drop(self.backend.superseded(request))
         answer = self._carry_out(session, ident, request, self._urgent_worker)
         task = asyncio.create_task(answer)
         self._urgent.add(task)
@@ -127,7 +127,7 @@ class Hub:
         if isinstance(request, Subscribe | Unsubscribe | SubscribeView):
             self._change_streams(session, ident, request)
             return
-        await self._setpoints.settle(self._superseded(request))
+        await self._setpoints.settle(self.backend.superseded(request))
         await self._carry_out(session, ident, request, self._workers)
 
     def _change_streams(
@@ -153,9 +153,6 @@ class Hub:
             self._snapshots.remove(session)
             if isinstance(request, Subscribe):
                 self._snapshots.add(session, request.rate)
-
-    def _superseded(self, request: Request[Any]) -> Collection[str]:
-        return self.backend.superseded(request)
 
     async def _carry_out(
         self,

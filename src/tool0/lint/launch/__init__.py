@@ -1,8 +1,5 @@
-"""Launch files of ROS 1, read without ROS: what roslaunch would do, and what is wrong.
+"""Launch files of ROS 1 as values, read as roslaunch reads them, without ROS.
 
-``reader.read_launch`` reads a file and all that it includes; ``model`` holds what it
-says and ``packages`` where ``$(find …)`` looks.  From that come ``parameters``: what
-the parameter server would get; ``xacro_files``: what xacro would read; ``flow``: what
-uses an argument; ``contents`` and ``ways``: both explained, for ``tool0 explain``.
-``comments`` holds the elements that somebody commented out.
+``reader`` follows all includes and returns a ``model.LaunchFile`` with its findings;
+``explanation`` and ``argument_flow`` describe it for ``tool0 explain``.
 """

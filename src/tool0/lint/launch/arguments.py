@@ -1,21 +1,34 @@
-"""The arguments of one file: what is declared, given, missing and used."""
+"""The arguments of a file: declared, given by an include, missing and used."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Literal, final
 from xml.dom.minidom import Element
 
+from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
-from tool0.lint.launch.model import Argument
+from tool0.lint.launch import grammar
+from tool0.lint.launch.load_context import is_file
+from tool0.lint.launch.model import (
+    Activity,
+    Argument,
+    Environment,
+    Include,
+    NamedText,
+    Passed,
+    Text,
+)
+from tool0.lint.launch.nodes import read_env
 from tool0.lint.launch.scope import Scope
-from tool0.lint.launch.text import Activity, Text
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Given:
+class GivenArgument:
     """A value that a file's argument has from outside."""
 
     text: Text
@@ -29,7 +42,7 @@ class Arguments:
     def __init__(
         self,
         scope: Scope,
-        given: Mapping[str, Given],
+        given: Mapping[str, GivenArgument],
         *,
         is_included: bool,
         passes_all: bool,
@@ -57,7 +70,6 @@ class Arguments:
         argument = Argument(
             name=name,
             place=scope.place(element),
-            doc=element.getAttribute("doc"),
             origin="missing",
             default=default,
         )
@@ -93,14 +105,14 @@ class Arguments:
         if value is not None:
             if given is not None and not self._passes_all:
                 self._refuse_override(argument, given, scope)
-            scope.values[name] = _perhaps(value, scope)
+            scope.values[name] = _if_active(value, scope)
             return replace(argument, value=scope.values[name], origin="value")
         if given is not None:
             return replace(argument, value=given.text, origin=given.origin)
-        if name in scope.values:  # declared twice, which has been said
+        if name in scope.values:  # declared twice, which was reported
             return replace(argument, value=scope.values[name], origin="default")
         if argument.default is not None:
-            scope.values[name] = _perhaps(argument.default, scope)
+            scope.values[name] = _if_active(argument.default, scope)
             return replace(argument, value=scope.values[name], origin="default")
         if not self._is_included:
             scope.report(
@@ -114,7 +126,9 @@ class Arguments:
             )
         return argument
 
-    def _refuse_override(self, argument: Argument, given: Given, scope: Scope) -> None:
+    def _refuse_override(
+        self, argument: Argument, given: GivenArgument, scope: Scope
+    ) -> None:
         place = given.text.location
         where = "on the command line" if place.file is None else f"at {place}"
         scope.report(
@@ -149,7 +163,7 @@ class Arguments:
                 f"use it as $(arg {name}), or remove it",
                 severity="warning",
             )
-        return tuple(replace(a, is_used=a.name in used) for a in self._found)
+        return tuple(self._found)
 
     def report_unknown(self) -> None:
         """Report what the command line gives and the file does not declare."""
@@ -166,9 +180,130 @@ class Arguments:
                 )
 
 
-def _perhaps(text: Text, scope: Scope) -> Text:
+def _if_active(text: Text, scope: Scope) -> Text:
     """Return ``text``, without a value if the element may be switched off."""
     if scope.activity is not Activity.UNKNOWN:
         return text
     reason = "it depends on an if or unless that is unknown"
     return replace(text, resolved=None, reason=text.reason or reason)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncludeTarget:
+    """What an include asks for."""
+
+    include: Include
+    path: Path
+    given: Mapping[str, GivenArgument]
+    environment: tuple[Environment, ...]
+
+    @property
+    def key(self) -> frozenset[tuple[str, str | None]]:
+        """The arguments as a value, to recognise a recursive include."""
+        return frozenset((name, g.text.resolved) for name, g in self.given.items())
+
+
+def target_of(element: Element, scope: Scope) -> IncludeTarget:
+    """Return what an ``<include>`` asks for."""
+    file = scope.required(element, "file")
+    namespace = scope.namespace_of(element)
+    passes_all = scope.boolean(element, "pass_all_args")
+    given = _all_given(element, scope) if passes_all else {}
+    passed, environment = _children(element, scope, given, passes_all=passes_all)
+    path = Path(os.path.normpath(file.resolved)) if file.resolved else None
+    settings: tuple[NamedText, ...] = tuple(
+        (key, scope.required(element, key))
+        for key in ("ns",)
+        if element.hasAttribute(key)
+    )
+    include = Include(
+        place=replace(scope.place(element), namespace=namespace),
+        file=file,
+        path=path,
+        passed=passed,
+        passes_all=passes_all,
+        settings=settings,
+        reason=_reason(file, path, scope),
+    )
+    return IncludeTarget(
+        include=include,
+        path=(path or Path()).absolute(),
+        given=given,
+        environment=environment,
+    )
+
+
+def _reason(file: Text, path: Path | None, scope: Scope) -> str:
+    """Return why there is nothing to include, if so; report it."""
+    if path is None:
+        return file.reason or "no file is named"
+    scope.require_file(file, "include")
+    return "" if is_file(path) else f"{path} does not exist"
+
+
+def _all_given(element: Element, scope: Scope) -> dict[str, GivenArgument]:
+    """Return the arguments of the file as pass_all_args passes them."""
+    where = scope.locate(element)
+    scope.used.update(scope.declared, scope.values)
+    given = {}
+    for name in {**scope.declared, **scope.values}:
+        text = scope.values.get(name)
+        given[name] = GivenArgument(
+            text=Text(
+                raw=f"$(arg {name})",
+                resolved=None if text is None else text.resolved,
+                location=where,
+                uses=(name,),
+                reason=f"argument '{name}' has no value"
+                if text is None
+                else text.reason,
+            ),
+            origin="pass_all_args",
+        )
+    return given
+
+
+def _children(
+    element: Element, scope: Scope, given: dict[str, GivenArgument], *, passes_all: bool
+) -> tuple[tuple[Passed, ...], tuple[Environment, ...]]:
+    """Read what stands in the include; add the arguments to ``given``."""
+    passed: list[Passed] = []
+    environment: list[Environment] = []
+    names: set[str] = set()
+    for child in children(element):
+        if child.tagName not in grammar.CHILDREN["include"]:
+            continue
+        at = scope.at(child)
+        grammar.check(child, scope.locate(child), scope.findings.append)
+        if child.tagName == "env":
+            environment.append(read_env(child, at))
+            continue
+        name = at.required(child, "name").resolved
+        if not name:
+            continue
+        value = at.text(child, "value")
+        text = at.text(child, "default") if value is None else value
+        passed.append(Passed(name=name, place=at.place(child), value=text))
+        if at.activity is Activity.INACTIVE:
+            continue
+        if name in names and at.activity is Activity.ACTIVE and not passes_all:
+            at.report(
+                at.locate(child),
+                "duplicate-argument",
+                name,
+                "is given twice in one <include>: roslaunch stops here",
+                "remove one of them",
+            )
+        names.add(name)
+        if text is not None and (value is not None or name not in given):
+            given[name] = GivenArgument(text=text, origin="include")
+        elif text is None and name not in given:
+            at.report(
+                at.locate(child),
+                "missing-argument",
+                name,
+                "is passed to an include without a value: roslaunch stops here",
+                f'write value="…", such as value="$(arg {name})"',
+            )
+    return tuple(passed), tuple(environment)

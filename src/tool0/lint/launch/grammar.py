@@ -1,10 +1,11 @@
-"""Which elements and attributes roslaunch reads.
+"""roslaunch's grammar: its elements and attributes, its names and values.
 
 From https://wiki.ros.org/roslaunch/XML; ``if`` and ``unless`` may stand on every one.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Final
 from xml.dom.minidom import Element
@@ -61,6 +62,10 @@ _OBSOLETE: Final[dict[tuple[str, str], str]] = {
 }
 
 
+_LEGAL: Final = re.compile(r"[~/A-Za-z][\w/]*", re.ASCII)
+"""A name of ROS's graph."""
+
+
 def check(
     element: Element, location: SourceLocation, report: Callable[[Finding], None]
 ) -> None:
@@ -98,10 +103,10 @@ def check(
     allowed = CHILDREN.get(tag, frozenset())
     for child in children(element):
         if child.tagName not in allowed:
-            report(_stranger(child, tag, allowed, location))
+            report(_unknown_element(child, tag, allowed, location))
 
 
-def _stranger(
+def _unknown_element(
     child: Element, tag: str, allowed: frozenset[str], around: SourceLocation
 ) -> Finding:
     name = child.tagName
@@ -132,3 +137,48 @@ def _finding(
         message=message,
         remedy=remedy,
     )
+
+
+def is_legal(name: str) -> bool:
+    """Whether ROS accepts ``name`` for a node or a topic."""
+    return not name or (bool(_LEGAL.fullmatch(name)) and "//" not in name)
+
+
+def join(namespace: str, name: str) -> str:
+    """Return ``name`` in ``namespace``; a global or private one stays as it is."""
+    if not namespace or name.startswith(("/", "~")):
+        return name
+    return f"{namespace.removesuffix('/')}/{name}"
+
+
+def canonical(name: str) -> str:
+    """Return ``name`` without doubled and trailing slashes."""
+    start = "/" if name.startswith("/") else ""
+    return start + "/".join(part for part in name.split("/") if part)
+
+
+def as_namespace(name: str) -> str:
+    """Return ``name`` from the root on, with a slash at its end."""
+    inside = canonical(name).strip("/")
+    return f"/{inside}/" if inside else "/"
+
+
+def converted(value: str) -> str | float | int | bool:
+    """Return what roslaunch makes of a text if no type is given."""
+    try:
+        if "." in value:
+            return float(value)
+        if "_" not in value:
+            return int(value)
+    except ValueError:
+        pass
+    lowered = value.lower()
+    return lowered == "true" if lowered in ("true", "false") else value
+
+
+def as_boolean(value: str) -> bool | None:
+    """Return what ``if`` makes of a text; None if that is an error."""
+    word = value.lower().strip()
+    if word in ("true", "1"):
+        return True
+    return False if word in ("false", "0") else None

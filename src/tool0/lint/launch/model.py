@@ -8,11 +8,71 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
 from typing import Literal, TypeAlias, final
 
 from tool0.description.finding import Finding
-from tool0.lint.launch.text import Activity, Place, Text
+from tool0.errors import SourceLocation
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Text:
+    """An attribute's value, or the text of an element."""
+
+    raw: str
+    """As it is written."""
+    resolved: str | None
+    """With every ``$(…)`` replaced; None if one of them has no value here."""
+    location: SourceLocation
+    uses: tuple[str, ...] = ()
+    """The names of the arguments in it, each once, of the file it is written in."""
+    reason: str = ""
+    """Why it is not resolved."""
+
+
+@final
+class Activity(Enum):
+    """Whether roslaunch would act on an element."""
+
+    ACTIVE = "active"
+    INACTIVE = "inactive"
+    """Switched off by its ``if`` or ``unless``, or by those around it."""
+    UNKNOWN = "unknown"
+    """It depends on an argument without a value."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Condition:
+    """An ``if`` or ``unless``."""
+
+    kind: Literal["if", "unless"]
+    text: Text
+    holds: bool | None
+    """Whether the element counts; None if that is unknown."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where an element stands, and whether it counts."""
+
+    location: SourceLocation
+    namespace: str | None
+    """Global, with a slash at its end; None if it cannot be resolved."""
+    conditions: tuple[Condition, ...] = ()
+    """Of this element and those around it, over all includes; the outermost first."""
+
+    @property
+    def activity(self) -> Activity:
+        """Whether roslaunch would act on the element."""
+        held = [condition.holds for condition in self.conditions]
+        if False in held:
+            return Activity.INACTIVE
+        return Activity.UNKNOWN if None in held else Activity.ACTIVE
+
 
 Origin: TypeAlias = Literal[
     "command line",
@@ -34,14 +94,12 @@ class Argument:
 
     name: str
     place: Place
-    doc: str = ""
     value: Text | None = None
     """None if it has none.  Its location is where the origin says; it uses arguments of
     the file there."""
     origin: Origin
     default: Text | None = None
     """What the declaration offers, which need not be the value."""
-    is_used: bool = False
 
 
 @final
@@ -74,7 +132,7 @@ class Environment:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Machine:
+class RemoteMachine:
     """A ``<machine>``."""
 
     place: Place
@@ -196,7 +254,9 @@ class Include:
         return (("file", self.file), *self.settings)
 
 
-Entry: TypeAlias = Remap | Environment | Machine | Parameter | Rosparam | Node | Include
+Entry: TypeAlias = (
+    Remap | Environment | RemoteMachine | Parameter | Rosparam | Node | Include
+)
 
 
 @final
@@ -205,9 +265,6 @@ class LaunchFile:
     """A launch file, as it is read with certain arguments in a certain namespace."""
 
     file: Path
-    package: str | None
-    """The name of the package it lies in."""
-    namespace: str | None
     arguments: tuple[Argument, ...] = ()
     entries: tuple[Entry, ...] = ()
     """In the order of the file; those of groups too, in place of the group."""

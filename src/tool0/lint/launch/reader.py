@@ -14,24 +14,31 @@ from xml.dom.minidom import Element
 from tool0.description.finding import Finding
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
-from tool0.lint.launch import grammar, names, node_elements
-from tool0.lint.launch.arguments import Arguments, Given
-from tool0.lint.launch.attributes import namespace_of
-from tool0.lint.launch.includes import Target, target_of
-from tool0.lint.launch.model import Entry, Include, LaunchFile, Node
-from tool0.lint.launch.packages import Packages
-from tool0.lint.launch.param_elements import read_param, read_rosparam
+from tool0.lint.launch import grammar, nodes
+from tool0.lint.launch.arguments import (
+    Arguments,
+    GivenArgument,
+    IncludeTarget,
+    target_of,
+)
+from tool0.lint.launch.load_context import (
+    MAX_ELEMENTS,
+    MAX_FILES,
+    MAX_NESTING,
+    LoadContext,
+)
+from tool0.lint.launch.model import Activity, Entry, Include, LaunchFile, Node, Text
+from tool0.lint.launch.params import read_param, read_rosparam
 from tool0.lint.launch.scope import Scope
-from tool0.lint.launch.session import MAX_ELEMENTS, MAX_FILES, MAX_NESTING, Session
-from tool0.lint.launch.text import Activity, Text
+from tool0.lint.packages import PackageIndex
 
 
 def read_launch(
     file: Path,
     arguments: Mapping[str, str] | None = None,
-    packages: Packages | None = None,
+    packages: PackageIndex | None = None,
 ) -> LaunchFile:
-    """Return what a launch file says, with all that it includes.
+    """Return what a launch file holds, with all that it includes.
 
     Args:
         file: The launch file.
@@ -39,19 +46,18 @@ def read_launch(
         packages: Where ``$(find …)`` looks.
     """
     given = {
-        name: Given(
+        name: GivenArgument(
             text=Text(raw=value, resolved=value, location=SourceLocation(None)),
             origin="command line",
         )
         for name, value in (arguments or {}).items()
     }
-    session = Session(packages or Packages())
+    context = LoadContext(packages or PackageIndex())
     file = file.absolute()
-    root = session.root(file)
+    root = context.root(file)
     if isinstance(root, Finding):
-        package = session.packages.package_of(file)
-        return LaunchFile(file=file, package=package, namespace="/", findings=(root,))
-    reader = _FileReader(session, file, given)
+        return LaunchFile(file=file, findings=(root,))
+    reader = _FileReader(context, file, given)
     launch = reader.read(root)
     reader.arguments.report_unknown()
     return replace(launch, findings=tuple(dict.fromkeys(reader.scope.findings)))
@@ -63,16 +69,16 @@ class _FileReader:
 
     def __init__(
         self,
-        session: Session,
+        context: LoadContext,
         file: Path,
-        given: Mapping[str, Given],
+        given: Mapping[str, GivenArgument],
         outer: Scope | None = None,
         *,
         passes_all: bool = False,
     ) -> None:
         values = {name: value.text for name, value in given.items()}
         if outer is None:
-            self.scope = Scope(session=session, file=file, namespace="/", values=values)
+            self.scope = Scope(context=context, file=file, namespace="/", values=values)
         else:
             self.scope = replace(
                 outer,
@@ -88,11 +94,11 @@ class _FileReader:
         self.arguments = Arguments(
             self.scope, given, is_included=outer is not None, passes_all=passes_all
         )
-        self._session = session
+        self._context = context
         self._entries: list[Entry] = []
 
     def read(self, root: Element) -> LaunchFile:
-        """Return what the file says."""
+        """Return what the file holds."""
         scope = self.scope
         where = scope.locate(root)
         grammar.check(root, where, scope.findings.append)
@@ -107,8 +113,6 @@ class _FileReader:
         self._read_children(root, scope.at(root))
         return LaunchFile(
             file=scope.file,
-            package=self._session.packages.package_of(scope.file),
-            namespace=scope.namespace,
             arguments=self.arguments.finished(),
             entries=tuple(self._entries),
             findings=tuple(dict.fromkeys(scope.findings)),
@@ -118,7 +122,7 @@ class _FileReader:
         for child in children(element):
             if child.tagName not in grammar.CHILDREN["launch"]:
                 continue
-            if not self._session.spend("elements"):
+            if not self._context.spend("elements"):
                 self._stop(child, scope, f"more than {MAX_ELEMENTS} elements")
                 return
             at = scope.at(child)
@@ -139,17 +143,17 @@ class _FileReader:
             case "rosparam":
                 entry = read_rosparam(element, scope)
             case "node" | "test":
-                entry = node_elements.read_node(element, scope)
+                entry = nodes.read_node(element, scope)
                 self._claim_name(entry, scope)
             case "remap":
-                entry = node_elements.read_remap(element, scope)
-                node_elements.hold(entry, scope.remaps)
+                entry = nodes.read_remap(element, scope)
+                nodes.add_remap(entry, scope.remaps)
             case "env":
-                entry = node_elements.read_env(element, scope)
+                entry = nodes.read_env(element, scope)
                 if scope.activity is not Activity.INACTIVE:
                     scope.environment.append(entry)
             case "machine":
-                entry = node_elements.read_machine(element, scope)
+                entry = nodes.read_machine(element, scope)
             case "master":
                 scope.report(
                     scope.locate(element),
@@ -163,20 +167,20 @@ class _FileReader:
             self._entries.append(entry)
 
     def _read_group(self, element: Element, scope: Scope) -> None:
-        if self._session.depth >= MAX_NESTING:
+        if self._context.depth >= MAX_NESTING:
             self._stop(element, scope, f"more than {MAX_NESTING} inside one another")
             return
-        self._session.depth += 1
-        inside = scope.group(namespace_of(element, scope))
+        self._context.depth += 1
+        inside = scope.group(scope.namespace_of(element))
         self._read_children(element, inside)
-        self._session.depth -= 1
+        self._context.depth -= 1
 
     def _claim_name(self, node: Node, scope: Scope) -> None:
         """Report a second node of one name: roslaunch refuses it."""
         name = node.full_name
         if name is None or scope.activity is not Activity.ACTIVE:
             return
-        first = self._session.nodes.setdefault(name, node.place.location)
+        first = self._context.nodes.setdefault(name, node.place.location)
         if first is not node.place.location:
             scope.report(
                 node.place.location,
@@ -194,15 +198,15 @@ class _FileReader:
             reason = include.reason or "switched off"
             return replace(include, reason=reason)
         where = include.place.location
-        if self._session.depth >= MAX_NESTING:
+        if self._context.depth >= MAX_NESTING:
             self._stop(element, scope, f"more than {MAX_NESTING} inside one another")
             return replace(include, reason="too many files inside one another")
-        if not self._session.spend("files"):
+        if not self._context.spend("files"):
             self._stop(element, scope, f"more than {MAX_FILES} files")
             return replace(include, reason="too many files")
         path = target.path
         key = (path, include.place.namespace, target.key)
-        if not self._session.enter(key):
+        if not self._context.enter(key):
             scope.report(
                 where,
                 "recursive-include",
@@ -211,16 +215,16 @@ class _FileReader:
                 "remove the include, or end it by an if",
             )
             return replace(include, reason="it includes itself")
-        self._session.depth += 1
+        self._context.depth += 1
         launch = self._included(target, scope)
-        self._session.depth -= 1
-        self._session.leave()
+        self._context.depth -= 1
+        self._context.leave()
         if launch is None:
             return replace(include, reason="it is no launch file that can be read")
         return replace(include, launch=launch)
 
-    def _included(self, target: Target, scope: Scope) -> LaunchFile | None:
-        root = self._session.root(target.path)
+    def _included(self, target: IncludeTarget, scope: Scope) -> LaunchFile | None:
+        root = self._context.root(target.path)
         if isinstance(root, Finding):
             scope.findings.append(root)
             return None
@@ -232,7 +236,7 @@ class _FileReader:
             environment=[*scope.environment, *target.environment],
         )
         reader = _FileReader(
-            self._session,
+            self._context,
             target.path,
             target.given,
             outer,
@@ -263,7 +267,7 @@ class _FileReader:
         )
 
 
-def _check_passed(target: Target, launch: LaunchFile, scope: Scope) -> None:
+def _check_passed(target: IncludeTarget, launch: LaunchFile, scope: Scope) -> None:
     """Report arguments that the included file does not declare."""
     if target.include.passes_all:
         return
@@ -278,5 +282,5 @@ def _check_passed(target: Target, launch: LaunchFile, scope: Scope) -> None:
             passed.name,
             f"is no argument of {launch.file.name}, and roslaunch stops here"
             + did_you_mean(passed.name, declared),
-            f"remove it, or declare it in {names.canonical(str(launch.file))}",
+            f"remove it, or declare it in {grammar.canonical(str(launch.file))}",
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, final
@@ -9,11 +10,18 @@ from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding, Severity
 from tool0.errors import SourceLocation
-from tool0.lint.launch import names
-from tool0.lint.launch.model import Environment, Parameter, Remap
-from tool0.lint.launch.session import Session
-from tool0.lint.launch.substitution import Surroundings, resolve
-from tool0.lint.launch.text import Activity, Condition, Place, Text
+from tool0.lint.launch import grammar
+from tool0.lint.launch.load_context import LoadContext, is_file
+from tool0.lint.launch.model import (
+    Activity,
+    Condition,
+    Environment,
+    Parameter,
+    Place,
+    Remap,
+    Text,
+)
+from tool0.lint.launch.substitution import SubstitutionContext, resolve
 
 
 @final
@@ -21,7 +29,7 @@ from tool0.lint.launch.text import Activity, Condition, Place, Text
 class Scope:
     """One context of roslaunch; a file has one, and each group in it a copy."""
 
-    session: Session
+    context: LoadContext
     file: Path
     namespace: str | None
     values: dict[str, Text]
@@ -96,26 +104,19 @@ class Scope:
 
     def resolved(self, raw: str, location: SourceLocation) -> Text:
         """Return a text with its words replaced, and report what is wrong with it."""
-        around = Surroundings(
+        around = SubstitutionContext(
             file=self.file,
             values=self.values,
             declared=frozenset(self.declared),
-            packages=self.session.packages,
+            packages=self.context.packages,
             anonymous=self._anonymous,
         )
         text, problems = resolve(raw, location, around)
         self.used.update(text.uses)
-        for problem in problems:
-            self.report(
-                location,
-                problem.rule,
-                problem.key,
-                problem.message,
-                problem.remedy,
-                severity=problem.severity,
-            )
+        if self.activity is not Activity.INACTIVE:
+            self.findings += problems
         length = len(raw) + len(text.resolved or "")
-        if not self.session.spend("characters", length):
+        if not self.context.spend("characters", length):
             return replace(text, resolved=None, reason="too much text in these files")
         return text
 
@@ -133,6 +134,63 @@ class Scope:
             f'write {name}="true" or {name}="false"',
         )
         return False
+
+    def require_file(self, text: Text, user: str) -> None:
+        """Report a file that does not exist."""
+        if text.resolved is None or is_file(text.resolved):
+            return
+        self.report(
+            text.location,
+            "missing-file",
+            text.resolved,
+            f"does not exist, and {user} needs it",
+            "correct the path; $(find PACKAGE)/… begins in a package, $(dirname)/… in "
+            "the launch file's folder",
+        )
+
+    def words(self, text: Text) -> tuple[str, ...]:
+        """Return the words of a command line."""
+        if text.resolved is None:
+            return ()
+        try:
+            return tuple(shlex.split(text.resolved))
+        except ValueError as error:
+            self.report(
+                text.location,
+                "bad-command",
+                text.resolved.strip()[:40],
+                f"is no command line: {error}",
+                "close the quotation marks",
+            )
+            return ()
+
+    def namespace_of(self, element: Element) -> str | None:
+        """Return the namespace that an element's ``ns`` opens within this one."""
+        text = self.text(element, "ns")
+        clears = self.boolean(element, "clear_params")
+        is_node = element.tagName in ("node", "test")
+        if clears and not is_node and not (text is not None and text.raw):
+            self.report(
+                self.locate(element),
+                "bad-value",
+                "clear_params",
+                "needs ns beside it, to say which parameters go",
+                'write ns="…"',
+            )
+        if text is None:
+            return self.namespace
+        if text.resolved == "":
+            self.report(
+                text.location,
+                "bad-value",
+                "ns",
+                "is empty: roslaunch stops here",
+                "remove it, or name a namespace",
+            )
+            return self.namespace
+        if text.resolved is None or self.namespace is None:
+            return None
+        return grammar.as_namespace(grammar.join(self.namespace, text.resolved))
 
     def report(
         self,
@@ -158,7 +216,7 @@ class Scope:
 
     def _anonymous(self, name: str) -> str:
         if name not in self.anonymous:
-            self.anonymous[name] = self.session.anonymous(name)
+            self.anonymous[name] = self.context.anonymous(name)
         return self.anonymous[name]
 
     def _conditions(self, element: Element) -> tuple[Condition, ...]:
@@ -170,7 +228,7 @@ class Scope:
                 continue
             word = None
             if text.resolved is not None:
-                word = names.as_boolean(text.resolved)
+                word = grammar.as_boolean(text.resolved)
                 if word is None:
                     self.report(
                         text.location,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, final
 
-from tool0.description.finding import Severity
+from tool0.description.finding import Finding, Severity
 from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 from tool0.lint.launch.evaluation import (
     EvaluationError,
@@ -17,9 +17,9 @@ from tool0.lint.launch.evaluation import (
     NotUnderstoodError,
     evaluate,
 )
-from tool0.lint.launch.names import converted
-from tool0.lint.launch.packages import Packages
-from tool0.lint.launch.text import Text
+from tool0.lint.launch.grammar import converted
+from tool0.lint.launch.model import Text
+from tool0.lint.packages import PackageIndex
 
 COMMANDS: Final = ("find", "env", "optenv", "dirname", "anon", "arg", "eval")
 MAX_LENGTH: Final = 100_000
@@ -32,19 +32,7 @@ _FIND = re.compile(r"\$\(find ([^()]*)\)([^ $]*)")
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Problem:
-    """What is wrong in a text, for its reader to say where."""
-
-    rule: str
-    key: str
-    message: str
-    remedy: str
-    severity: Severity = "error"
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Surroundings:
+class SubstitutionContext:
     """What the words in one file and scope stand for."""
 
     file: Path
@@ -52,17 +40,17 @@ class Surroundings:
     """The arguments that have, or should have, a value."""
     declared: frozenset[str]
     """The arguments that are declared so far."""
-    packages: Packages
+    packages: PackageIndex
     anonymous: Callable[[str], str]
 
 
 def resolve(
-    raw: str, location: SourceLocation, around: Surroundings
-) -> tuple[Text, list[Problem]]:
+    raw: str, location: SourceLocation, around: SubstitutionContext
+) -> tuple[Text, list[Finding]]:
     """Return ``raw`` with its words replaced, and what is wrong with them."""
     if "$" not in raw:
         return Text(raw=raw, resolved=raw, location=location), []
-    work = _Substitution(around)
+    work = _Substitution(around, location)
     resolved = work.result(raw)
     reason = "" if resolved is not None else work.reason
     text = Text(
@@ -70,7 +58,6 @@ def resolve(
         resolved=resolved,
         location=location,
         uses=tuple(dict.fromkeys(work.uses)),
-        packages=tuple(dict.fromkeys(work.packages)),
         reason=reason,
     )
     return text, work.problems
@@ -85,18 +72,19 @@ class _UnresolvedError(Exception):
 class _Substitution:
     """The work on one text."""
 
-    around: Surroundings
+    around: SubstitutionContext
+    location: SourceLocation
     uses: list[str] = field(default_factory=list)
-    packages: list[str] = field(default_factory=list)
-    problems: list[Problem] = field(default_factory=list)
+    problems: list[Finding] = field(default_factory=list)
     reason: str = ""
 
     def result(self, raw: str) -> str | None:
         """Return the text, or None if a word in it has no value."""
         try:
             if raw.startswith("$(eval ") and raw.endswith(")"):
-                return _bounded(self._evaluate(raw[7:-1]))
+                return _limited(self._evaluate(raw[7:-1]))
             if _BROKEN.search(raw):
+                self.reason = "it has a $( that nothing closes"
                 self._problem(
                     "bad-substitution",
                     raw.strip()[:40],
@@ -126,8 +114,8 @@ class _Substitution:
             end = match.end()
             if length > MAX_LENGTH:
                 break
-        text = _bounded("".join((*parts, raw[end:])))
-        text = _bounded(_FIND.sub(self._find, text))
+        text = _limited("".join((*parts, raw[end:])))
+        text = _limited(_FIND.sub(self._find, text))
         return text if is_whole and not self.reason else None
 
     def _word(self, whole: str, inside: str) -> str:
@@ -138,28 +126,19 @@ class _Substitution:
             return str(self.around.file.absolute().parent)
         if command == "optenv" and words:
             return os.environ.get(words[0], " ".join(words[1:]))
-        if command in ("arg", "env", "anon") and len(words) == 1:
-            return self._function(command)(words[0])
+        functions = {"arg": self._arg, "env": self._env, "anon": self.around.anonymous}
+        if command in functions and len(words) == 1:
+            return functions[command](words[0])
         if command in COMMANDS:
             message = (
                 "must be the whole value: roslaunch reads it nowhere else"
                 if command == "eval"
                 else "takes one name"
             )
-            self._problem("bad-substitution", whole, message, "")
-        valid = did_you_mean(command, list(COMMANDS))
-        self._problem(
-            "bad-substitution", whole, f"nothing reads '{command}'{valid}", ""
-        )
+        else:
+            message = f"nothing reads '{command}'{did_you_mean(command, COMMANDS)}"
+        self._problem("bad-substitution", whole, message)
         raise _UnresolvedError(f"{whole} is not understood")
-
-    def _function(self, command: str) -> Callable[[str], str]:
-        functions: dict[str, Callable[[str], str]] = {
-            "arg": self._arg,
-            "env": self._env,
-            "anon": self.around.anonymous,
-        }
-        return functions[command]
 
     def _arg(self, name: str) -> str:
         self.uses.append(name)
@@ -173,7 +152,7 @@ class _Substitution:
                 "missing-argument",
                 name,
                 "is used here, and no <arg> before it declares it"
-                + did_you_mean(name, set(self.around.declared)),
+                + did_you_mean(name, self.around.declared),
                 f'write <arg name="{name}" default="…"/> above',
             )
         raise _UnresolvedError(f"argument '{name}' has no value")
@@ -200,7 +179,6 @@ class _Substitution:
         return folder + (after and "/" + after.removeprefix("/"))
 
     def _folder(self, name: str) -> str:
-        self.packages.append(name)
         try:
             return str(self.around.packages.find(name))
         except DescriptionError:
@@ -210,16 +188,15 @@ class _Substitution:
     def _not_found(self, name: str) -> None:
         packages = self.around.packages
         near = packages.nearest(name)
-        problem = Problem(
-            rule="unresolved-find",
-            key=name,
-            message="is a package that is not found here"
+        self._problem(
+            "unresolved-find",
+            name,
+            "is a package that is not found here"
             + (f"; did you mean '{near}'?" if near else ""),
-            remedy=f"install ros-noetic-{name.replace('_', '-')}, or put the package "
+            f"install ros-noetic-{name.replace('_', '-')}, or put the package "
             "into the workspace and its folder into ROS_PACKAGE_PATH",
             severity="error" if near or packages.has_ros else "warning",
         )
-        self.problems.append(problem)
 
     def _evaluate(self, expression: str) -> str:
         def known(name: str) -> object:
@@ -239,24 +216,34 @@ class _Substitution:
             return evaluate(expression, functions, known)
         except EvaluationError as error:
             is_ours = isinstance(error, NotUnderstoodError)
-            problem = Problem(
-                rule="bad-eval",
-                key=expression.strip()[:40],
-                message=f"$(eval …) has no value: {error}",
-                remedy="",
-                severity="warning" if is_ours else "error",
-            )
-            self.problems.append(problem)
-            raise _UnresolvedError(f"$(eval …) has no value: {error}") from None
+            message = f"$(eval …) has no value: {error}"
+            severity: Severity = "warning" if is_ours else "error"
+            key = expression.strip()[:40]
+            self._problem("bad-eval", key, message, severity=severity)
+            raise _UnresolvedError(message) from None
 
-    def _problem(self, rule: str, key: str, message: str, remedy: str) -> None:
-        self.reason = self.reason or message
+    def _problem(
+        self,
+        rule: str,
+        key: str,
+        message: str,
+        remedy: str = "",
+        *,
+        severity: Severity = "error",
+    ) -> None:
         self.problems.append(
-            Problem(rule=rule, key=key, message=message, remedy=remedy)
+            Finding(
+                location=self.location,
+                rule=rule,
+                severity=severity,
+                key=key,
+                message=message,
+                remedy=remedy,
+            )
         )
 
 
-def _bounded(text: str) -> str:
+def _limited(text: str) -> str:
     if len(text) > MAX_LENGTH:
         raise _UnresolvedError(f"it would be longer than {MAX_LENGTH} characters")
     return text

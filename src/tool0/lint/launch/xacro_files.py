@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 from typing import Final, final
 from xml.dom.minidom import Element
 
-from tool0.description.xml_source import children, parse_text
+from tool0.description.xml_source import parse_text
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.launch.model import LaunchFile, Parameter
-from tool0.lint.launch.packages import Packages
-from tool0.lint.launch.session import read_bounded
-from tool0.lint.launch.substitution import Surroundings, resolve
-from tool0.lint.launch.text import Text
+from tool0.lint.launch.load_context import read_limited
+from tool0.lint.launch.model import LaunchFile, Parameter, Text
+from tool0.lint.launch.substitution import SubstitutionContext, resolve
+from tool0.lint.packages import PackageIndex
+from tool0.lint.robot.elements import descendants
 
 MAX_FILES: Final = 200
 _GIVEN = re.compile(r"""(\w+):=['"]?((?:\$\([^()]*\)|[^\s'"$])*)""")
@@ -53,12 +53,11 @@ class XacroFile:
     """A xacro file, and what it includes."""
 
     file: Path | None
-    """None if its name cannot be told."""
+    """None if its name is unknown."""
     written: str
     """Its name as the file that includes it writes it."""
     location: SourceLocation
     """Where it is included."""
-    package: str | None = None
     reason: str = ""
     """Why it could not be read."""
     defaults: Mapping[str, str] = field(default_factory=dict)
@@ -99,7 +98,9 @@ def xacro_call(parameter: Parameter) -> XacroCall | None:
     )
 
 
-def xacro_robots(launch: LaunchFile, packages: Packages) -> dict[Parameter, XacroFile]:
+def xacro_robots(
+    launch: LaunchFile, packages: PackageIndex
+) -> dict[Parameter, XacroFile]:
     """Return what every parameter that calls xacro has it read."""
     return {
         parameter: xacro_files(call, packages)
@@ -108,22 +109,22 @@ def xacro_robots(launch: LaunchFile, packages: Packages) -> dict[Parameter, Xacr
     }
 
 
-def xacro_files(call: XacroCall, packages: Packages) -> XacroFile:
+def xacro_files(call: XacroCall, packages: PackageIndex) -> XacroFile:
     """Return the file that a call loads, with all that it includes."""
     where = call.parameter.place.location
     if call.file is None:
         reason = call.parameter.content.reason or "no file is named"
         written = call.parameter.content.raw
         return XacroFile(file=None, written=written, location=where, reason=reason)
-    reader = _Reader(packages, call.args)
+    reader = _XacroReader(packages, call.args)
     return reader.read(call.file.absolute(), str(call.file), where)
 
 
 @final
-class _Reader:
+class _XacroReader:
     """Follows the includes of one call."""
 
-    def __init__(self, packages: Packages, args: Mapping[str, str]) -> None:
+    def __init__(self, packages: PackageIndex, args: Mapping[str, str]) -> None:
         self._packages = packages
         self._values = {name: _text(value) for name, value in args.items()}
         self._properties: dict[str, str] = {}
@@ -132,47 +133,33 @@ class _Reader:
 
     def read(self, file: Path, written: str, where: SourceLocation) -> XacroFile:
         """Return one file and what it includes."""
-        package = self._packages.package_of(file)
-        reason, root = "", None
+        result = XacroFile(file=file, written=written, location=where)
         self._left -= 1
         if file in self._open:
-            reason = "it includes itself"
-        elif self._left < 0:
-            reason = f"it is one of more than {MAX_FILES}"
-        else:
-            try:
-                root = parse_text(read_bounded(file), file).documentElement
-            except DescriptionError as error:
-                reason = error.message
-            except (LookupError, ValueError) as error:
-                reason = f"cannot be decoded: {error}"
+            return replace(result, reason="it includes itself")
+        if self._left < 0:
+            return replace(result, reason=f"it is one of more than {MAX_FILES}")
+        try:
+            root = parse_text(read_limited(file), file).documentElement
+        except DescriptionError as error:
+            return replace(result, reason=error.message)
+        except (LookupError, ValueError) as error:
+            return replace(result, reason=f"cannot be decoded: {error}")
         if root is None:
-            return XacroFile(
-                file=file,
-                written=written,
-                location=where,
-                package=package,
-                reason=reason or "it is empty",
-            )
+            return replace(result, reason="it is empty")
         self._open.append(file)
         defaults: dict[str, str] = {}
         uses: list[XacroUse] = []
         includes: list[XacroFile] = []
-        for element in _all(root):
-            self._look(element, file, defaults, includes)
+        for element in descendants(root):
+            self._read_element(element, file, defaults, includes)
             uses += _uses(element)
         self._open.pop()
-        return XacroFile(
-            file=file,
-            written=written,
-            location=where,
-            package=package,
-            defaults=defaults,
-            uses=tuple(uses),
-            includes=tuple(includes),
+        return replace(
+            result, defaults=defaults, uses=tuple(uses), includes=tuple(includes)
         )
 
-    def _look(
+    def _read_element(
         self,
         element: Element,
         file: Path,
@@ -202,7 +189,7 @@ class _Reader:
 
     def _resolve(self, raw: str, file: Path) -> Text:
         raw = _PROPERTY.sub(lambda m: self._properties.get(m[1], m[0]), raw[:10_000])
-        around = Surroundings(
+        around = SubstitutionContext(
             file=file,
             values=self._values,
             declared=frozenset(self._values),
@@ -214,15 +201,6 @@ class _Reader:
 
 def _text(value: str) -> Text:
     return Text(raw=value, resolved=value, location=SourceLocation(None))
-
-
-def _all(root: Element) -> Iterator[Element]:
-    """Yield the elements in the order of the document."""
-    waiting = [root]
-    while waiting:
-        element = waiting.pop()
-        yield element
-        waiting += reversed(list(children(element)))
 
 
 def _uses(element: Element) -> Iterator[XacroUse]:

@@ -6,16 +6,17 @@ from collections.abc import Iterator
 from typing import Final, final
 
 from tool0.control.config import ControllerConfig
-from tool0.control.controller_types import TYPES
+from tool0.control.controller_types import TYPES, parameters_of
 from tool0.control.lint import OF_TOOL0, lint_joints
-from tool0.control.lint_controller import complaint
-from tool0.control.parameter_tables import parameters_of
-from tool0.control.parameters import INTERFACE_OF_PACKAGE, Robot
-from tool0.description.finding import Finding
-from tool0.description.model import Interface, Joint, JointType
+from tool0.control.parameters import (
+    INTERFACE_OF_PACKAGE,
+    RobotJoints,
+    joint_entries,
+)
+from tool0.description.finding import Finding, error_at
 from tool0.description.yaml_tree import Entry
 from tool0.errors import ConfigError, nearest_name
-from tool0.lint.parameters.names import JointNames
+from tool0.lint.parameters.joint_names import JointNames
 from tool0.lint.robot.facts import RobotFacts
 
 OTHER_TYPES: Final = (
@@ -37,13 +38,13 @@ OTHER_TYPES: Final = (
 _ROS2_MARKS = ("joint_trajectory_controller/", "joint_state_broadcaster/")
 _LIKE_A_CONTROLLER = frozenset({"joints", "joint", "gains", "constraints", "pid"})
 _TYPO = 0.75
-_OF_MOVEIT = frozenset(
+_MOVEIT_KEYS = frozenset(
     {
         *("controller_list", "controller_manager_name", "controller_manager_ns"),
         *("moveit_controller_manager", "moveit_simple_controller_manager"),
     }
 )
-"""Keys that MoveIt reads, whose setup assistant writes them into the same files."""
+"""Keys of MoveIt; its setup assistant writes them into the same files."""
 
 
 def controller_findings(
@@ -57,51 +58,50 @@ def controller_findings(
     """
     names = JointNames(robot)
     joints = None
-    if robot is not None:  # nobody commands those that are fixed
+    if robot is not None:  # fixed ones take no command
         joints = [j.name for j in robot.joints.values() if j.is_movable]
     linted = [
         finding
         for finding in lint_joints(config, joints)
-        if finding.rule not in OF_TOOL0 and _is_ours(finding, config)
+        if finding.rule not in OF_TOOL0 and _is_controller(finding, config)
     ]
     yield from linted
     wrong = {f.key.partition("/")[0] for f in linted if f.severity == "error"}
-    for name, entry in (config.tree.root.children or {}).items():
+    for name, entry in config.tree.root.children.items():
         if name in config.names:
-            found = _Controller(config, name, entry, robot, names).findings()
+            found = _Ros1Controller(config, name, entry, robot, names).findings()
             for finding in found:
-                said = finding.rule == "missing-key" and any(
+                is_reported = finding.rule == "missing-key" and any(
                     f"did you mean '{finding.key.rpartition('/')[2]}'" in other.remedy
                     for other in linted
                 )
                 follows = finding.rule == "controller-fails" and name in wrong
-                if not said and not follows:
+                if not is_reported and not follows:
                     yield finding
-        elif robot is None and "pid_gains" in (entry.children or {}):
-            gains = (entry.children or {})["pid_gains"]  # the linter knows no joints
-            yield from names.unknown(list((gains.children or {}).items()))
+        elif robot is None and "pid_gains" in entry.children:
+            gains = entry.children["pid_gains"]  # the linter knows no joints
+            yield from names.unknown(list(gains.children.items()))
 
 
-def _is_ours(finding: Finding, config: ControllerConfig) -> bool:
-    """Return whether what has no type is meant to be a controller.
+def _is_controller(finding: Finding, config: ControllerConfig) -> bool:
+    """Return whether an entry without a type is probably a controller.
 
     Other nodes have parameters in the same files.
     """
     if finding.rule != "no-type":
         return True
-    if finding.key in _OF_MOVEIT:
+    if finding.key in _MOVEIT_KEYS:
         return False
-    entry = (config.tree.root.children or {})[finding.key]
-    keys = entry.children or {}
+    entry = config.tree.root.children[finding.key]
     return (
         "controller" in finding.key
         or "meant to be" in finding.remedy
-        or len(_LIKE_A_CONTROLLER & keys.keys()) > 1
+        or len(_LIKE_A_CONTROLLER & entry.children.keys()) > 1
     )
 
 
 @final
-class _Controller:
+class _Ros1Controller:
     """One controller of the YAML."""
 
     def __init__(
@@ -114,7 +114,7 @@ class _Controller:
     ) -> None:
         self._config, self._name, self._entry = config, name, entry
         self._robot, self._names = robot, names
-        self._keys = entry.children or {}
+        self._keys = entry.children
         self._type_entry = self._keys["type"]
         self._type = str(self._type_entry.scalar)
 
@@ -122,7 +122,7 @@ class _Controller:
         if self._type not in TYPES:
             yield from self._unknown_type()
             return
-        joints = self._joints()
+        joints = [(str(item.scalar), item) for item in joint_entries(self._entry)]
         wrong = [
             *self._missing(),
             *self._names.unknown(joints),
@@ -140,22 +140,13 @@ class _Controller:
         publishes = "publish_rate" in patterns
         for key in ("publish_rate",) if publishes else ("joints", "joint"):
             if key in patterns and key not in self._keys:
-                yield Finding(
-                    location=self._entry.location,
-                    rule="missing-key",
-                    key=f"{self._name}/{key}",
-                    message=f"is missing, and {self._type} does not load without",
-                    remedy=f"write '{key}' under '{self._name}'",
+                yield error_at(
+                    self._entry.location,
+                    "missing-key",
+                    f"{self._name}/{key}",
+                    f"is missing, and {self._type} does not load without",
+                    f"write '{key}' under '{self._name}'",
                 )
-
-    def _joints(self) -> list[tuple[str, Entry]]:
-        """Return the joints that it names, and where."""
-        found = []
-        if "joint" in self._keys:
-            found.append(self._keys["joint"])
-        if "joints" in self._keys:
-            found += self._keys["joints"].items or []
-        return [(str(entry.scalar), entry) for entry in found]
 
     def _unknown_type(self) -> Iterator[Finding]:
         written, known = self._type, (*TYPES, *OTHER_TYPES)
@@ -175,9 +166,9 @@ class _Controller:
             elif "/" not in written:
                 remedy = "write it as package/Class"
             else:
-                return  # somebody's own
+                return  # a controller of the user's own
             message = f"there is no controller type '{written}', so it does not load"
-        yield complaint(self._type_entry, "unknown-type", message, remedy)
+        yield self._type_entry.finding("unknown-type", message, remedy)
 
     def _interfaces(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
         """Yield joints that this controller cannot command."""
@@ -191,15 +182,13 @@ class _Controller:
                 continue
             offered = robot.interfaces_of(name)
             if not offered and joint.mimic_of:
-                yield complaint(
-                    entry,
+                yield entry.finding(
                     "no-transmission",
                     f"'{name}' follows '{joint.mimic_of}' and takes no command",
                     f"name '{joint.mimic_of}' instead",
                 )
             elif not offered:
-                yield complaint(
-                    entry,
+                yield entry.finding(
                     "no-transmission",
                     f"'{name}' has no <transmission>, so ros_control cannot find it",
                     "give it one in the robot's description",
@@ -207,8 +196,7 @@ class _Controller:
             elif wanted is not None and not offered[0].written.endswith(wanted.value):
                 is_clear = offered[0].meant is not None
                 if is_clear or offered[0].written:
-                    yield complaint(
-                        entry,
+                    yield entry.finding(
                         "interface-mismatch",
                         f"{self._type} commands {wanted.value}, but the <transmission> "
                         f"of '{name}' ({offered[0].location}) offers "
@@ -227,44 +215,26 @@ class _Controller:
             if pattern not in patterns:
                 continue
             for name, _ in joints:
-                gains = self._at(path.format(name))
-                if gains is not None and "p" in (gains.children or {}):
+                gains = self._entry.find(path.format(name))
+                if gains is not None and "p" in gains.children:
                     continue
-                outer = gains or self._at(path.format(name).rpartition("/")[0])
-                yield complaint(
-                    outer or self._entry,
+                outer = gains or self._entry.find(path.format(name).rpartition("/")[0])
+                yield (outer or self._entry).finding(
                     "missing-gains",
                     f"lacks the gains of '{name}': {self._type} closes the loop itself "
                     "and needs at least p",
                     f"write {self._name}/{path.format(name)}: {{p: …, i: …, d: …}}",
                 )
 
-    def _at(self, path: str) -> Entry | None:
-        entry: Entry | None = self._entry
-        for part in path.split("/") if path else ():
-            entry = None if entry is None else (entry.children or {}).get(part)
-        return entry
-
     def _values(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
         """Yield what else keeps the controller from loading."""
-        interface = INTERFACE_OF_PACKAGE.get(
-            self._type.partition("/")[0], Interface.EFFORT
-        )
-        toy = Robot(
-            {
-                name: Joint(
-                    name=name, type=JointType.CONTINUOUS, parent="world", child=name
-                )
-                for name, _ in joints
-            },
-            {name: interface for name, _ in joints},
-        )
+        robot = RobotJoints.assumed((name for name, _ in joints), self._type)
         try:
-            self._config.spec(self._name, toy)
+            self._config.spec(self._name, robot)
         except ConfigError as error:
-            yield Finding(
-                location=error.location or self._entry.location,
-                rule="controller-fails",
-                key=self._name,
-                message=error.message,
+            yield error_at(
+                error.location or self._entry.location,
+                "controller-fails",
+                self._name,
+                error.message,
             )

@@ -6,17 +6,16 @@ from collections.abc import Iterator, Mapping
 from typing import final
 
 from tool0.control.controller_types import TYPES as TYPES_OF_ROS1
-from tool0.control.lint_controller import complaint
-from tool0.description.finding import Finding, Severity
+from tool0.description.finding import Finding, Severity, error_at
 from tool0.description.yaml_tree import Entry
 from tool0.errors import nearest_name
-from tool0.lint.parameters.names import JointNames
+from tool0.lint.parameters.joint_names import JointNames
 from tool0.lint.parameters.ros2_tables import (
     COMMON,
     MANAGER,
     OTHER_TYPES,
-    REQUIRED,
     TYPES,
+    required_parameters,
 )
 from tool0.lint.robot.facts import RobotFacts
 
@@ -27,12 +26,15 @@ _MISSPELT = ("ros_parameters", "ros__parameter", "ros_parameter", "ros___paramet
 
 
 def is_ros2(root: Entry) -> bool:
-    """Return whether a file is laid out for ROS 2, or is meant to be."""
-    return any(
-        part in (PARAMETERS, *_MISSPELT)
-        for leaf in root.leaves()
-        for part in leaf.key.split("/")
-    ) or _MANAGER in (root.children or {})
+    """Return whether a file has the layout of ROS 2, perhaps with a typo."""
+    return (
+        any(
+            part in (PARAMETERS, *_MISSPELT)
+            for leaf in root.leaves()
+            for part in leaf.key.split("/")
+        )
+        or _MANAGER in root.children
+    )
 
 
 def controller_findings(root: Entry, robot: RobotFacts | None) -> Iterator[Finding]:
@@ -46,27 +48,27 @@ def controller_findings(root: Entry, robot: RobotFacts | None) -> Iterator[Findi
     yield from _collect(root, nodes)
     manager = nodes.pop(_MANAGER, None)
     declared: dict[str, Entry] = {}
-    for name, entry in ((manager and manager.children) or {}).items():
-        if "type" in (entry.children or {}):
-            declared[name] = (entry.children or {})["type"]
-        elif name not in MANAGER and entry.children is None:
+    for name, entry in ({} if manager is None else manager.children).items():
+        if "type" in entry.children:
+            declared[name] = entry.children["type"]
+        elif name not in MANAGER and not entry.is_mapping:
             near = nearest_name(name, MANAGER, _TYPO)
             if near is not None:
                 yield _unread(entry, "the controller manager", near)
     for name, entry in nodes.items():
-        own = (entry.children or {}).get("type")
+        own = entry.children.get("type")
         if own is not None:
             declared.setdefault(name, own)
     yield from _misnamed(nodes, declared)
     for name, type_entry in declared.items():
         parameters = nodes.get(name)
-        yield from _Controller(name, type_entry, parameters, robot).findings()
+        yield from _Ros2Controller(name, type_entry, parameters, robot).findings()
 
 
 def _collect(root: Entry, nodes: dict[str, Entry]) -> Iterator[Finding]:
     """Put the parameters of every node into ``nodes``, by the node's name."""
-    for name, entry in (root.children or {}).items():
-        children = entry.children or {}
+    for name, entry in root.children.items():
+        children = entry.children
         inner = children.get(PARAMETERS)
         if inner is not None:
             inner.location = entry.location  # a person looks for the node's name
@@ -90,13 +92,8 @@ def _is_controller(children: Mapping[str, Entry]) -> bool:
 
 
 def _missing_level(entry: Entry, remedy: str) -> Finding:
-    return Finding(
-        location=entry.location,
-        rule="no-ros-parameters",
-        key=entry.key,
-        message="no node of ROS 2 gets these parameters",
-        remedy=remedy,
-    )
+    message = "no node of ROS 2 gets these parameters"
+    return entry.finding("no-ros-parameters", message, remedy)
 
 
 def _misnamed(
@@ -107,28 +104,23 @@ def _misnamed(
     for name, entry in nodes.items():
         near = nearest_name(name, without, _TYPO)
         if name not in declared and near is not None:
-            yield Finding(
-                location=entry.location,
-                rule="no-controller",
-                key=name,
-                message="the controller manager declares no such controller, so these "
+            yield error_at(
+                entry.location,
+                "no-controller",
+                name,
+                "the controller manager declares no such controller, so these "
                 "parameters are read by none",
-                remedy=f"did you mean '{near}'?",
+                f"did you mean '{near}'?",
             )
 
 
 def _unread(entry: Entry, who: str, near: str) -> Finding:
-    return Finding(
-        location=entry.location,
-        rule="unread-key",
-        key=entry.key,
-        message=f"{who} does not read it",
-        remedy=f"did you mean '{near}'?",
-    )
+    message = f"{who} does not read it"
+    return entry.finding("unread-key", message, f"did you mean '{near}'?")
 
 
 @final
-class _Controller:
+class _Ros2Controller:
     """One controller that the manager is to load."""
 
     def __init__(
@@ -141,7 +133,7 @@ class _Controller:
         self._name, self._type_entry, self._robot = name, type_entry, robot
         self._type = str(type_entry.scalar)
         self._parameters = parameters
-        self._keys = (parameters and parameters.children) or {}
+        self._keys = {} if parameters is None else parameters.children
 
     def findings(self) -> Iterator[Finding]:
         patterns = TYPES.get(self._type)
@@ -158,7 +150,7 @@ class _Controller:
         if self._robot is not None or len(joints) > 1:
             yield from JointNames(self._robot).unknown(joints)
         yield from self._interfaces(joints)
-        yield from self._keys_that_nothing_reads(patterns, {n for n, _ in joints})
+        yield from self._unread_keys(patterns, {n for n, _ in joints})
 
     def _unknown_type(self) -> Iterator[Finding]:
         if self._type in OTHER_TYPES:
@@ -173,16 +165,17 @@ class _Controller:
             message = f"there is no controller type '{self._type}'"
             remedy = f"did you mean '{near}'?"
         else:
-            return  # somebody's own
-        yield complaint(self._type_entry, "unknown-type", message, remedy)
+            return  # a controller of the user's own
+        yield self._type_entry.finding("unknown-type", message, remedy)
 
     def _missing(self) -> Iterator[Finding]:
-        missing = [key for key in REQUIRED.get(self._type, ()) if key not in self._keys]
+        missing = [
+            key for key in required_parameters(self._type) if key not in self._keys
+        ]
         if not missing:
             return
         where = self._parameters or self._type_entry
-        yield complaint(
-            where,
+        yield where.finding(
             "missing-key",
             f"{self._type} does not configure without {' and '.join(missing)}",
             f"write them under '{self._name}: {PARAMETERS}:'",
@@ -190,14 +183,13 @@ class _Controller:
 
     def _interfaces(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
         entry = self._keys.get("command_interfaces")
-        wanted = [str(item.scalar) for item in (entry and entry.items) or []]
+        wanted = [str(item.scalar) for item in (entry.items if entry else ())]
         if (
             "effort" in wanted
             and "gains" not in self._keys
             and "position" not in wanted
         ):
-            yield complaint(
-                entry or self._type_entry,
+            yield (entry or self._type_entry).finding(
                 "missing-gains",
                 "commands effort, so it closes the loop itself and needs gains",
                 f"write gains: {{<joint>: {{p: …}}}} under {self._name}",
@@ -208,26 +200,24 @@ class _Controller:
             offered = self._robot.ros2_joints.get(name)
             lacking = [kind for kind in wanted if kind not in (offered or ())]
             if offered is None and name in self._robot.joints:
-                yield complaint(
-                    place,
+                yield place.finding(
                     "no-transmission",
                     f"'{name}' is not in the robot's <ros2_control>",
                     "add it there, with its command interfaces",
                 )
             elif offered is not None and lacking:
-                yield complaint(
-                    place,
+                yield place.finding(
                     "interface-mismatch",
                     f"commands {', '.join(lacking)}, but <ros2_control> offers "
                     f"{', '.join(offered) or 'nothing'} for '{name}'",
                     "change command_interfaces, or the robot's <ros2_control>",
                 )
 
-    def _keys_that_nothing_reads(
+    def _unread_keys(
         self, patterns: frozenset[str], joints: set[str]
     ) -> Iterator[Finding]:
         read = patterns | COMMON
-        told: set[str] = set()
+        reported: set[str] = set()
         for leaf in self._parameters.leaves() if self._parameters else ():
             base = self._parameters.key if self._parameters else ""
             path = leaf.key[len(base) + 1 :].split("/")
@@ -235,9 +225,9 @@ class _Controller:
             dotted = pattern.replace(".", "/")  # ROS 2 reads a dot as a level
             if any(_covers(known, p) for known in read for p in (pattern, dotted)):
                 continue
-            if path[0] in told and len(path) > 1 and path[1] not in joints:
+            if path[0] in reported and len(path) > 1 and path[1] not in joints:
                 continue
-            told.add(path[0])
+            reported.add(path[0])
             yield self._unread(leaf, path, pattern, read)
 
     def _unread(
@@ -256,12 +246,12 @@ class _Controller:
         if near is not None:
             return _unread(leaf, kind, near)
         if others:
-            whose = " and ".join(sorted({name.partition("/")[2] for name in others}))
-            rule, message = "misplaced-key", f"{kind} does not read it; {whose} does"
+            kinds = " and ".join(sorted({name.partition("/")[2] for name in others}))
+            rule, message = "misplaced-key", f"{kind} does not read it; {kinds} does"
         else:
             rule, severity = "unread-key", "warning"
             message = f"no version of {kind} that is known here reads it"
-        return complaint(leaf, rule, message, "remove it", severity)
+        return leaf.finding(rule, message, "remove it", severity=severity)
 
 
 def _covers(candidate: str, pattern: str) -> bool:

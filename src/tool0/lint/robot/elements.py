@@ -15,7 +15,7 @@ HUGE = 1e12
 
 
 def place(element: Element) -> SourceLocation:
-    """Return where ``element`` was written, or that nobody knows."""
+    """Return where ``element`` was written; without a file if that is unknown."""
     return locate(element) or SourceLocation(None)
 
 

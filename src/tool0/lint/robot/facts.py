@@ -87,11 +87,6 @@ class PluginFacts:
         return next((text for key, text, _ in self.parameters if key == name), None)
 
     @property
-    def namespace(self) -> str:
-        """Where its topics are, without slashes around; empty: the model's own."""
-        return (self.parameter("robotNamespace") or "").strip("/")
-
-    @property
     def is_control(self) -> bool:
         """Whether it is ROS 1's controller manager for Gazebo classic."""
         return CONTROL_PLUGIN in self.filename
@@ -133,9 +128,9 @@ class RobotFacts:
     ros2_joints: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Joints of <ros2_control>, with their command interfaces."""
     passive_joints: frozenset[str] = frozenset()
-    """Joints that a loop holds and no gearbox shall: <passive_joint>, tool0's own."""
+    """Joints that need no gearbox since a loop holds them: tool0's <passive_joint>."""
     unmerged: frozenset[str] = frozenset()
-    """Fixed joints whose links Gazebo is told to keep apart."""
+    """Fixed joints whose links Gazebo does not merge."""
     has_extensions: bool = False
     """Whether there is any <gazebo>."""
 

@@ -8,15 +8,13 @@ from dataclasses import dataclass
 from typing import final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, Severity
+from tool0.description.finding import Finding, Severity, error_at, short, warning_at
 from tool0.description.model import Inertial
 from tool0.description.urdf_links import principal_moments
 from tool0.description.xml_source import children
-from tool0.lint.robot.bodies import bodies
+from tool0.lint.robot.bodies import bodies, extent_of
 from tool0.lint.robot.elements import attribute, child, number, place
 from tool0.lint.robot.facts import RobotFacts
-from tool0.lint.robot.names import short
-from tool0.lint.robot.shapes import extent_of
 
 _WORLD = "world"
 _DENSEST = 22600.0
@@ -61,15 +59,13 @@ def _mass(link: Element) -> float | None:
 def _incomplete(inertial: Element, name: str) -> Iterator[Finding]:
     for tag in ("mass", "inertia"):
         if child(inertial, tag) is None:
-            yield Finding(
-                location=place(inertial),
-                rule="incomplete-inertial",
-                key=name,
-                message=(
-                    f"the <inertial> of link '{short(name)}' has no <{tag}>, so ROS "
-                    "refuses the whole robot_description"
-                ),
-                remedy=f"add <{tag}>, or leave <inertial> out for a mere frame",
+            yield error_at(
+                place(inertial),
+                "incomplete-inertial",
+                name,
+                f"the <inertial> of link '{short(name)}' has no <{tag}>, so ROS "
+                "refuses the whole robot_description",
+                f"add <{tag}>, or leave <inertial> out for a mere frame",
             )
 
 
@@ -154,17 +150,14 @@ def _tensor(
             ),
         )
     elif not low + middle >= high * (1 - _ROUNDING):
-        yield Finding(
-            location=place(tensor),
-            rule="bad-inertia",
-            severity="warning",
-            key=name,
-            message=(
-                f"{body}: no body's largest exceeds the sum of the others (triangle "
-                "inequality). MuJoCo and the new Gazebo refuse it, and Gazebo "
-                "classic turns it wrongly"
-            ),
-            remedy="check units and axes, and that a CAD program's signs are kept",
+        yield warning_at(
+            place(tensor),
+            "bad-inertia",
+            name,
+            f"{body}: no body's largest exceeds the sum of the others (triangle "
+            "inequality). MuJoCo and the new Gazebo refuse it, and Gazebo "
+            "classic turns it wrongly",
+            "check units and axes, and that a CAD program's signs are kept",
         )
     elif is_alone:
         yield from _size(tensor, body)

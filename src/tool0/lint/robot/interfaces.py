@@ -28,7 +28,7 @@ class InterfaceFacts:
 
     written: str
     meant: str | None
-    """``hardware_interface/…``; None if nobody can tell."""
+    """``hardware_interface/…``; None if it is unclear."""
     in_actuator: bool
     """Written in <actuator>: read only if <joint> names none, and deprecated."""
     location: SourceLocation

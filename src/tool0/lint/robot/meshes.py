@@ -9,22 +9,21 @@ from pathlib import Path
 from typing import final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
-from tool0.description.mesh_files import MESH_SUFFIXES
+from tool0.description.finding import Finding, error_at, short, warning_at
+from tool0.description.shapes import MESH_SUFFIXES
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation
+from tool0.lint.packages import PackageIndex, nearest_file
 from tool0.lint.robot.elements import attribute, descendants, place, vector
-from tool0.lint.robot.names import short
-from tool0.lint.robot.packages import Packages, nearest_file
 
 _SCHEMES = ("package", "file", "model", "http", "https")
-_ABROAD = ("model", "http", "https")
-"""Gazebo and RViz look these up; no package or path tells whether they are there."""
+_REMOTE = ("model", "http", "https")
+"""Gazebo and RViz download these, so that no local path can be checked."""
 
 
 def mesh_findings(root: Element, packages: Mapping[str, Path]) -> Iterator[Finding]:
     """Yield the meshes that cannot be loaded; each file and each package once."""
-    meshes = _Meshes(Packages(packages))
+    meshes = _Meshes(PackageIndex(packages))
     for link in children(root, "link"):
         for element in descendants(link):
             if element.tagName == "mesh":
@@ -33,9 +32,9 @@ def mesh_findings(root: Element, packages: Mapping[str, Path]) -> Iterator[Findi
 
 @final
 class _Meshes:
-    """The meshes of one robot, and what has been said about them."""
+    """The meshes of one robot; each file and each package is reported once."""
 
-    def __init__(self, packages: Packages) -> None:
+    def __init__(self, packages: PackageIndex) -> None:
         self._packages = packages
         self._done: set[str] = set()
 
@@ -44,12 +43,12 @@ class _Meshes:
         location = place(mesh)
         scale = vector(mesh, "scale")
         if scale is not None and not all(scale):
-            yield Finding(
-                location=location,
-                rule="zero-scale",
-                key=attribute(mesh, "filename"),
-                message="the <mesh> has a scale of zero, so it is flat, or a point",
-                remedy='write scale="0.001 0.001 0.001" for a mesh in mm, or no scale',
+            yield error_at(
+                location,
+                "zero-scale",
+                attribute(mesh, "filename"),
+                "the <mesh> has a scale of zero, so it is flat, or a point",
+                'write scale="0.001 0.001 0.001" for a mesh in mm, or no scale',
             )
         uri = attribute(mesh, "filename")
         if uri not in self._done:
@@ -73,15 +72,13 @@ class _Meshes:
             return
         suffix = os.path.splitext(uri)[1].lower()  # noqa: PTH122  # of a URI
         if suffix not in MESH_SUFFIXES:
-            yield Finding(
-                location=location,
-                rule="unsupported-mesh",
-                key=uri,
-                message=(
-                    f"Gazebo and RViz read no mesh such as '{short(uri)}': the link is "
-                    "neither seen nor touched"
-                ),
-                remedy=f"convert it to one of {', '.join(MESH_SUFFIXES)}",
+            yield error_at(
+                location,
+                "unsupported-mesh",
+                uri,
+                f"Gazebo and RViz read no mesh such as '{short(uri)}': the link is "
+                "neither seen nor touched",
+                f"convert it to one of {', '.join(MESH_SUFFIXES)}",
             )
         yield from self._file(uri, location)
 
@@ -93,7 +90,7 @@ class _Meshes:
             yield from self._in_package(uri, rest, location)
         elif scheme == "file":
             yield from _exists(Path("/" + rest.lstrip("/")), uri, location)
-        elif scheme not in _ABROAD:
+        elif scheme not in _REMOTE:
             yield _unresolved(
                 uri,
                 location,
@@ -105,7 +102,7 @@ class _Meshes:
         self, uri: str, rest: str, location: SourceLocation
     ) -> Iterator[Finding]:
         name, _, inside = rest.partition("/")
-        folder = self._packages.find(name)
+        folder = self._packages.get(name)
         if folder is not None:
             yield from _exists(folder / inside, uri, location)
         elif f"package://{name}/" not in self._done:
@@ -124,16 +121,13 @@ def _plain(uri: str, location: SourceLocation) -> Iterator[Finding]:
     elif uri.startswith("/"):
         yield from _exists(Path(uri), uri, location)
     else:
-        yield Finding(
-            location=location,
-            rule="relative-mesh",
-            severity="warning",
-            key=uri,
-            message=(
-                f"the path '{short(uri)}' counts from nowhere: RViz does not find it, "
-                "and Gazebo looks in the folder that it was started in"
-            ),
-            remedy="write package://PACKAGE/PATH",
+        yield warning_at(
+            location,
+            "relative-mesh",
+            uri,
+            f"the path '{short(uri)}' counts from nowhere: RViz does not find it, "
+            "and Gazebo looks in the folder that it was started in",
+            "write package://PACKAGE/PATH",
         )
 
 
@@ -153,10 +147,10 @@ def _exists(path: Path, uri: str, location: SourceLocation) -> Iterator[Finding]
 def _unresolved(
     uri: str, location: SourceLocation, message: str, remedy: str
 ) -> Finding:
-    return Finding(
-        location=location,
-        rule="unresolved-uri",
-        key=uri,
-        message=message,
-        remedy=remedy,
+    return error_at(
+        location,
+        "unresolved-uri",
+        uri,
+        message,
+        remedy,
     )

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at, short, warning_at
 from tool0.errors import nearest_name
 from tool0.lint.robot.bodies import bodies
 from tool0.lint.robot.facts import JointFacts, RobotFacts
-from tool0.lint.robot.names import short
 
 
 def mimic_findings(facts: RobotFacts, spawned: bool) -> Iterator[Finding]:
@@ -28,19 +27,15 @@ def _leader(joint: JointFacts, facts: RobotFacts) -> Iterator[Finding]:
     leader = facts.joints.get(of)
     if leader is None:
         close = nearest_name(of, facts.joints)
-        yield Finding(
-            location=joint.location,
-            rule="unknown-joint",
-            key=joint.name,
-            message=(
-                f"joint '{short(joint.name)}' mimics '{short(of)}', which the robot "
-                "lacks: robot_state_publisher and MoveIt refuse it, or leave it still"
-            ),
-            remedy=(
-                f'write <mimic joint="{close}"/>'
-                if close
-                else "name the joint that has the motor"
-            ),
+        yield error_at(
+            joint.location,
+            "unknown-joint",
+            joint.name,
+            f"joint '{short(joint.name)}' mimics '{short(of)}', which the robot "
+            "lacks: robot_state_publisher and MoveIt refuse it, or leave it still",
+            f'write <mimic joint="{close}"/>'
+            if close
+            else "name the joint that has the motor",
         )
         return
     circle = _is_circle(joint, facts)
@@ -66,16 +61,13 @@ def _leader(joint: JointFacts, facts: RobotFacts) -> Iterator[Finding]:
         )
     elif not (joint.is_movable and leader.is_movable):
         fixed = joint if not joint.is_movable else leader
-        yield Finding(
-            location=joint.location,
-            rule="mimic-fixed",
-            severity="warning",
-            key=joint.name,
-            message=(
-                f"joint '{short(joint.name)}' mimics '{short(of)}', but "
-                f"'{short(fixed.name)}' is {short(fixed.type)}: it cannot move"
-            ),
-            remedy="remove <mimic>, or let both joints move",
+        yield warning_at(
+            joint.location,
+            "mimic-fixed",
+            joint.name,
+            f"joint '{short(joint.name)}' mimics '{short(of)}', but "
+            f"'{short(fixed.name)}' is {short(fixed.type)}: it cannot move",
+            "remove <mimic>, or let both joints move",
         )
 
 
@@ -100,21 +92,16 @@ def _loose(facts: RobotFacts) -> Iterator[Finding]:
         if joint.mimic_of is None or not joint.is_movable or joint.name in held:
             continue
         if body.get(joint.child) not in geared:
-            yield Finding(
-                location=joint.location,
-                rule="loose-mimic",
-                severity="warning",
-                key=joint.name,
-                message=(
-                    f"joint '{short(joint.name)}' mimics '{short(joint.mimic_of)}', "
-                    "but Gazebo classic drops <mimic>: it swings freely, and the "
-                    "fingers neither follow nor hold"
-                ),
-                remedy=(
-                    "hold it with a gearbox joint, "
-                    '<gazebo><joint type="gearbox">…</joint></gazebo> (ODE only), as '
-                    "tool0_description does, or with a mimic plugin that has <hasPID/>"
-                ),
+            yield warning_at(
+                joint.location,
+                "loose-mimic",
+                joint.name,
+                f"joint '{short(joint.name)}' mimics '{short(joint.mimic_of)}', "
+                "but Gazebo classic drops <mimic>: it swings freely, and the "
+                "fingers neither follow nor hold",
+                "hold it with a gearbox joint, "
+                '<gazebo><joint type="gearbox">…</joint></gazebo> (ODE only), as '
+                "tool0_description does, or with a mimic plugin that has <hasPID/>",
             )
 
 
@@ -124,19 +111,14 @@ def _teleported(facts: RobotFacts) -> Iterator[Finding]:
             continue
         if plugin.parameter("hasPID") is None:
             joint = plugin.parameter("mimicJoint") or plugin.name
-            yield Finding(
-                location=plugin.location,
-                rule="teleported-mimic",
-                severity="warning",
-                key=joint,
-                message=(
-                    f"without <hasPID/> the mimic plugin '{short(plugin.name)}' sets "
-                    f"the position of '{short(joint)}' at every step: the finger "
-                    "feels no contact, so what it grasps is thrown away or dropped"
-                ),
-                remedy=(
-                    "hold the joint with a gearbox joint as tool0_description does, "
-                    "or add <hasPID/> and gains under "
-                    f"gazebo_ros_control/pid_gains/{short(joint)}"
-                ),
+            yield warning_at(
+                plugin.location,
+                "teleported-mimic",
+                joint,
+                f"without <hasPID/> the mimic plugin '{short(plugin.name)}' sets "
+                f"the position of '{short(joint)}' at every step: the finger "
+                "feels no contact, so what it grasps is thrown away or dropped",
+                "hold the joint with a gearbox joint as tool0_description does, "
+                "or add <hasPID/> and gains under "
+                f"gazebo_ros_control/pid_gains/{short(joint)}",
             )

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at, quoted, short, warning_at
 from tool0.description.model import Interface
 from tool0.errors import SourceLocation, nearest_name
 from tool0.lint.robot.facts import RobotFacts, TransmissionFacts
 from tool0.lint.robot.interfaces import InterfaceFacts
-from tool0.lint.robot.names import quoted, short
 
 SIMPLE = "transmission_interface/SimpleTransmission"
 _OTHERS = (
@@ -49,15 +48,13 @@ def _incomplete(transmission: TransmissionFacts) -> Iterator[Finding]:
     }
     missing = [what for what, is_there in lacking.items() if not is_there]
     if missing:
-        yield Finding(
-            location=transmission.location,
-            rule="incomplete-transmission",
-            key=transmission.name,
-            message=(
-                f"{_said(transmission)} is not complete, so ros_control skips it and "
-                f"no controller finds the joint {quoted(transmission.joints)}"
-            ),
-            remedy=f"add {', '.join(missing)}",
+        yield error_at(
+            transmission.location,
+            "incomplete-transmission",
+            transmission.name,
+            f"{_said(transmission)} is not complete, so ros_control skips it and "
+            f"no controller finds the joint {quoted(transmission.joints)}",
+            f"add {', '.join(missing)}",
         )
 
 
@@ -96,15 +93,13 @@ def _joints(
     first: dict[str, TransmissionFacts],
 ) -> Iterator[Finding]:
     if len(transmission.joints) > 1 and transmission.type == SIMPLE:
-        yield Finding(
-            location=transmission.location,
-            rule="incomplete-transmission",
-            key=transmission.name,
-            message=(
-                f"{_said(transmission)} has {len(transmission.joints)} joints, so "
-                "gazebo_ros_control skips it and no controller finds them"
-            ),
-            remedy="write one <transmission> for each joint",
+        yield error_at(
+            transmission.location,
+            "incomplete-transmission",
+            transmission.name,
+            f"{_said(transmission)} has {len(transmission.joints)} joints, so "
+            "gazebo_ros_control skips it and no controller finds them",
+            "write one <transmission> for each joint",
         )
     for name in transmission.joints:
         joint = facts.joints.get(name)
@@ -112,60 +107,49 @@ def _joints(
         if joint is None:
             yield _unknown(transmission, name, facts)
         elif earlier is not transmission:
-            yield Finding(
-                location=transmission.location,
-                rule="two-transmissions",
-                key=name,
-                message=(
-                    f"joint '{short(name)}' has two transmissions, "
-                    f"'{short(earlier.name)}' at {earlier.location} and "
-                    f"'{short(transmission.name)}', so it is registered twice and "
-                    "one interface hides the other"
-                ),
-                remedy="remove one of them",
+            yield error_at(
+                transmission.location,
+                "two-transmissions",
+                name,
+                f"joint '{short(name)}' has two transmissions, "
+                f"'{short(earlier.name)}' at {earlier.location} and "
+                f"'{short(transmission.name)}', so it is registered twice and "
+                "one interface hides the other",
+                "remove one of them",
             )
         elif joint.mimic_of is not None:
-            yield Finding(
-                location=transmission.location,
-                rule="driven-mimic",
-                severity="warning",
-                key=name,
-                message=(
-                    f"joint '{short(name)}' mimics '{short(joint.mimic_of)}' and has a "
-                    "transmission too: ros_control drives it by itself, against what "
-                    "makes it follow"
-                ),
-                remedy="remove the transmission, or the <mimic>",
+            yield warning_at(
+                transmission.location,
+                "driven-mimic",
+                name,
+                f"joint '{short(name)}' mimics '{short(joint.mimic_of)}' and has a "
+                "transmission too: ros_control drives it by itself, against what "
+                "makes it follow",
+                "remove the transmission, or the <mimic>",
             )
         elif joint.type == "fixed":
-            yield Finding(
-                location=transmission.location,
-                rule="unknown-joint",
-                key=name,
-                message=(
-                    f"{_said(transmission)} drives '{short(name)}', which is fixed: "
-                    "Gazebo has merged it away, and gazebo_ros_control stops"
-                ),
-                remedy="remove the transmission, or let the joint move",
+            yield error_at(
+                transmission.location,
+                "unknown-joint",
+                name,
+                f"{_said(transmission)} drives '{short(name)}', which is fixed: "
+                "Gazebo has merged it away, and gazebo_ros_control stops",
+                "remove the transmission, or let the joint move",
             )
 
 
 def _unknown(transmission: TransmissionFacts, name: str, facts: RobotFacts) -> Finding:
     movable = [joint.name for joint in facts.joints.values() if joint.is_movable]
     close = nearest_name(name, movable)
-    return Finding(
-        location=transmission.location,
-        rule="unknown-joint",
-        key=name,
-        message=(
-            f"{_said(transmission)} drives the joint '{short(name)}', which the robot "
-            "lacks: gazebo_ros_control stops at it, and no controller runs"
-        ),
-        remedy=(
-            f'write <joint name="{close}">'
-            if close
-            else f"the joints that move are {quoted(movable)}"
-        ),
+    return error_at(
+        transmission.location,
+        "unknown-joint",
+        name,
+        f"{_said(transmission)} drives the joint '{short(name)}', which the robot "
+        "lacks: gazebo_ros_control stops at it, and no controller runs",
+        f'write <joint name="{close}">'
+        if close
+        else f"the joints that move are {quoted(movable)}",
     )
 
 
@@ -179,16 +163,13 @@ def _interfaces(transmission: TransmissionFacts) -> Iterator[Finding]:
     named = _counting(transmission)
     if len(named) > 1 and len(transmission.joints) == 1:
         kept = short(named[0].written)
-        yield Finding(
-            location=named[1].location,
-            rule="two-interfaces",
-            severity="warning",
-            key=transmission.name,
-            message=(
-                f"{_said(transmission)} names {len(named)} interfaces; Gazebo takes "
-                f"the first, '{kept}', and controllers of the others do not load"
-            ),
-            remedy="keep the one that the controller is made for",
+        yield warning_at(
+            named[1].location,
+            "two-interfaces",
+            transmission.name,
+            f"{_said(transmission)} names {len(named)} interfaces; Gazebo takes "
+            f"the first, '{kept}', and controllers of the others do not load",
+            "keep the one that the controller is made for",
         )
 
 
@@ -205,33 +186,28 @@ def _unknown_interfaces(facts: RobotFacts) -> Iterator[Finding]:
         if interface.meant:
             yield _typo(interface, joints)
         elif simulators <= {None, _DEFAULT_SIMULATOR}:
-            yield Finding(
-                location=interface.location,
-                rule="unknown-interface",
-                severity="warning",
-                key=interface.written,
-                message=(
-                    f"gazebo_ros_control stops at the interface "
-                    f"'{short(interface.written)}' of {quoted(joints)}; only a "
-                    "robot's own driver may know it"
-                ),
-                remedy=f"for Gazebo write one of {_VALID}",
+            yield warning_at(
+                interface.location,
+                "unknown-interface",
+                interface.written,
+                f"gazebo_ros_control stops at the interface "
+                f"'{short(interface.written)}' of {quoted(joints)}; only a "
+                "robot's own driver may know it",
+                f"for Gazebo write one of {_VALID}",
             )
 
 
 def _typo(interface: InterfaceFacts, joints: list[str]) -> Finding:
     quotes = interface.written.strip("\"'") != interface.written
-    return Finding(
-        location=interface.location,
-        rule="interface-typo",
-        key=interface.written,
-        message=(
-            f"there is no hardware interface '{short(interface.written)}'"
-            + (" (its quotation marks count)" * quotes)
-            + f": gazebo_ros_control stops at joint {quoted(joints)}, and no "
-            "controller runs"
-        ),
-        remedy=f"write {interface.meant}",
+    return error_at(
+        interface.location,
+        "interface-typo",
+        interface.written,
+        f"there is no hardware interface '{short(interface.written)}'"
+        + (" (its quotation marks count)" * quotes)
+        + f": gazebo_ros_control stops at joint {quoted(joints)}, and no "
+        "controller runs",
+        f"write {interface.meant}",
     )
 
 
@@ -240,19 +216,14 @@ def _undriven(facts: RobotFacts) -> Iterator[Finding]:
     for joint in facts.joints.values():
         is_caster = joint.type == "continuous" and joint.limits is None
         if joint.is_drivable and not is_caster and joint.name not in driven:
-            yield Finding(
-                location=joint.location,
-                rule="no-transmission",
-                severity="warning",
-                key=joint.name,
-                message=(
-                    f"joint '{short(joint.name)}' moves, yet has no transmission: no "
-                    "controller can drive it, it hangs loose and is not in "
-                    "/joint_states"
-                ),
-                remedy=(
-                    f"write a <transmission> of {SIMPLE} with "
-                    f'<joint name="{short(joint.name)}"> and a <hardwareInterface>, '
-                    "or make the joint fixed"
-                ),
+            yield warning_at(
+                joint.location,
+                "no-transmission",
+                joint.name,
+                f"joint '{short(joint.name)}' moves, yet has no transmission: no "
+                "controller can drive it, it hangs loose and is not in "
+                "/joint_states",
+                f"write a <transmission> of {SIMPLE} with "
+                f'<joint name="{short(joint.name)}"> and a <hardwareInterface>, '
+                "or make the joint fixed",
             )

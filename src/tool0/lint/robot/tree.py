@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, error_at, quoted, short
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, nearest_name
 from tool0.lint.robot.elements import attribute, place
 from tool0.lint.robot.facts import JointFacts, RobotFacts
-from tool0.lint.robot.names import quoted, short
 
 _REFUSED = "so ROS refuses the whole robot_description"
 
@@ -30,12 +29,12 @@ def _unnamed(root: Element) -> Iterator[Finding]:
     owners = [root, *children(root, "link"), *children(root, "joint")]
     for element in owners:
         if not attribute(element, "name"):
-            yield Finding(
-                location=place(element),
-                rule="unnamed",
-                key=f"<{element.tagName}>",
-                message=f"this <{element.tagName}> has no name, {_REFUSED}",
-                remedy='give it name="…"',
+            yield error_at(
+                place(element),
+                "unnamed",
+                f"<{element.tagName}>",
+                f"this <{element.tagName}> has no name, {_REFUSED}",
+                'give it name="…"',
             )
 
 
@@ -46,15 +45,13 @@ def _duplicates(root: Element, kind: str) -> Iterator[Finding]:
         if name not in first:
             first[name] = place(element)
         elif name:
-            yield Finding(
-                location=place(element),
-                rule=f"duplicate-{kind}",
-                key=name,
-                message=(
-                    f"{kind} '{short(name)}' is defined twice, first at {first[name]}, "
-                    f"{_REFUSED}: often an arm and a gripper both bring one"
-                ),
-                remedy=_one_name(kind, name),
+            yield error_at(
+                place(element),
+                f"duplicate-{kind}",
+                name,
+                f"{kind} '{short(name)}' is defined twice, first at {first[name]}, "
+                f"{_REFUSED}: often an arm and a gripper both bring one",
+                _one_name(kind, name),
             )
 
 
@@ -71,31 +68,25 @@ def _unknown_links(facts: RobotFacts) -> Iterator[Finding]:
     for joint in facts.joints.values():
         for role, name in (("parent", joint.parent), ("child", joint.child)):
             if not name:
-                yield Finding(
-                    location=joint.location,
-                    rule="unknown-link",
-                    key=joint.name,
-                    message=(
-                        f"joint '{short(joint.name)}' names no {role} link, {_REFUSED}"
-                    ),
-                    remedy=f'write <{role} link="…"/> in it',
+                yield error_at(
+                    joint.location,
+                    "unknown-link",
+                    joint.name,
+                    f"joint '{short(joint.name)}' names no {role} link, {_REFUSED}",
+                    f'write <{role} link="…"/> in it',
                 )
             elif name not in facts.links:
                 close = nearest_name(name, facts.links)
-                yield Finding(
-                    location=joint.location,
-                    rule="unknown-link",
-                    key=joint.name,
-                    message=(
-                        f"joint '{short(joint.name)}' has the {role} link "
-                        f"'{short(name)}', which the robot lacks, {_REFUSED}"
-                    ),
-                    remedy=(
-                        f'write <{role} link="{close}"/>; a prefix that a macro gets '
-                        "stands before all its names"
-                        if close
-                        else f"the robot has {quoted(facts.links)}"
-                    ),
+                yield error_at(
+                    joint.location,
+                    "unknown-link",
+                    joint.name,
+                    f"joint '{short(joint.name)}' has the {role} link "
+                    f"'{short(name)}', which the robot lacks, {_REFUSED}",
+                    f'write <{role} link="{close}"/>; a prefix that a macro gets '
+                    "stands before all its names"
+                    if close
+                    else f"the robot has {quoted(facts.links)}",
                 )
 
 
@@ -106,30 +97,26 @@ def _two_parents(facts: RobotFacts) -> Iterator[Finding]:
             continue
         first = above.setdefault(joint.child, joint)
         if first is not joint:
-            yield Finding(
-                location=joint.location,
-                rule="two-parents",
-                key=joint.child,
-                message=(
-                    f"link '{short(joint.child)}' hangs on two joints, "
-                    f"'{short(first.name)}' at {first.location} and "
-                    f"'{short(joint.name)}', {_REFUSED}: URDF is a tree"
-                ),
-                remedy=(
-                    "remove one of the joints, or swap <parent> and <child> of the "
-                    "one that is meant the other way round"
-                ),
+            yield error_at(
+                joint.location,
+                "two-parents",
+                joint.child,
+                f"link '{short(joint.child)}' hangs on two joints, "
+                f"'{short(first.name)}' at {first.location} and "
+                f"'{short(joint.name)}', {_REFUSED}: URDF is a tree",
+                "remove one of the joints, or swap <parent> and <child> of the "
+                "one that is meant the other way round",
             )
 
 
 def _roots(root: Element, facts: RobotFacts) -> Iterator[Finding]:
     if not facts.links:
-        yield Finding(
-            location=place(root),
-            rule="no-root",
-            key=facts.name,
-            message=f"the robot has no <link>, {_REFUSED}",
-            remedy='give it one, such as <link name="base_link"/>',
+        yield error_at(
+            place(root),
+            "no-root",
+            facts.name,
+            f"the robot has no <link>, {_REFUSED}",
+            'give it one, such as <link name="base_link"/>',
         )
         return
     children_of_joints = {joint.child for joint in facts.joints.values()}
@@ -137,29 +124,25 @@ def _roots(root: Element, facts: RobotFacts) -> Iterator[Finding]:
         return  # a misspelt child leaves the link it means without a joint
     roots = [name for name in facts.links if name not in children_of_joints]
     if not roots:
-        yield Finding(
-            location=place(root),
-            rule="no-root",
-            key=facts.name,
-            message=f"every link is the child of a joint, {_REFUSED}: nothing is first",
-            remedy="remove the joint that leads back to the first link",
+        yield error_at(
+            place(root),
+            "no-root",
+            facts.name,
+            f"every link is the child of a joint, {_REFUSED}: nothing is first",
+            "remove the joint that leads back to the first link",
         )
     elif len(roots) > 1:
         places = ", ".join(
             f"'{short(name)}' at {facts.links[name]}" for name in roots[:4]
         )
-        yield Finding(
-            location=facts.links[roots[1]],
-            rule="two-roots",
-            key=roots[1],
-            message=(
-                f"no joint leads to {len(roots)} of the links ({places}), {_REFUSED}: "
-                "it has two roots"
-            ),
-            remedy=(
-                "join all but one of them to the rest, as with a fixed joint from "
-                "the arm's tool0 to the first link of the gripper"
-            ),
+        yield error_at(
+            facts.links[roots[1]],
+            "two-roots",
+            roots[1],
+            f"no joint leads to {len(roots)} of the links ({places}), {_REFUSED}: "
+            "it has two roots",
+            "join all but one of them to the rest, as with a fixed joint from "
+            "the arm's tool0 to the first link of the gripper",
         )
 
 
@@ -177,14 +160,12 @@ def _loops(facts: RobotFacts) -> Iterator[Finding]:
         if upward and upward.name in path:
             names = list(path)
             loop = names[names.index(upward.name) :]
-            yield Finding(
-                location=upward.location,
-                rule="loop",
-                key=upward.name,
-                message=f"the joints {quoted(loop)} form a loop, {_REFUSED}",
-                remedy=(
-                    "remove one of them; a closed linkage is simulated with mimic "
-                    "joints and a gearbox or a constraint of the simulator"
-                ),
+            yield error_at(
+                upward.location,
+                "loop",
+                upward.name,
+                f"the joints {quoted(loop)} form a loop, {_REFUSED}",
+                "remove one of them; a closed linkage is simulated with mimic "
+                "joints and a gearbox or a constraint of the simulator",
             )
         done.update(path)

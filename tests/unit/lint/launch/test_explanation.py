@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from tool0.lint.launch.contents import contents
-from tool0.lint.launch.item import Item
-from tool0.lint.launch.packages import Packages, packages_around
+from tool0.lint.launch.argument_flow import argument_flow
+from tool0.lint.launch.explanation import Item, contents
 from tool0.lint.launch.reader import read_launch
-from tool0.lint.launch.ways import argument_ways
 from tool0.lint.launch.xacro_files import xacro_robots
+from tool0.lint.packages import PackageIndex, packages_around
 
 DATA = Path(__file__).parents[3] / "data" / "launch" / "src"
 BRING_UP = DATA / "arm_gazebo" / "launch" / "arm_bringup.launch"
@@ -18,10 +17,10 @@ BRING_UP = DATA / "arm_gazebo" / "launch" / "arm_bringup.launch"
 
 def explained(file: Path, **arguments: str) -> tuple[Item, tuple[Item, ...]]:
     """Return the contents of a file, and the ways of its arguments."""
-    packages = Packages(packages_around(file))
+    packages = PackageIndex(packages_around(file))
     launch = read_launch(file, arguments, packages)
     robots = xacro_robots(launch, packages)
-    return contents(launch, robots), argument_ways(launch, robots)
+    return contents(launch, robots), argument_flow(launch, robots)
 
 
 def ways(item: Item, before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:

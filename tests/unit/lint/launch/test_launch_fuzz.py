@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tool0.lint.launch.comments import commented_elements
-from tool0.lint.launch.contents import contents
+from tool0.lint.launch.argument_flow import argument_flow
+from tool0.lint.launch.explanation import contents
 from tool0.lint.launch.grammar import ATTRIBUTES
-from tool0.lint.launch.packages import Packages
 from tool0.lint.launch.reader import read_launch
-from tool0.lint.launch.ways import argument_ways
 from tool0.lint.launch.xacro_files import xacro_robots
+from tool0.lint.launch_file import commented_rosparams
+from tool0.lint.packages import PackageIndex
 
 pytestmark = pytest.mark.slow
 
@@ -59,12 +59,12 @@ def explained(content: bytes) -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "main.launch")
         file.write_bytes(content)
-        packages = Packages({"quirks": DATA / "quirks"})
+        packages = PackageIndex({"quirks": DATA / "quirks"})
         launch = read_launch(file, {"a": "1"}, packages)
         robots = xacro_robots(launch, packages)
         assert contents(launch, robots).name == str(file)
-        argument_ways(launch, robots)
-        commented_elements(file)
+        argument_flow(launch, robots)
+        list(commented_rosparams(file))
 
 
 @settings(max_examples=60, deadline=10_000)

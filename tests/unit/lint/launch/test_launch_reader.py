@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from tool0.lint.launch.comments import commented_elements
-from tool0.lint.launch.model import Argument, LaunchFile
-from tool0.lint.launch.packages import Packages, packages_around
+from tool0.errors import SourceLocation
+from tool0.lint.launch.load_context import MAX_BYTES
+from tool0.lint.launch.model import Activity, Argument, LaunchFile
 from tool0.lint.launch.reader import read_launch
-from tool0.lint.launch.session import MAX_BYTES
-from tool0.lint.launch.text import Activity
+from tool0.lint.launch_file import commented_rosparams
+from tool0.lint.packages import PackageIndex, packages_around
 
 DATA = Path(__file__).parents[3] / "data" / "launch" / "src"
 BRING_UP = DATA / "arm_gazebo" / "launch" / "arm_bringup.launch"
@@ -48,7 +48,7 @@ def argument(launch: LaunchFile, name: str) -> Argument:
 
 
 def bring_up(**arguments: str) -> LaunchFile:
-    packages = Packages(packages_around(BRING_UP))
+    packages = PackageIndex(packages_around(BRING_UP))
     return read_launch(BRING_UP, arguments, packages)
 
 
@@ -61,7 +61,6 @@ def test_a_bring_up_is_read_with_all_that_it_includes() -> None:
         "load_arm.launch.xml",
         "control.launch.xml",
     ]
-    assert launch.package == "arm_gazebo"
     nodes = [node.full_name for node in launch.nodes()]
     assert nodes == [
         "/robot_state_publisher",
@@ -208,10 +207,10 @@ def test_a_typing_mistake_names_what_was_meant(read: Reader) -> None:
     (finding,) = read('<arg name="controler" default="1"/>', controller="2").findings[
         1:
     ]
-    assert "did you mean 'controler'" in finding.message
+    assert "'controler'" in finding.message
     (finding,) = read('<param nme="p" name="q" value="1"/>').findings
     assert (finding.severity, finding.key) == ("error", "nme")
-    assert "did you mean 'name'" in finding.message
+    assert "'name'" in finding.message
 
 
 def test_arguments_of_an_include_must_fit(read: Reader) -> None:
@@ -225,7 +224,7 @@ def test_arguments_of_an_include_must_fit(read: Reader) -> None:
     )
     unused, missing = launch.findings
     assert (unused.rule, unused.location.line) == ("unused-argument", 3)
-    assert "did you mean 'more'" in unused.message
+    assert "'more'" in unused.message
     assert (missing.rule, missing.location.line) == ("missing-argument", 2)
     assert "included.launch:1" in missing.message
 
@@ -346,20 +345,24 @@ def test_a_file_may_include_itself_while_an_argument_counts(read: Reader) -> Non
     assert (names, rules(launch)) == (["/p3", "/p2", "/p1", "/p0"], [])
 
 
-def test_commented_elements_know_their_lines(tmp_path: Path) -> None:
+def test_commented_rosparams_know_their_lines(tmp_path: Path) -> None:
     file = tmp_path / "commented.launch"
     file.write_text(
         "<launch>\n<!-- 加载 <rosparam file='a.yaml'/>\n  <node>\n   <param/></node>"
-        " -->\n<!-- see <arg> and <b -->\n<!-- <xacro:foo/> --></launch>\n"
-        "<!-- <a/> --> <",
+        ' -->\n<!-- see <rosparam> and\n<rosparam command="load" file="b.yaml"> -->'
+        "\n</launch>\n<!-- <rosparam file='c'/> --> <",
         encoding="utf-8",
     )
-    found = commented_elements(file)
-    assert [(place.line, e.tagName) for place, e in found] == [
-        (2, "rosparam"),
-        (3, "node"),
-        (6, "xacro:foo"),
-        (7, "a"),
+    assert list(commented_rosparams(file)) == [
+        (SourceLocation(file, 2), "a.yaml"),
+        (SourceLocation(file, 6), "b.yaml"),
+        (SourceLocation(file, 8), "c"),
     ]
-    assert all(place.file == file for place, _ in found)
-    assert commented_elements(tmp_path / "absent") == []
+    assert list(commented_rosparams(tmp_path / "absent")) == []
+
+
+def test_the_yaml_of_a_long_tag_knows_its_line(read: Reader) -> None:
+    launch = read('<rosparam\n  ns="a>b"\n  command="load">\nx: 1\n</rosparam>')
+    (rosparam,) = launch.rosparams()
+    assert rosparam.yaml is not None
+    assert rosparam.yaml.location.line == 4

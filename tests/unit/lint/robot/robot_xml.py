@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tool0.description.finding import Finding
 from tool0.description.xml_source import LocatedElement, parse_text
-from tool0.lint.robot.rules import robot_findings, xacro_findings
+from tool0.lint.robot_file import robot_findings, xacro_findings
 
 INERTIAL = (
     '<inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" '

@@ -45,12 +45,6 @@ def test_the_joints_of_ros2() -> None:
     assert facts.driven_joints == {"hinge"}
 
 
-def test_the_namespace_of_a_plugin() -> None:
-    inside = "<robotNamespace>/arm/</robotNamespace>"
-    (found,) = facts_of(root_of(plugin(inside=inside))).plugins
-    assert found.namespace == "arm"
-
-
 def test_the_gearboxes_of_the_projects_own_gripper() -> None:
     root = root_of(assemble().urdf.partition("<robot")[2].partition(">")[2][:-10])
     facts = facts_of(root)

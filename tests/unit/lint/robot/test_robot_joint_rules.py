@@ -1,7 +1,17 @@
 from __future__ import annotations
 
 import pytest
-from robot_xml import ARM, DRIVEN, LIMIT, check, joint, link, only, rules
+from robot_xml import (
+    ARM,
+    DRIVEN,
+    INERTIAL,
+    LIMIT,
+    check,
+    joint,
+    link,
+    only,
+    rules,
+)
 
 HAND = link("hand")
 
@@ -60,3 +70,39 @@ def test_a_driven_joint_without_power(old: str) -> None:
 def test_expressions_are_told_to_be_expanded() -> None:
     finding = only(check(ARM.replace('"-1"', '"${a}"')), "not-a-number")
     assert "xacro" in finding.remedy
+
+
+LIGHT = INERTIAL.replace('mass value="1"', 'mass value="0.05"').replace("0.01", "2e-5")
+PAD = (
+    '<collision><origin xyz="0 0 0.04"/><geometry><box size="0.02 0.02 0.02"/>'
+    "</geometry></collision>"
+)
+
+
+def finger(effort: str, inertial: str = LIGHT, type: str = "revolute") -> str:
+    limit = LIMIT.replace('effort="10"', f'effort="{effort}"')
+    return joint("finger", "arm", "pad", limit, type) + link("pad", inertial + PAD)
+
+
+def test_a_finger_as_strong_as_an_arm_says_what_force_that_is() -> None:
+    finding = only(check(ARM, finger("1000")), "absurd-effort")
+    assert finding.severity == "warning"
+    # The pad reaches 0.04 + sqrt(3) * 0.01 m: 1000 N·m there are 17 447 N.
+    for value in ("1000 N·m", "0.05 kg", "17446 N"):
+        assert value in finding.message
+
+
+def test_a_slide_of_a_thousand_newtons() -> None:
+    finding = only(check(ARM, finger("1000", type="prismatic")), "absurd-effort")
+    assert "1000 N " in finding.message
+
+
+def test_what_fingers_and_arms_really_have() -> None:
+    assert check(ARM, finger("50")) == []
+    assert check(ARM, finger("330", INERTIAL)) == []
+    assert check(ARM, finger("20", type="prismatic")) == []
+
+
+def test_what_hangs_on_a_joint_counts() -> None:
+    hand = joint("f", "pad", "hand", "", "fixed") + link("hand")
+    assert check(ARM, finger("330"), hand) == []

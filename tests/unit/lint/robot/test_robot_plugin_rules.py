@@ -4,35 +4,66 @@ import pytest
 from robot_xml import ARM, DRIVEN, check, only, plugin, rules, transmission
 
 MIMIC = "libroboticsgroup_upatras_gazebo_mimic_joint_plugin.so"
+HINGE = ARM + transmission("hinge")
 
 
-def test_two_controller_managers_name_both_places() -> None:
-    finding = only(check(DRIVEN, plugin()), "two-plugins")
-    assert finding.location.line == 3
-    assert "<string>:2" in finding.message
-    other = plugin(inside="<robotNamespace>/b</robotNamespace>")
-    assert rules(check(DRIVEN, other)) == ["two-plugins"]
-
-
-def test_two_controller_managers_of_two_robots() -> None:
-    other = plugin(inside="<robotParam>other_description</robotParam>")
-    assert check(DRIVEN, other) == []
-
-
-def test_no_controller_manager_in_a_robot_for_gazebo() -> None:
-    robot = ARM + transmission("hinge")
-    assert check(robot) == []  # another file may add it
-    assert only(check(robot, spawned=True), "no-plugin").severity == "warning"
-    assert only(check(robot, plugin("libgazebo_ros_camera.so")), "no-plugin")
+def inside(**parameters: str) -> str:
+    return "".join(f"<{name}>{text}</{name}>" for name, text in parameters.items())
 
 
 @pytest.mark.parametrize(
-    "filename",
-    ["libgz_ros2_control-system.so", "libgazebo_ros2_control.so"],
+    ("parts", "rule", "line", "named"),
+    [
+        ((DRIVEN, plugin()), "two-plugins", 3, "<string>:2"),
+        ((DRIVEN, plugin(inside=inside(robotNamespace="/b"))), "two-plugins", 3, ""),
+        ((HINGE, plugin("libgazebo_ros_camera.so")), "no-plugin", 2, ""),
+        (
+            (HINGE, plugin(inside="\n" + inside(robotNameSpace="/"))),
+            "unread-parameter",
+            4,
+            "<robotNamespace>",
+        ),
+        (
+            (
+                DRIVEN,
+                plugin(MIMIC, inside(joint="hinge", mimicJoint="finger", hasPID="")),
+            ),
+            "unknown-joint",
+            3,
+            "'finger'",
+        ),
+        (
+            (ARM, '<gazebo reference="amr"><mu1>1</mu1></gazebo>'),
+            "unknown-reference",
+            3,
+            'reference="arm"',
+        ),
+    ],
 )
-def test_the_controller_managers_of_ros2(filename: str) -> None:
-    parameters = "<parameters>p.yaml</parameters>"
-    assert check(ARM, transmission("hinge"), plugin(filename, parameters)) == []
+def test_one_fault_is_one_finding(
+    parts: tuple[str, ...], rule: str, line: int, named: str
+) -> None:
+    finding = only(check(*parts), rule)
+    assert finding.location.line == line
+    assert named in finding.text
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        (DRIVEN, plugin(inside=inside(robotParam="other_description"))),
+        (HINGE,),  # another file may add the plugin
+        (HINGE, plugin("libgz_ros2_control-system.so", inside(parameters="p.yaml"))),
+        (HINGE, plugin("libgazebo_ros2_control.so", inside(parameters="p.yaml"))),
+        (HINGE, plugin(inside=inside(robotNamespace="/", controlPeriod="0.001"))),
+    ],
+)
+def test_what_is_right(parts: tuple[str, ...]) -> None:
+    assert check(*parts) == []
+
+
+def test_a_robot_in_gazebo_needs_a_controller_manager() -> None:
+    assert only(check(HINGE, spawned=True), "no-plugin").severity == "warning"
 
 
 @pytest.mark.parametrize(
@@ -40,28 +71,3 @@ def test_the_controller_managers_of_ros2(filename: str) -> None:
 )
 def test_a_misspelt_library(filename: str) -> None:
     assert "unknown-plugin" in rules(check(ARM, plugin(filename)))
-
-
-def test_a_misspelt_parameter_names_the_right_one() -> None:
-    text = "\n<robotNameSpace>/</robotNameSpace>"
-    found = check(ARM + transmission("hinge"), plugin(inside=text))
-    finding = only(found, "unread-parameter")
-    assert finding.location.line == 4
-    assert finding.remedy == "write <robotNamespace>"
-
-
-def test_the_parameters_that_are_read() -> None:
-    text = "<robotNamespace>/</robotNamespace><controlPeriod>0.001</controlPeriod>"
-    assert check(ARM + transmission("hinge"), plugin(inside=text)) == []
-
-
-def test_a_mimic_plugin_of_a_joint_that_is_not_there() -> None:
-    text = "<joint>hinge</joint><mimicJoint>finger</mimicJoint><hasPID/>"
-    finding = only(check(DRIVEN, plugin(MIMIC, text)), "unknown-joint")
-    assert finding.key == "finger"
-
-
-def test_an_extension_of_nothing() -> None:
-    part = '<gazebo reference="amr"><mu1>1</mu1></gazebo>'
-    finding = only(check(ARM, part), "unknown-reference")
-    assert 'reference="arm"' in finding.remedy

@@ -9,7 +9,7 @@ from tool0.description.catalogue import arms, assemble, grippers
 from tool0.description.expansion import expand
 from tool0.description.packages import BUNDLED
 from tool0.description.xml_source import LocatedElement, parse_file, parse_text
-from tool0.lint.robot.rules import robot_findings, xacro_findings
+from tool0.lint.robot_file import robot_findings, xacro_findings
 
 DATA = Path(__file__).parents[3] / "data" / "checks" / "robot"
 FAULTY = DATA / "arm_with_gripper.urdf.xacro"

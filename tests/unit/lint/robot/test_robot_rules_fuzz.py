@@ -16,7 +16,7 @@ from tool0.description.expansion import expand
 from tool0.description.xml_source import LocatedElement, parse_file, parse_text
 from tool0.lint.robot.elements import descendants
 from tool0.lint.robot.facts import facts_of
-from tool0.lint.robot.rules import robot_findings, xacro_findings
+from tool0.lint.robot_file import robot_findings, xacro_findings
 
 pytestmark = pytest.mark.slow
 

@@ -6,7 +6,7 @@ import pytest
 from robot_xml import check_xacro, only, rules
 
 from tool0.description.xml_source import parse_text
-from tool0.lint.robot.xacro_macros import parameters_of
+from tool0.lint.robot.xacro_source import parameters_of
 
 TYPO = "hardware/interface/EffortJointInterface"
 

@@ -1,0 +1,134 @@
+"""What all files of one reading share: packages, limits, parsed files, node names."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Final, final
+from xml.dom.minidom import Element
+
+from tool0.description.finding import Finding, error_at
+from tool0.description.xml_source import parse_text
+from tool0.errors import DescriptionError, SourceLocation
+from tool0.lint.packages import PackageIndex
+
+MAX_NESTING: Final = 40
+"""Levels of groups and includes."""
+MAX_FILES: Final = 500
+MAX_ELEMENTS: Final = 20_000
+MAX_CHARACTERS: Final = 5_000_000
+"""Of all texts together, after their words are replaced."""
+MAX_BYTES: Final = 1_000_000
+"""Of one file."""
+
+_START: Final = re.compile(r"<(?:[^<>'\"]|'[^']*'|\"[^\"]*\")*>")
+"""A start tag; what it quotes may hold any bracket."""
+
+
+@final
+class LoadContext:
+    """One reading of a launch file and all that it includes."""
+
+    def __init__(self, packages: PackageIndex) -> None:
+        self.packages = packages
+        self.nodes: dict[str, SourceLocation] = {}
+        """Full names of nodes that are certainly active, and where they stand."""
+        self.depth = 0
+        self._open: list[object] = []
+        self._left = {
+            "files": MAX_FILES,
+            "elements": MAX_ELEMENTS,
+            "characters": MAX_CHARACTERS,
+        }
+        self._roots: dict[Path, Element | Finding] = {}
+        self._lines: dict[Path, list[str]] = {}
+        self._anonymous = 0
+
+    def spend(self, what: str, count: int = 1) -> bool:
+        """Whether so many more may be read."""
+        self._left[what] -= count
+        return self._left[what] >= 0
+
+    def anonymous(self, name: str) -> str:
+        """Return a name that no other has; roslaunch makes it of host and time."""
+        self._anonymous += 1
+        return f"{name}_anonymous_{self._anonymous}"
+
+    def enter(self, reading: object) -> bool:
+        """Begin to read a file with its arguments; False if that is under way."""
+        if reading in self._open:
+            return False
+        self._open.append(reading)
+        return True
+
+    def leave(self) -> None:
+        """End the reading that was begun last."""
+        self._open.pop()
+
+    def text_line(self, path: Path, element: Element) -> int | None:
+        """Return the line on which an element's text begins."""
+        line: int | None = getattr(getattr(element, "location", None), "line", None)
+        if line is None:
+            return None
+        if path not in self._lines:
+            text = path.read_text(encoding="utf-8", errors="replace")
+            self._lines[path] = text.split("\n")
+        rest = "\n".join(self._lines[path][line - 1 : line + 20])
+        tag = _START.search(rest, max(rest.find(f"<{element.tagName}"), 0))
+        return line if tag is None else line + rest.count("\n", 0, tag.end())
+
+    def root(self, path: Path) -> Element | Finding:
+        """Return the file's ``<launch>``, or why there is none."""
+        if path not in self._roots:
+            self._roots[path] = _root(path)
+        return self._roots[path]
+
+
+def is_file(path: str | Path) -> bool:
+    """Whether there is such a file; False for what no path can be."""
+    return os.path.isfile(path)  # noqa: PTH113  # Path's raises if a name is too long
+
+
+def read_limited(path: Path) -> bytes:
+    """Return what a file holds.
+
+    Raises:
+        DescriptionError: If it is no file, cannot be read, or is too large.
+    """
+    if not is_file(path):
+        raise DescriptionError("is no file")
+    try:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            raise DescriptionError(f"is {size} bytes long; {MAX_BYTES} is the most")
+        return path.read_bytes()
+    except OSError as error:
+        raise DescriptionError(f"cannot be read: {error.strerror}") from None
+
+
+def _root(path: Path) -> Element | Finding:
+    where = SourceLocation(path)
+    try:
+        root = parse_text(read_limited(path), path).documentElement
+    except DescriptionError as error:
+        where, message = error.location or where, error.message
+    except (LookupError, ValueError) as error:  # unknown encodings
+        message = f"cannot be decoded: {error}"
+    else:
+        if root is not None and root.tagName == "launch":
+            return root
+        tag = "nothing" if root is None else f"<{root.tagName}>"
+        return error_at(
+            where,
+            "not-launch",
+            path.name,
+            f"is no launch file: it holds {tag} where <launch> should be",
+            "put all of it into <launch>…</launch>",
+        )
+    return error_at(
+        where,
+        "not-xml",
+        path.name,
+        message,
+    )

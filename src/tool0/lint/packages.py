@@ -1,0 +1,201 @@
+"""Finds ROS packages: those given, those that tool0 ships, those of ROS."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import final
+
+from tool0.description.finding import Finding, short
+from tool0.description.packages import (
+    BUNDLED,
+    crawl,
+    find_package,
+    package_name,
+)
+from tool0.errors import DescriptionError, SourceLocation, nearest_name
+
+_STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
+"""Found without ROS, too: tool0 does itself what this program is asked for."""
+_NAME = re.compile(r"[A-Za-z][\w-]{0,99}")
+_MAX_DEPTH = 6
+_MAX_FOLDERS = 5000
+"""Folders searched for packages: a ``src`` may hold anything."""
+_MAX_FILES = 500
+_MAX_SEARCHES = 200
+"""Each package that does not exist costs a walk through ROS_PACKAGE_PATH."""
+
+
+@cache
+def _bundled_names() -> frozenset[str]:
+    return frozenset(folder.name for folder in crawl(BUNDLED))
+
+
+@final
+class PackageIndex:
+    """Finds packages by name, and searches for each once."""
+
+    def __init__(self, given: Mapping[str, Path] | None = None) -> None:
+        """Prepare to search.
+
+        Args:
+            given: Name to folder of packages that come before all others, such as
+                those of the workspace that is checked.
+        """
+        self._given = dict(given or {})
+        self._found: dict[str, Path | DescriptionError] = dict(self._given)
+        self._around: dict[Path, tuple[str, Path] | None] = {}
+
+    @property
+    def has_ros(self) -> bool:
+        """Whether ROS is installed; without it a missing package means nothing."""
+        return self.get("roslaunch") is not None
+
+    def get(self, name: str) -> Path | None:
+        """Return the folder of a package, or None if there is none."""
+        found = self._search(name)
+        return found if isinstance(found, Path) else None
+
+    def find(self, name: str) -> Path:
+        """Return the folder of a package, or where ROS would put it.
+
+        Raises:
+            DescriptionError: If it is nowhere.
+        """
+        found = self._search(name)
+        if isinstance(found, Path):
+            return found
+        if name in _STANDARD:
+            return _STANDARD[name]
+        raise found
+
+    def _search(self, name: str) -> Path | DescriptionError:
+        if name not in self._found:
+            if not _NAME.fullmatch(name) or len(self._found) > _MAX_SEARCHES:
+                return DescriptionError(f"there is no ROS package '{short(name)}'")
+            try:
+                self._found[name] = find_package(name)
+            except (DescriptionError, OSError, ValueError) as error:
+                self._found[name] = DescriptionError(str(error))
+        return self._found[name]
+
+    def nearest(self, name: str) -> str | None:
+        """Return the most similar package of those given and those shipped."""
+        return nearest_name(name, _bundled_names().union(self._given), cutoff=0.85)
+
+    def unknown(self, name: str, user: str, location: SourceLocation) -> Finding:
+        """Return the finding that ``user`` needs a package that does not exist."""
+        near = nearest_name(name, self._given, cutoff=0.85)
+        is_name = _NAME.fullmatch(name) is not None
+        if is_name:
+            message = (
+                f"{user} needs the package '{short(name)}', which is neither here nor "
+                "in ROS_PACKAGE_PATH"
+            )
+            remedy = (
+                "install it, or put it into the workspace and source its setup.bash"
+            )
+        else:
+            message = f"{user} names no package, and '{short(name)}' can be none"
+            remedy = "write package://PACKAGE/PATH or $(find PACKAGE)"
+        return Finding(
+            location=location,
+            rule="unknown-package",
+            severity="error" if near or not is_name else "warning",
+            key=name,
+            message=message,
+            remedy=f"write {near}" if near else remedy,
+        )
+
+    def package_of(self, file: Path) -> str | None:
+        """Return the name of the package that a file lies in; None if in none."""
+        around = self.around(file)
+        return None if around is None else around[0]
+
+    def around(self, file: Path) -> tuple[str, Path] | None:
+        """Return name and folder of the package that a file lies in."""
+        folder = file.parent
+        if folder not in self._around:
+            candidates = (folder, *folder.parents)
+            found = next((f for f in candidates if _is_package(f)), None)
+            self._around[folder] = None if found is None else (_name(found), found)
+        return self._around[folder]
+
+    def folders(self) -> dict[str, Path]:
+        """Return the packages that were found so far, by name."""
+        folders = dict(p for p in self._around.values() if p is not None)
+        found = {n: f for n, f in self._found.items() if isinstance(f, Path)}
+        return {**folders, **found}
+
+
+def nearest_file(path: Path) -> str | None:
+    """Return the name most similar to that of ``path`` in its folder, or None."""
+    try:
+        with os.scandir(path.parent) as entries:
+            names = [entry.name for _, entry in zip(range(_MAX_FILES), entries)]  # noqa: B905  # stops at the shorter
+    except (OSError, ValueError):
+        return None
+    same = [name for name in names if name.lower() == path.name.lower()]
+    return same[0] if same else nearest_name(path.name, names, cutoff=0.7)
+
+
+def packages_around(file: Path) -> dict[str, Path]:
+    """Return the packages beside the one that ``file`` lies in, with it, by name.
+
+    They are searched for below each folder ``src`` that the package lies in, as in a
+    catkin workspace, or else beside the package.
+    """
+    folders = file.absolute().parents
+    package = next((folder for folder in folders if _is_package(folder)), None)
+    if package is None:
+        return {}
+    sources = [folder for folder in package.parents if folder.name == "src"]
+    found: dict[str, Path] = {}
+    for root in sources:  # the nearest first, and its packages count
+        for folder in _below(root, depth=_MAX_DEPTH):
+            found.setdefault(_name(folder), folder)
+    for folder in () if sources else _below(package.parent, depth=1):
+        found.setdefault(_name(folder), folder)
+    found[_name(package)] = package
+    return found
+
+
+def _is_package(folder: Path) -> bool:
+    return os.path.isfile(folder / "package.xml")  # noqa: PTH113  # Path's may raise
+
+
+def _below(root: Path, depth: int) -> Iterator[Path]:
+    """Yield the packages at most ``depth`` levels below ``root``."""
+    seen: set[str] = set()
+    level = [root]
+    for _ in range(depth):
+        folders = [inner for folder in level for inner in _folders(folder)]
+        level = []
+        for folder in folders:
+            real = os.path.realpath(folder)
+            if real in seen or len(seen) > _MAX_FOLDERS:
+                continue
+            seen.add(real)
+            if _is_package(folder):
+                yield folder  # packages do not nest
+            else:
+                level.append(folder)
+
+
+def _folders(folder: Path) -> list[Path]:
+    try:
+        with os.scandir(folder) as entries:
+            found = [e.name for e in entries if e.name[0] != "." and e.is_dir()]
+    except OSError:
+        return []
+    return [folder / name for name in sorted(found)]
+
+
+def _name(folder: Path) -> str:
+    try:
+        return package_name(folder)
+    except OSError:
+        return folder.name

@@ -1,0 +1,152 @@
+"""A text of YAML: its layout, lost indentation, and its controllers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import final
+
+from tool0.control.config import ControllerConfig, joint_limit_parameters
+from tool0.control.controller_types import TYPES, parameters_of
+from tool0.control.lint import gain_parameters
+from tool0.description.finding import Finding, error_at
+from tool0.description.yaml_tree import Tree
+from tool0.errors import ConfigError, SourceLocation
+from tool0.lint.parameters import ros1, ros2
+from tool0.lint.robot.facts import RobotFacts
+
+_KEY = re.compile(r"^( *)([\w/.*-]+) *:(?: *| +[&!]\S+ *)(?:#.*)?$")
+"""A key with nothing after it."""
+_ANY = re.compile(r"^( *)([\w/.*-]+) *:")
+_MARKS = re.compile(
+    r"(?:^|[{,])[ \t]*(?:[\w/*]*type *: *['\"]?[\w]+/\w*(?:Controller|Broadcaster)\b"
+    r"|[\w/]*pid_gains *:|gazebo_ros_control *:|ros_+parameters? *:"
+    r"|controller_manager *:)",
+    re.MULTILINE,
+)
+"""What a file of controllers has, also when something is wrong with it."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class YamlText:
+    """A text of YAML, and where its first line stands."""
+
+    text: str
+    location: SourceLocation
+
+    @property
+    def is_about_controllers(self) -> bool:
+        """Whether it holds parameters of ros_control, of either ROS."""
+        return _MARKS.search(self.text) is not None
+
+
+def yaml_findings(
+    texts: Iterable[YamlText], robot: RobotFacts | None = None
+) -> Iterator[Finding]:
+    """Yield what is wrong with the controllers of texts that are loaded together.
+
+    Args:
+        texts: In the order of loading; later ones override.
+        robot: The robot that they are for, if it is known.
+    """
+    trees: list[YamlText] = []
+    for text in texts:
+        flat = list(_flat_findings(text.text, text.location))
+        yield from flat
+        meant = YamlText(_restored(text.text), text.location) if flat else text
+        try:
+            Tree().load(meant.text, meant.location)
+        except ConfigError as error:
+            yield error_at(
+                error.location or text.location,
+                "not-yaml",
+                "",
+                error.message,
+                "look at the quotes, colons and indentation around there",
+            )
+            continue
+        trees.append(meant)
+    if not any(text.is_about_controllers for text in trees):
+        return
+    whole = Tree()
+    for text in trees:
+        whole.load(text.text, text.location)
+    if ros2.is_ros2(whole.root):
+        yield from whole.findings
+        yield from ros2.controller_findings(whole.root, robot)
+    else:
+        yield from ros1.controller_findings(ControllerConfig(whole), robot)
+
+
+def _flat_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
+    """Yield a finding if keys stand beside the one that they belong below.
+
+    Args:
+        text: The YAML, which need not be correct.
+        first: Where its first line stands.
+    """
+    found = list(_flat_keys(text))
+    if not found:
+        return
+    row, key, inside = found[0]
+    others = len(found) - 1
+    more = f" ({others} more like it below)" if others else ""
+    yield error_at(
+        SourceLocation(first.file, (first.line or 1) + row),
+        "flat-yaml",
+        key,
+        f"is empty, since '{inside}' after it is not indented: its parameters "
+        f"are set beside it, where nothing reads them{more}",
+        f"indent what belongs to '{key}' by two spaces",
+    )
+
+
+@cache
+def _inner_keys() -> frozenset[str]:
+    """Return the keys that stand below another one, never at the top."""
+    inner = {key.split("/")[0] for name in TYPES for key in parameters_of(name)}
+    inner |= gain_parameters() | joint_limit_parameters()
+    inner |= {"type", "pid_gains", "trajectory", "goal", "goal_time"}
+    inner |= {"ros__parameters", "command_interfaces", "state_interfaces"}
+    return frozenset(inner - {"*"})
+
+
+def _restored(text: str) -> str:
+    """Return a flat YAML with the indentation that it seems to have lost."""
+    flat = {row for row, _, _ in _flat_keys(text)}
+    around: list[int] = []  # the indents of the keys that lines are moved below
+    lines = []
+    for row, line in enumerate(text.splitlines()):
+        match = _ANY.match(line)
+        if match is not None:
+            indent = len(match[1])
+            while around and (
+                indent < around[-1]
+                or (indent == around[-1] and match[2] not in _inner_keys())
+            ):
+                around.pop()
+        lines.append("  " * len(around) + line)
+        if row in flat and match is not None:
+            around.append(len(match[1]))
+    return "\n".join(lines) + "\n"
+
+
+def _flat_keys(text: str) -> Iterator[tuple[int, str, str]]:
+    """Yield row, key and the next one, of keys that lost what is below them."""
+    empty: tuple[int, str, str] | None = None
+    for row, line in enumerate(text.splitlines()):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        if empty is not None and (match := _ANY.match(line)) is not None:
+            before, indent, key = empty
+            if (
+                match[1] == indent
+                and match[2] in _inner_keys()
+                and key not in _inner_keys()
+            ):
+                yield before, key, match[2]
+        match = _KEY.match(line)
+        empty = None if match is None else (row, match[1], match[2])
