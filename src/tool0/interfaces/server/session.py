@@ -26,8 +26,9 @@ BURST: Final = 1000.0
 """Messages that it may send at once."""
 _CHUNK: Final = 4096
 """Bytes that count as one message."""
-_MAX_WAITING: Final = 64
-"""Requests of one connection that may wait for each other."""
+_MAX_WAITING: Final = 256
+"""Requests of one connection that may wait for each other; with more, nothing is read,
+not even an emergency stop."""
 
 Ident = int | str | None
 
