@@ -64,7 +64,7 @@ def test_a_page_receives_what_it_shows(panel: Panel, robot: tool0.Robot) -> None
     arrays = ("position", "velocity", "effort", "desired")
     assert {len(frame[key]) for key in arrays} == {len(joints)}
     states = {item["name"]: item["state"] for item in status["controllers"]}
-    assert states.keys() == robot.defined_controllers.keys()
+    assert states.keys() == robot.info.defined_controllers.keys()
     assert {pose["name"] for pose in status["poses"]} >= {"home", "zero"}
     assert status["targets"].keys() >= {"elbow_joint", "finger_joint"}
 
@@ -442,6 +442,8 @@ def test_a_page_that_never_reads_hinders_nobody_and_is_dropped(
             "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode()
         )
+        while b"\r\n\r\n" not in stuck.recv(4096):
+            pass
         stuck.sendall(masked(b'{"method": "subscribe_view"}'))
         page = exits.enter_context(page_at(panel.url))
         page.wait_for("status", lambda status: status["clients"] == 2)

@@ -47,7 +47,7 @@ class Page:
     ) -> Message:
         """Return the next message of a type that meets ``condition``.
 
-        Notices and replies that come meanwhile are kept for later.
+        Notices, replies and events that come meanwhile are kept for later.
         """
         for message in self._kept:
             if message["type"] == kind and condition(message):
@@ -58,7 +58,7 @@ class Page:
             message = self.receive(deadline)
             if message["type"] == kind and condition(message):
                 return message
-            if message["type"] in ("notice", "reply"):
+            if message["type"] in ("notice", "reply", "goal_finished"):
                 self._kept.append(message)
 
     def wait_for(self, kind: str, condition: Callable[[Message], bool]) -> Message:

@@ -101,7 +101,7 @@ class WebService:
         return self._shown.wait(timeout)
 
     async def start(self, hub: Hub) -> None:
-        """Take pages."""
+        """Accept pages."""
         import uvicorn
 
         from tool0.interfaces.panel.app import build_app
@@ -135,14 +135,15 @@ class WebService:
         self._serving = asyncio.create_task(serving)
 
     async def stop(self) -> None:
-        """Take no more pages."""
+        """Stop to show the robot."""
         if self._feed is not None:
             self._feed.close()
-        if self._server is not None:
-            self._server.should_exit = True
 
-    def release(self) -> None:
-        """Close the listening socket."""
+    async def release(self) -> None:
+        """End the web server, and close the listening socket."""
+        if self._server is not None and self._serving is not None:
+            self._server.should_exit = True
+            await asyncio.wait([self._serving])
         self._endpoint.listener.close()
 
     def _serve_page(self, hub: Hub) -> Callable[[WebSocket], Awaitable[None]]:

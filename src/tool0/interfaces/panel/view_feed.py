@@ -103,7 +103,6 @@ class ViewFeed:
                     next_status = start + STATUS_PERIOD
                     for notification in self._source.notifications():
                         self._notify(notification)
-                    self._hub.drop_stuck()
                     if self._sessions:
                         self._update_status()
                 if self._sessions:

@@ -21,16 +21,16 @@ _CHECK_PERIOD: Final = 1.0
 
 
 class Service(Protocol):
-    """A way in: it listens from its construction on."""
+    """Accepts connections at an address; it listens from its construction on."""
 
     async def start(self, hub: Hub) -> None:
-        """Take peers, in the server's event loop."""
+        """Accept peers, in the server's event loop."""
 
     async def stop(self) -> None:
-        """Take no more peers."""
+        """Stop to accept peers; the hub then says goodbye to those that are there."""
 
-    def release(self) -> None:
-        """Give back what was listening; twice is allowed."""
+    async def release(self) -> None:
+        """End what is left and free the address, also if it was never started."""
 
 
 @final
@@ -44,7 +44,7 @@ class Server:
 
         Args:
             backend: What answers requests.
-            services: The ways in.
+            services: The addresses where it accepts connections.
             name: Of the bring-up.
         """
         self._backend = backend
@@ -80,9 +80,7 @@ class Server:
         except Exception:  # the robot runs on without its server
             logger.exception("the server failed")
         finally:
-            for service in self._services:
-                service.release()
-            self._loop.run_until_complete(_end_tasks())
+            self._loop.run_until_complete(self._release())
             self._loop.run_until_complete(self._loop.shutdown_default_executor())
             self._loop.close()
 
@@ -98,6 +96,12 @@ class Server:
         for service in self._services:
             await service.stop()
         await hub.close()
+
+
+    async def _release(self) -> None:
+        for service in self._services:
+            await service.release()
+        await _end_tasks()
 
 
 async def _end_tasks() -> None:

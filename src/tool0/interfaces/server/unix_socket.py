@@ -34,7 +34,7 @@ class UnixSocketService:
         self._server: asyncio.Server | None = None
 
     async def start(self, hub: Hub) -> None:
-        """Take peers."""
+        """Accept peers."""
 
         async def serve(
             reader: asyncio.StreamReader, writer: asyncio.StreamWriter
@@ -52,12 +52,12 @@ class UnixSocketService:
         )
 
     async def stop(self) -> None:
-        """Take no more peers."""
+        """Stop to accept peers."""
         if self._server is not None:
             self._server.close()
 
-    def release(self) -> None:
-        """Remove the socket file; twice is allowed."""
+    async def release(self) -> None:
+        """Remove the socket file."""
         self._listener.close()
         self._claim.close()
 
