@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 import pytest
 from browser import Tab
 from playwright.sync_api import Browser
+from tool0.interfaces.panel.robot_files import RobotFiles
+from tool0.interfaces.panel.source import ViewSource
 
 import tool0
 from conftest import OpenTab
 from tool0.description.catalogue import assemble
-from tool0.interfaces.panel.robot_files import RobotFiles
 from tool0.interfaces.panel.server import STATIC, Panel
-from tool0.interfaces.panel.source import ViewSource
 
 READY = "[data-testid=scene][data-ready=true]"
 SEEN_READY_AT = """

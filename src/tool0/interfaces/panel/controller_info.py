@@ -64,7 +64,7 @@ def _wrong_type(kind: str) -> str | None:
     if kind.endswith(_DRIVABLE):
         return None
     if kind.endswith("/JointStateController"):
-        return "It moves nothing: it only tells where the joints are."
+        return "It moves nothing: it only publishes joint states."
     name = kind.rpartition("/")[2]
     return f"Sliders drive a JointTrajectoryController; this is a {name}."
 
