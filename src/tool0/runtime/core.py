@@ -59,7 +59,7 @@ class Core:
         self.engine = engine
         self.hardware = hardware
         self.manager = manager
-        self.surroundings = SceneObjects(model, engine, scene or Scene())
+        self.scene = SceneObjects(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
