@@ -12,8 +12,8 @@ from tool0.control.gripper_action import GripperActionController
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
-from tool0.description.positions import joint_positions
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, did_you_mean
 from tool0.hardware.drive_limits import DriveLimits
