@@ -143,7 +143,7 @@ def test_what_is_wrong_is_said_and_moves_nothing(robot: tool0.Robot) -> None:
             move(AHEAD, tip="left_inner_finger_pad")
         with pytest.raises(ModelError, match="unknown link 'table'"):
             move(AHEAD, relative_to="table")
-    with pytest.raises(ControlError, match=r"near: 'elbow' is none of the arm's"):
+    with pytest.raises(ControlError, match=r"'elbow'"):
         arm.inverse_kinematics(AHEAD, near={"elbow": 1.0})
     with pytest.raises(ControlError, match="finite"):
         arm.inverse_kinematics(AHEAD, near={"elbow_joint": np.nan})
