@@ -20,6 +20,8 @@ _REQUIRED = ("name", "version", "description", "maintainer", "license")
 _USES = re.compile(r"\$\(find +([\w-]+) *\)|package://([\w-]+)/")
 _CHOICES = ("xacro:if", "xacro:unless")
 _GAZEBO_PLUGIN = "libgazebo_ros_control.so"
+_RULES = ("unresolved-find", "unknown-package", "missing-package")
+_NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 
 
 def declared_dependencies(package: Path) -> frozenset[str]:
@@ -155,10 +157,6 @@ def _uses(root: Element | None) -> Iterator[tuple[str, Element]]:
             yield element.getAttribute("pkg"), element
         if _GAZEBO_PLUGIN in element.getAttribute("filename"):
             yield "gazebo_ros_control", element
-
-
-_RULES = ("unresolved-find", "unknown-package", "missing-package")
-_NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 
 
 def judge_missing_package(finding: Finding) -> Finding | str:

@@ -32,6 +32,9 @@ from tool0.lint.robot.xacro_source import (
 )
 
 _DEFINES = frozenset({"xacro:include", "xacro:macro", "xacro:property", "xacro:arg"})
+_NONE: Mapping[str, Path] = MappingProxyType({})
+_MOST = 50
+"""Findings of one subject; a file with more needs another look after these."""
 
 
 @final
@@ -133,11 +136,6 @@ def _as_finding(error: Tool0Error, rule: str, file: Path) -> Finding:
         "",
         message,
     )
-
-
-_NONE: Mapping[str, Path] = MappingProxyType({})
-_MOST = 50
-"""Findings of one subject; a file with more needs another look after these."""
 
 
 def robot_findings(
