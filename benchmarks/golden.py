@@ -66,12 +66,15 @@ def compare(name: str, engine: str) -> Comparison:
     recorded = np.array([[float(r[f"act_pos.{j}"]) for j in joints] for r in rows])
     time = np.array([float(row["t"]) for row in rows])
     start = dict(zip(ARM, script["start_pose"], strict=True))
-    with tool0.bringup(
-        engine=engine,
-        realtime=False,
+    original = tool0.DescriptionConfig(
         physical_params=DATA / "ur5_physical_parameters.yaml",
         gripper_params=DATA / "2f85_physical_parameters.yaml",
         gripper_joint_limit_params=DATA / "2f85_joint_limits.yaml",
+    )
+    with tool0.bringup(
+        description=original,
+        engine=engine,
+        realtime=False,
         controllers_file=DATA.parent / "controllers" / "ur5_controllers.yaml",
         initial_pose={**start, "finger_joint": script["start_gripper"]},
     ) as robot:

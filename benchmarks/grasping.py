@@ -10,12 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 import tool0
-from tool0.cli.pick_demo.bin import find_bin
+from tool0.cli.pick_demo.grasps import find_bin
+from tool0.cli.pick_demo.monitor import GraspMonitor
 from tool0.cli.pick_demo.picker import Picker, PickFailure, PickOptions
-from tool0.cli.pick_demo.report import DemoReport
-from tool0.cli.pick_demo.trials import TABLE, random_poses, run_trials
-from tool0.cli.pick_demo.witness import Witness
-from tool0.description.kinematics import transforms
+from tool0.cli.pick_demo.trials import TABLE, DemoReport, random_poses, run_trials
+from tool0.description.forward_kinematics import link_poses
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
 from tool0.sensing.pads import pad_links
 
@@ -61,7 +60,7 @@ def hold_and_shake(
     *,
     force: float = FORCE,
     shake: float = SHAKE,
-    **options: object,
+    description: tool0.DescriptionConfig = tool0.DescriptionConfig(),  # noqa: B008
 ) -> Held:
     """Lift something from the table, hold it still, and shake it.
 
@@ -71,23 +70,23 @@ def hold_and_shake(
         mass: [kg]
         force: At each pad [N].
         shake: How long it is shaken [s]; 0 for not at all.
-        options: Of ``bringup``.
+        description: The robot.
     """
     scene = _table_with(shape, mass)
     with tool0.bringup(
-        engine=engine, scene=scene, initial_pose="home", realtime=False, **options
+        description=description, engine=engine, scene=scene, realtime=False
     ) as robot:
-        witness = Witness(robot, robot.gripper, ITEM)
-        picker = Picker(robot, ITEM, PickOptions(force=force), witness)
+        monitor = GraspMonitor(robot, robot.gripper, ITEM)
+        picker = Picker(robot, ITEM, PickOptions(force=force), monitor)
         try:
             picker.take(LIFT)
-            slip = _slip(witness, picker, HOLD)
+            slip = _slip(monitor, picker, HOLD)
             if not shake:
                 return Held(None, slip)
             accelerations: list[float] = []
-            shaken = _shake(robot, witness, picker, shake, accelerations)
+            shaken = _shake(robot, monitor, picker, shake, accelerations)
         except PickFailure as failure:
-            return Held(f"{witness.phase}: {failure}")
+            return Held(f"{monitor.phase}: {failure}")
         return Held(None, slip, shaken, float(np.quantile(accelerations, 0.9)))
 
 
@@ -123,20 +122,19 @@ def all_trials(engine: str) -> Trials:
 def two_kilograms() -> float:
     """Return the slip of 2 kg that a linkage holds with all its force [mm]."""
     block = Box(size=(0.045, 0.045, 0.06))
+    linkage = tool0.DescriptionConfig(gripper_model="linkage")
     held = hold_and_shake(
-        "mujoco", block, 2.0, force=235.0, shake=0.0, gripper_model="linkage"
+        "mujoco", block, 2.0, force=235.0, shake=0.0, description=linkage
     )
     return 1e3 * held.slip if held.failure is None else math.inf
 
 
-def picks(engine: str, n_picks: int, seed: int, **options: object) -> DemoReport:
+def picks(engine: str, n_picks: int, seed: int) -> DemoReport:
     """Pick a cube from random poses on the table and place it in the bin."""
     with tool0.bringup(
         engine=engine,
         scene="table_and_bin",
-        initial_pose="home",
         realtime=False,
-        **options,
     ) as robot:
         height = robot.scene["cube"].geometry.size[2]
         return run_trials(
@@ -173,20 +171,20 @@ def _table_with(shape: Shape, mass: float) -> Scene:
     )
 
 
-def _slip(witness: Witness, picker: Picker, duration: float) -> float:
+def _slip(monitor: GraspMonitor, picker: Picker, duration: float) -> float:
     """Hold for some simulated seconds, and return how far it moved meanwhile [m]."""
-    witness.begin("holding")
-    witness.wait(0.5)  # the arm comes to rest
-    witness.hold()
-    witness.wait(duration)
+    monitor.begin("holding")
+    monitor.wait(0.5)  # the arm comes to rest
+    monitor.start_slip()
+    monitor.wait(duration)
     picker.check_hold()
-    assert witness.slip is not None
-    return witness.slip
+    assert monitor.slip is not None
+    return monitor.slip
 
 
 def _shake(
     robot: tool0.Robot,
-    witness: Witness,
+    monitor: GraspMonitor,
     picker: Picker,
     duration: float,
     accelerations: list[float],
@@ -195,8 +193,8 @@ def _shake(
 
     ``accelerations`` gets what the pads underwent, each millisecond [m/s²].
     """
-    witness.begin("shaking")
-    witness.hold()
+    monitor.begin("shaking")
+    monitor.start_slip()
     arm = robot.controller("eff_joint_traj_controller")
     names = robot.arm.joint_names
     start = dict(robot.arm.joints)
@@ -220,11 +218,11 @@ def _shake(
     while not goal.status.is_terminal:
         robot.run(robot.control_period)
         position = dict(zip(engine.joint_names, engine.read().position, strict=True))
-        places.append(transforms(model, position)[pad].position)
+        places.append(link_poses(model, position)[pad].position)
     velocity = np.diff(places, axis=0) / robot.control_period
     steps = np.diff(velocity, axis=0) / robot.control_period
     accelerations.extend(np.linalg.norm(steps, axis=1).tolist())
-    witness.wait(0.5)
+    monitor.wait(0.5)
     picker.check_hold()
-    assert witness.slip is not None
-    return witness.slip
+    assert monitor.slip is not None
+    return monitor.slip

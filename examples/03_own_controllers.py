@@ -6,13 +6,13 @@ import tool0
 
 CONTROLLERS = Path(__file__).parent / "cell" / "gripper_action.yaml"
 
-with tool0.bringup(
-    realtime=False,
+control = tool0.ControlConfig(
     controllers_file=CONTROLLERS,
     controllers="joint_state_controller gripper_controller",
     stopped_controllers="arm_controller",
-) as robot:
-    for warning in robot.warnings:  # what the file says that nothing reads
+)
+with tool0.bringup(control=control, realtime=False) as robot:
+    for warning in robot.warnings:  # unused keys of the file
         print(f"{warning.file}:{warning.line}: {warning.message}")
 
     # Nobody claims the arm yet: its brakes hold it.

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 import tool0
-from tool0.description.camera import Camera, looking
+from tool0.scene import Camera, looking
 from tool0.sensing.png import encode_png
 from tool0.sensing.video import VideoWriter
 
@@ -17,11 +17,12 @@ SIDE = Camera(  # besides `wrist` and `scene`, which every arm has
     height=240,
 )
 
+simulation = tool0.SimulationConfig(
+    scene="table_and_cubes", cameras=(SIDE,), realtime=False
+)
 with (
     TemporaryDirectory() as folder,
-    tool0.bringup(
-        scene="table_and_cubes", initial_pose="ready", cameras=[SIDE], realtime=False
-    ) as robot,
+    tool0.bringup(initial_pose="ready", simulation=simulation) as robot,
 ):
     image = robot.camera("wrist").image()
     Path(folder, "wrist.png").write_bytes(encode_png(image.rgb))

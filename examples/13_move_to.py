@@ -3,9 +3,9 @@
 import math
 
 import tool0
-from tool0.description.model import Pose
+from tool0 import Branch
 from tool0.errors import UnreachableError
-from tool0.kinematics.branch import Branch
+from tool0.scene import Pose
 
 DOWN = (math.pi, 0.0, 0.0)  # tool0's z, along which the gripper points, to the ground
 ABOVE = Pose(xyz=(0.45, 0.2, 0.35), rpy=DOWN)

@@ -1,9 +1,9 @@
 """Pick a cube and place it in a bin; the same task in steps, with the façade alone."""
 
 import tool0
-from tool0.cli.pick_demo.bin import find_bin
-from tool0.cli.pick_demo.pick import pick_and_place
-from tool0.description.model import Pose
+from tool0.cli.pick_demo.grasps import find_bin
+from tool0.cli.pick_demo.picker import pick_and_place
+from tool0.scene import Pose
 
 with tool0.bringup(scene="table_and_bin", realtime=False) as robot:
     # As one task, with what it measured:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flat_options import configured
 from served import use_folder
 from ur5_rig import ARM, AWAY, GRIPPER, HOME, POST, point, positions, worst_departure
 
@@ -23,7 +24,7 @@ from tool0.errors import (
     ModelError,
     TransportError,
 )
-from tool0.runtime.handles import ControllerHandle
+from tool0.api.controller import ControllerHandle
 
 NAN = math.nan
 INVALID_GOAL = GoalRejectedError.INVALID_GOAL
@@ -289,7 +290,9 @@ def test_a_controller_that_cannot_be_loaded_later_leaves_the_others_alone(
         tmp_path, "effort_controllers/JointGroup", "effort_controllers/JntGroup"
     )
     with tool0.bringup(
-        realtime=False, controllers_file=path, stopped_controllers=[]
+        realtime=False,
+        controllers_file=path,
+        control=tool0.ControlConfig(stopped_controllers=[]),
     ) as robot:
         goal = robot.controller(ARM).follow([point(AWAY, 1.0)])
         robot.run(0.2)
@@ -301,14 +304,13 @@ def test_a_controller_that_cannot_be_loaded_later_leaves_the_others_alone(
 def test_a_file_that_is_not_there_is_named() -> None:
     for option in ("controllers_file", "robot", "joint_limit_params"):
         with pytest.raises(tool0.Tool0Error, match="nowhere"):
-            tool0.bringup(realtime=False, **{option: "nowhere.yaml"})  # type: ignore[arg-type]
+            tool0.bringup(**configured(realtime=False, **{option: "nowhere.yaml"}))
 
 
 @pytest.mark.parametrize(
     ("options", "kind", "says"),
     [
         ({"arm": "ur55"}, DescriptionError, "unknown arm 'ur55'; did you mean 'ur5'"),
-        ({"gripper": "2f140"}, DescriptionError, "unknown gripper '2f140'"),
         ({"engine": "mujocoo"}, tool0.Tool0Error, "did you mean 'mujoco'"),
         ({"initial_pose": "hme"}, ConfigError, "did you mean 'home'"),
         ({"initial_pose": {"elbow_joint": 9.0}}, ModelError, "outside"),
@@ -320,10 +322,6 @@ def test_a_file_that_is_not_there_is_named() -> None:
         ({"spawn_z": NAN}, ConfigError, "ground must be finite"),
         ({"realtime": True, "speed": 0.0}, ControlError, "speed must be in"),
         ({"realtime": True, "speed": NAN}, ControlError, "speed must be in"),
-        ({"prefix": "a b"}, DescriptionError, "prefix 'a b'"),
-        ({"meshes": "nice"}, DescriptionError, "unknown meshes 'nice'"),
-        ({"transmission_hw_interface": "EffortInterface"}, tool0.Tool0Error, "Effort"),
-        ({"mount_xyz": (0.0, 0.0)}, tool0.Tool0Error, "xyz"),
         ({"mount_xyz": (NAN, 0.0, 0.0)}, tool0.Tool0Error, "nan"),
     ],
     ids=str,
@@ -332,7 +330,7 @@ def test_a_bad_option_is_refused_by_name(
     options: dict[str, object], kind: type[Exception], says: str
 ) -> None:
     with pytest.raises(kind, match=says):
-        tool0.bringup(**{"realtime": False, **options})  # type: ignore[arg-type]
+        tool0.bringup(**configured(**{"realtime": False, **options}))
 
 
 CELL = """<robot name="cell">
@@ -373,7 +371,7 @@ def test_a_missing_mesh_names_file_and_line(tmp_path: Path) -> None:
 def test_a_name_in_use_is_refused_and_the_first_bringup_goes_on(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from tool0.interfaces.socket.address import Claim
+    from tool0.api.address import Claim
 
     use_folder(monkeypatch, tmp_path)
     with ExitStack() as stack:
@@ -418,5 +416,6 @@ def test_the_robot_holds_after_a_storm_of_nonsense(robot: tool0.Robot) -> None:
 
 def test_catalogue_options_are_refused_for_a_robot_of_ones_own() -> None:
     cell = Path(__file__).parent.parent / "examples" / "cell" / "two_arms.urdf.xacro"
-    with pytest.raises(ConfigError, match="mount_xyz: not for a robot of your own"):
-        tool0.bringup(robot=cell, mount_xyz=(0.0, 0.0, 0.1), realtime=False)
+    with pytest.raises(ConfigError) as error:
+        tool0.bringup(robot=cell, arm="ur5", realtime=False)
+    assert "arm" in str(error.value)

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.golden import DATA, SCENARIOS, compare
 from promised import require_engine
 
-from tool0.runtime.bringup import ENGINES
+from tool0.engines.registry import engine_names
 
 ALLOWED = 0.003
 """[rad]; 2.6 mrad were measured on either engine.  Between them the arm differs by
@@ -17,7 +17,7 @@ ALLOWED = 0.003
 scenarios = pytest.mark.parametrize("name", SCENARIOS)
 
 
-@pytest.fixture(scope="module", params=ENGINES)
+@pytest.fixture(scope="module", params=engine_names())
 def engine(request: pytest.FixtureRequest) -> str:
     name: str = request.param
     require_engine(name)
@@ -52,5 +52,5 @@ def test_a_replay_stays_with_the_recording_and_ends_as_it_did(
 @scenarios
 def test_the_same_goals_go_the_same_way_on_both_engines(name: str) -> None:
     require_engine("gazebo")
-    ours, theirs = (compare(name, engine) for engine in ENGINES)
+    ours, theirs = (compare(name, engine) for engine in engine_names())
     assert theirs.worst_beside(ours) <= ALLOWED

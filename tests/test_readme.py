@@ -8,7 +8,8 @@ import pytest
 from document import blocks
 
 from tool0.cli import COMMANDS, FAILED, OK, main
-from tool0.cli.quick import read_bringup
+from tool0.cli.options import READERS, BringupOptions
+from tool0.cli.parsing import parse_quickly
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -41,7 +42,7 @@ def test_every_command_line_is_understood(
 ) -> None:
     command, *arguments = line
     if command == "bringup":
-        assert read_bringup(arguments) is not None
+        assert parse_quickly(BringupOptions, arguments, READERS) is not None
         return
     if command == "gazebo":  # understood, it gets no further than to the keys
         line = [*line, "--private", "--keyring", "/absent.gpg"]

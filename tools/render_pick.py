@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 import tool0
-from tool0.cli.pick_demo.bin import find_bin
-from tool0.cli.pick_demo.film import Film
-from tool0.cli.pick_demo.pick import pick_and_place
+from tool0.cli.pick_demo.grasps import find_bin
+from tool0.cli.pick_demo.monitor import FrameRecorder
+from tool0.cli.pick_demo.picker import pick_and_place
 from tool0.description.camera import Camera, looking
 from tool0.sensing.png import encode_png
 
@@ -28,18 +28,18 @@ N_PICTURES = 4
 
 def render() -> bytes:
     """Return some moments of a pick, side by side, as PNG."""
-    film = Film()
+    recorder = FrameRecorder()
     with tool0.bringup(
         scene="table_and_bin", cameras=[CAMERA], realtime=False
     ) as robot:
         into = find_bin(robot.scene.objects, "bin")
-        report = pick_and_place(robot, "cube", into, on_snapshot=film.take)
+        report = pick_and_place(robot, "cube", into, on_snapshot=recorder.record)
         if not report.success:
             sys.exit(f"the pick failed {report.failure}")
-        moments = np.linspace(0.2, 0.98, N_PICTURES) * (len(film.frames) - 1)
+        moments = np.linspace(0.2, 0.98, N_PICTURES) * (len(recorder.frames) - 1)
         view = robot.camera(CAMERA.name)
         return encode_png(
-            np.hstack([view.image(film.frames[round(k)]).rgb for k in moments])
+            np.hstack([view.image(recorder.frames[round(k)]).rgb for k in moments])
         )
 
 

@@ -25,7 +25,8 @@ CAMERA = Camera(
 
 def render(pose: str) -> bytes:
     """Return the default robot in ``pose``, as PNG."""
-    with tool0.bringup(initial_pose=pose, cameras=[CAMERA], realtime=False) as robot:
+    simulation = tool0.SimulationConfig(cameras=(CAMERA,), realtime=False)
+    with tool0.bringup(initial_pose=pose, simulation=simulation) as robot:
         return encode_png(robot.camera(CAMERA.name).image().rgb)
 
 

@@ -41,9 +41,10 @@ def main() -> None:
         _home(options.width, options.height),
     ):
         os.environ["DISPLAY"] = screen.name
-        with tool0.bringup(
-            engine="gazebo", gazebo_gui=True, scene=SCENE, realtime=False
-        ) as robot:
+        simulation = tool0.SimulationConfig(
+            engine="gazebo", engine_options={"gui": True}, scene=SCENE, realtime=False
+        )
+        with tool0.bringup(simulation=simulation) as robot:
             for goal in robot.go_to_pose("ready"):
                 goal.wait(60.0)
             robot.gripper.move(opening=0.05).wait(60.0)

@@ -12,7 +12,8 @@ Tool0Error
 ├── ControlError
 │   ├── ClaimError              two controllers want one joint
 │   ├── GoalRejectedError       carries a reason; edges map it to ROS codes
-│   └── GoalTimeoutError        a goal is still active; a TimeoutError too
+│   ├── GoalTimeoutError        a goal is still active; a TimeoutError too
+│   └── RequestError            a value of the wrong type or out of bounds
 ├── RenderError                 no picture or video can be made
 └── TransportError              a peer misbehaved, or an address is taken
 """
@@ -131,6 +132,15 @@ class GoalRejectedError(ControlError):
 
 class GoalTimeoutError(ControlError, TimeoutError):
     """A goal was still active when the wait for it ended."""
+
+
+class RequestError(ControlError):
+    """A request whose value has the wrong type or is out of bounds."""
+
+    def __init__(self, method: str, problem: str) -> None:
+        super().__init__(f"{method}: {problem}")
+        self.method = method
+        self.problem = problem
 
 
 class RenderError(Tool0Error):

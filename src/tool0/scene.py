@@ -1,4 +1,4 @@
-"""What stands and lies around a robot: shapes, objects, and scenes of them.
+"""The surroundings of a robot: poses, shapes, objects, cameras, and scenes of them.
 
 For ``robot.scene`` and ``tool0.bringup(scene=…)``::
 
@@ -9,15 +9,15 @@ For ``robot.scene`` and ``tool0.bringup(scene=…)``::
 
 from __future__ import annotations
 
-from tool0.description.bins import bin_walls
-from tool0.description.mesh_files import mesh
-from tool0.description.model import Box, Cylinder, Mesh, Pose, Sphere
-from tool0.description.scene import Scene, SceneObject
-from tool0.description.scene_file import load_scene
-from tool0.description.shipped_scenes import shipped_scenes
+from tool0.description.camera import Camera, looking
+from tool0.description.scene import Scene, SceneObject, bin_walls
+from tool0.description.scene_file import load_scene, shipped_scenes
+from tool0.description.shapes import Box, Cylinder, Mesh, Sphere, mesh
+from tool0.description.transform import Pose
 
 __all__ = [
     "Box",
+    "Camera",
     "Cylinder",
     "Mesh",
     "Pose",
@@ -26,6 +26,7 @@ __all__ = [
     "Sphere",
     "bin_walls",
     "load_scene",
+    "looking",
     "mesh",
     "shipped_scenes",
 ]

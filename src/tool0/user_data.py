@@ -1,4 +1,4 @@
-"""Where tool0 keeps what belongs to one person, and how processes take turns there."""
+"""The user's files: their folders, locks on them, and checks for write access."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from tool0.errors import ConfigError
 
 
 def data_folder() -> Path:
@@ -47,3 +49,15 @@ def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
 
             fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         yield
+
+
+def require_writable(path: Path) -> None:
+    """Raise ConfigError if there can be no such file; leave what is there."""
+    is_new = not path.exists()
+    try:
+        with path.open("ab"):
+            pass
+        if is_new:
+            path.unlink()
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from error

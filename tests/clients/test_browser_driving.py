@@ -7,7 +7,7 @@ import pytest
 from browser import Tab, comes_to_rest, eventually
 
 import tool0
-from tool0.runtime.handles import ControllerHandle
+from tool0.api.controller import ControllerHandle
 
 MONITOR = "[data-testid=joint-slider-elbow_joint][disabled]"
 NEAR = 0.03

@@ -11,8 +11,9 @@ from playwright.sync_api import ViewportSize
 
 import tool0
 from conftest import OpenTab
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh
+from tool0.description.transform import Pose
 from tool0.interfaces.panel.server import Panel
 
 READY = "[data-testid=scene][data-ready=true]"

@@ -12,7 +12,7 @@ from conftest import OpenTab
 from tool0.description.catalogue import assemble
 from tool0.interfaces.panel.robot_files import RobotFiles
 from tool0.interfaces.panel.server import STATIC, Panel
-from tool0.interfaces.panel.view import ViewSource
+from tool0.interfaces.panel.source import ViewSource
 
 READY = "[data-testid=scene][data-ready=true]"
 SEEN_READY_AT = """
@@ -89,8 +89,9 @@ def test_chinese_is_chinese(tab: Tab) -> None:
 
 
 def test_a_cheat_is_named_whatever_is_shown(open_tab: OpenTab) -> None:
+    simulation = tool0.SimulationConfig(grasp_assist=True, realtime=False)
     with (
-        tool0.bringup(grasp_assist=True, realtime=False) as cheat,
+        tool0.bringup(simulation=simulation) as cheat,
         Panel(cheat) as panel,
     ):
         tab = open_tab(panel.url)

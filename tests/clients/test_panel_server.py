@@ -15,8 +15,9 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import tool0
-from tool0.description.model import Box, Cylinder, Geometry, Pose, Sphere
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Sphere
+from tool0.description.transform import Pose
 from tool0.errors import TransportError
 from tool0.interfaces.panel import client as client_module
 from tool0.interfaces.panel import object_requests
@@ -173,7 +174,7 @@ def test_a_slider_moves_the_joint_for_every_page(panel: Panel) -> None:
 
 def test_of_a_thousand_slider_events_the_newest_counts(robot: tool0.Robot) -> None:
     done: list[dict[str, float]] = []
-    from tool0.runtime.handles import ControllerHandle
+    from tool0.api.controller import ControllerHandle
 
     steer = ControllerHandle.steer
 
@@ -235,8 +236,8 @@ def test_a_request_overtakes_no_steering_that_was_sent_before(
         still = page.see("status", lambda s: s["targets"]["elbow_joint"] > 1.4)
         for _ in range(30):  # half a second: five turns of a stream
             page.next("frame")
-        assert robot.snapshot.intents[ARM].target()[
-            robot.snapshot.intents[ARM].joint_names.index("elbow_joint")
+        assert robot.snapshot.setpoints[ARM].target()[
+            robot.snapshot.setpoints[ARM].joint_names.index("elbow_joint")
         ] == pytest.approx(still["targets"]["elbow_joint"], abs=0.01)
 
 

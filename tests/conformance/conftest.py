@@ -6,15 +6,15 @@ from collections.abc import Iterator
 
 import pytest
 from conformance_types import BringUp
+from flat_options import configured
 from promised import absent
 
 import tool0
+from tool0.engines.registry import engine_names
 from tool0.errors import EngineUnavailableError
 
-ENGINES = ("mujoco", "gazebo")
 
-
-@pytest.fixture(scope="session", params=ENGINES)
+@pytest.fixture(scope="session", params=engine_names())
 def engine(request: pytest.FixtureRequest) -> str:
     """Name an engine, or skip visibly where it is not installed (see ``promised``)."""
     name: str = request.param
@@ -32,7 +32,7 @@ def bring_up(engine: str) -> Iterator[BringUp]:
 
     def bring_one_up(**options: object) -> tool0.Robot:
         robot = tool0.bringup(
-            **{"engine": engine, "realtime": False, **options}  # type: ignore[arg-type]
+            **configured(**{"engine": engine, "realtime": False, **options})
         )
         robots.append(robot)
         return robot

@@ -8,8 +8,9 @@ from conformance_types import BringUp
 from ur5_rig import ARM_JOINTS
 
 import tool0
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.hardware.engine import Contact
 
 EDGE = 0.04  # [m]

@@ -10,9 +10,11 @@ from conformance_types import BringUp
 from ur5_rig import ARM, HOME, point
 
 import tool0
-from tool0.description.kinematics import to_transform, transforms
-from tool0.description.model import Box, Pose, RobotModel
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose, to_transform
 
 EDGE = 0.04  # [m]
 BETWEEN_PADS = (0.5487, 0.1091, 0.003)
@@ -33,7 +35,7 @@ WRISTS = [(-1.5708, -1.5708), (0.4, -0.6), (-2.6, 1.2)]
 
 def g(robot: tool0.Robot) -> float:
     """Return how fast things fall [m/s²]: Gazebo's 9.8, or MuJoCo's 9.81."""
-    return -robot.engine.gravity[2]
+    return -robot.engine.world.gravity[2]
 
 
 def tool_links(model: RobotModel) -> list[str]:
@@ -48,7 +50,7 @@ def mass_and_center(
     model: RobotModel, position: dict[str, float]
 ) -> tuple[float, np.ndarray]:
     """Return mass [kg] and centre of mass [m] of all beyond the flange, in the root."""
-    frames = transforms(model, position)
+    frames = link_poses(model, position)
     mass, moment = 0.0, np.zeros(3)
     for name in tool_links(model):
         inertial = model.link(name).inertial
@@ -77,7 +79,7 @@ def test_what_hangs_on_the_flange_pulls_with_its_weight_and_lever(
         assert reading.time == pytest.approx(1.0)
         model = robot.description.model
         mass, center = mass_and_center(model, dict(robot.joint_state.position))
-        weight = mass * np.array(robot.engine.gravity)
+        weight = mass * np.array(robot.engine.world.gravity)
         moment = np.cross(center - robot.pose("tool0").position, weight)
         for force, torque in (
             (reading.force, reading.torque),
@@ -166,7 +168,7 @@ def test_what_is_felt_on_the_way_is_what_changes_the_momentum(
         robot.run(0.001)
         (reading,) = robot.force_torque.samples(since=last.number)
         impulse -= 0.001 * in_root(robot, reading.raw_force)
-        impulse += 0.001 * mass * np.array(robot.engine.gravity)
+        impulse += 0.001 * mass * np.array(robot.engine.world.gravity)
         last = reading
         if k % 100 == 99:
             _, before = mass_and_center(model, dict(robot.joint_state.position))

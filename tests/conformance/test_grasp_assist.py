@@ -10,9 +10,11 @@ from conformance_types import BringUp
 from ur5_rig import ARM, HOME, point
 
 import tool0
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError
+from tool0.sensing.grasp_assist import WARNING
 
 EDGE = 0.04  # [m]
 BETWEEN_PADS = (0.5487, 0.1091, 0.003)
@@ -53,10 +55,10 @@ def on_tool(robot: tool0.Robot) -> np.ndarray:
 def test_what_is_too_slippery_is_lifted_and_falls_when_let_go(
     bring_up: BringUp, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """Without the cheat it stays behind: ``test_objects.py``."""
+    """Without grasp assist it stays behind: ``test_objects.py``."""
     with caplog.at_level(logging.WARNING):
         robot = bring_up(scene=SLIPPERY, initial_pose="ready", grasp_assist=True)
-    assert [r.message for r in caplog.records if "a cheat" in r.message]
+    assert [r.message for r in caplog.records if r.message == WARNING]
     assert robot.grasp_assist
     grip_and_lift(robot)
     assert height(robot) > 0.2
@@ -76,5 +78,5 @@ def test_what_is_too_slippery_is_lifted_and_falls_when_let_go(
 
 
 def test_without_a_gripper_it_is_refused(bring_up: BringUp) -> None:
-    with pytest.raises(ConfigError, match="grasp assist needs a gripper"):
+    with pytest.raises(ConfigError):
         bring_up(gripper=None, grasp_assist=True)

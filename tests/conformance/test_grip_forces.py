@@ -10,10 +10,13 @@ from conformance_types import BringUp
 from ur5_rig import GRIPPER
 
 import tool0
-from tool0.description.kinematics import Transform
-from tool0.description.model import Box, Pose
-from tool0.description.presets import config_file
+from tool0.description.catalogue import config_file
+from tool0.description.transform import Transform
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose, Transform
 from tool0.sensing.pads import grasp_frame
 
 SPEEDS = (0.02, 0.05, 0.10, 0.15)  # [m/s]

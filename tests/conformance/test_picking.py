@@ -6,11 +6,10 @@ import pytest
 from conformance_types import BringUp
 
 import tool0
-from tool0.cli.pick_demo.bin import find_bin
-from tool0.cli.pick_demo.pick import pick_and_place
-from tool0.cli.pick_demo.picker import PickOptions
+from tool0.cli.pick_demo.grasps import find_bin
+from tool0.cli.pick_demo.picker import PickOptions, pick_and_place
 from tool0.cli.pick_demo.trials import TABLE, random_poses, run_trials
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 N_PICKS = 3
 

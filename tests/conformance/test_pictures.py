@@ -8,8 +8,9 @@ from conformance_types import BringUp
 from promised import require_gl
 
 from tool0.description.camera import Camera, looking
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 
 EDGE = 0.1
 CUBE = SceneObject(

@@ -12,8 +12,9 @@ from ur5_rig import ARM, ARM_JOINTS, AWAY, HOME, point
 
 import tool0
 from tool0.control.goal import GoalStatus
-from tool0.description.model import Box, Geometry, Mesh, Pose, Sphere
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Geometry, Mesh, Sphere
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError, ControlError, EngineError, ModelError
 from tool0.hardware.engine import ObjectState
 
@@ -161,7 +162,7 @@ def test_a_refusal_changes_nothing(bring_up: BringUp, tmp_path: Path) -> None:
     mesh = Mesh(uri="broken.stl", path=broken)
     with pytest.raises(EngineError, match="'cube'"):
         robot.scene.add(thing())
-    with pytest.raises(ConfigError, match="'tool0' has the name of a link"):
+    with pytest.raises(ConfigError, match="'tool0'"):
         robot.scene.add(thing("tool0"))
     with pytest.raises((ModelError, EngineError), match=r"part|broken"):
         robot.scene.add(thing("part", geometry=mesh))

@@ -13,9 +13,10 @@ import numpy as np
 from tool0.control.goal import Goal, GoalResult, GoalStatus, GripperResult, Result
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.camera import Camera
-from tool0.description.kinematics import Transform
-from tool0.description.model import Box, Cylinder, Geometry, ParallelGripper, Pose
+from tool0.description.model import ParallelGripper
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry
+from tool0.description.transform import Pose, Transform
 from tool0.errors import (
     ControlError,
     EngineError,
@@ -26,7 +27,7 @@ from tool0.errors import (
 from tool0.hardware.engine import ObjectState
 from tool0.sensing.cameras import CameraImage
 from tool0.sensing.grasp import GraspState
-from tool0.sensing.wrench import WrenchReading
+from tool0.sensing.force_torque_sensor import WrenchReading
 
 ARM = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
 SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)

@@ -115,14 +115,14 @@ class Hand:
         """Return how hard a pad presses on an object, along its normal."""
         _, normal = self.pad(side)
         total = 0.0
-        for contact in self.engine.contacts():
+        for contact in self.engine.world.contacts():
             if {contact.first, contact.second} == {f"{side}_inner_finger_pad", name}:
                 total += abs(float(np.array(contact.force) @ normal))
         return total
 
     def place(self, name: str) -> Vector:
         """Return where an object is."""
-        (found,) = (s for s in self.engine.object_states() if s.name == name)
+        (found,) = (s for s in self.engine.world.object_states() if s.name == name)
         return np.array(found.position)
 
     def gap(self, loop: str) -> float:

@@ -51,9 +51,17 @@ def gz(engine: GazeboEngine, *arguments: str) -> str:
     raise AssertionError(f"gz {arguments} always aborts")
 
 
+def gazebo_with(**options: object) -> tool0.SimulationConfig:
+    """Return Gazebo with options of its own."""
+    return tool0.SimulationConfig(engine="gazebo", engine_options=options)
+
+
 _PROGRAM = """
 import sys, tool0
-robot = tool0.bringup(engine="gazebo", gazebo_gui="gui" in sys.argv)
+options = {"gui": "gui" in sys.argv}
+robot = tool0.bringup(
+    simulation=tool0.SimulationConfig(engine="gazebo", engine_options=options)
+)
 print(robot.engine.server.folder, flush=True)
 input()
 """

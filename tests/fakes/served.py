@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from fake_robot import FakeRobot
 
-from tool0.interfaces.socket.address import Claim
+from tool0.api.address import Claim
 from tool0.interfaces.socket.server import RemoteServer
 
 

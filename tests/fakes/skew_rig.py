@@ -10,7 +10,7 @@ from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Interface
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.runtime import commands as ask
+from tool0.installation.ros1.apt import commands as ask
 from tool0.runtime.bus import Bus
 from tool0.runtime.core import Core
 from tool0.runtime.loop import Loop

@@ -10,10 +10,10 @@ from tool0.description.model import (
     JointType,
     Link,
     Mimic,
-    Pose,
     RobotModel,
     Transmission,
 )
+from tool0.description.transform import Pose
 
 
 def inertial(mass: float, xyz: tuple[float, float, float]) -> Inertial:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+from flat_options import configured
 from in_gazebo import BringUp
 from promised import absent
 
@@ -30,7 +31,7 @@ def bring_up() -> Iterator[BringUp]:
 
     def bring_one_up(**options: object) -> tuple[tool0.Robot, GazeboEngine]:
         robot = tool0.bringup(
-            **{"engine": "gazebo", "realtime": False, **options}  # type: ignore[arg-type]
+            **configured(**{"engine": "gazebo", "realtime": False, **options})
         )
         robots.append(robot)
         assert isinstance(robot.engine, GazeboEngine)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 from in_gazebo import BringUp, gz
 
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 
 CUBE = SceneObject(
     name="cube",
@@ -19,14 +20,14 @@ CUBE = SceneObject(
 def test_fifty_times_attached_and_let_go(bring_up: BringUp) -> None:
     robot, engine = bring_up(scene=Scene((CUBE,)))
     for _ in range(50):
-        engine.attach("cube", "left_inner_finger_pad")
+        engine.world.attach("cube", "left_inner_finger_pad")
         robot.run(0.004)
-        engine.detach("cube")
+        engine.world.detach("cube")
         robot.run(0.001)
     fallen = CUBE.pose.xyz[2] - robot.snapshot.objects[0].position[2]
     assert 0.0 < fallen < 0.1
     for _ in range(5):
-        engine.attach("cube", "tool0")
+        engine.world.attach("cube", "tool0")
         robot.run(0.01)
         robot.scene.remove("cube")
         robot.run(0.01)
@@ -50,7 +51,7 @@ def test_what_somebody_else_deleted_while_it_touched_and_was_attached(
     robot.contacts()
     robot.run(0.1)
     assert robot.contacts()
-    engine.attach("cube", "tool0")
+    engine.world.attach("cube", "tool0")
     gz(engine, "model", "-m", "cube", "-d")
     gz(engine, "model", "-m", "table", "-d")
     for _ in range(3):
@@ -59,8 +60,8 @@ def test_what_somebody_else_deleted_while_it_touched_and_was_attached(
     assert robot.contacts() == ()
     robot.scene.remove("cube")
     robot.scene.add(CUBE)
-    engine.attach("cube", "tool0")
+    engine.world.attach("cube", "tool0")
     robot.run(0.1)
-    engine.detach("cube")
+    engine.world.detach("cube")
     robot.run(0.1)
     assert robot.snapshot.objects[1].linear[2] < -0.9

@@ -1,4 +1,4 @@
-"""How gzserver lives, and above all how it ends."""
+"""gzserver's life cycle, and above all its end."""
 
 import os
 import signal
@@ -6,16 +6,17 @@ import time
 from pathlib import Path
 
 import pytest
-from in_gazebo import PATIENCE, BringUp, process_with_a_robot
+from in_gazebo import PATIENCE, BringUp, gazebo_with, process_with_a_robot
 from processes import Watch, children, listening, program
 
 import tool0
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.errors import EngineError, EngineUnavailableError
 
-TOLD_WITHIN = 2.0
-"""Until a loss is told [wall s]."""
+REPORTED_WITHIN = 2.0
+"""Until a loss is reported [wall s]."""
 CUBE = Scene(
     objects=(
         SceneObject(
@@ -39,55 +40,52 @@ def end_of(robot: tool0.Robot) -> tuple[str, float]:
 
 
 @pytest.mark.parametrize(
-    ("number", "told"),
+    ("number", "reported"),
     [
-        (signal.SIGKILL, "gzserver is gone, killed by SIGKILL"),
-        (signal.SIGSTOP, "gzserver does not answer within 1.5 s"),
+        (signal.SIGKILL, "SIGKILL"),
+        (signal.SIGSTOP, "1.5 s"),
     ],
 )
-def test_a_server_that_dies_or_hangs_is_told_of_and_leaves_nothing(
-    number: signal.Signals, told: str, bring_up: BringUp
+def test_a_server_that_dies_or_hangs_is_reported_and_leaves_nothing(
+    number: signal.Signals, reported: str, bring_up: BringUp
 ) -> None:
     robot, engine = bring_up(realtime=True, scene=CUBE)
     (pid,) = engine.server.process_ids
     watch = Watch([pid])
     os.kill(pid, number)
     fault, took = end_of(robot)
-    assert took < TOLD_WITHIN
-    with pytest.raises(EngineUnavailableError, match=told):
+    assert took < REPORTED_WITHIN
+    with pytest.raises(EngineUnavailableError, match=reported):
         robot.run(0.1)
     assert watch.all_ended(0.0)
     assert not engine.server.folder.exists()
     # The robot is still there to be asked; what is impossible says why.
     assert robot.snapshot.objects[0].name == "cube"
-    with pytest.raises(EngineUnavailableError, match=told):
+    with pytest.raises(EngineUnavailableError, match=reported):
         robot.reset()
     assert robot.snapshot.fault == fault
 
 
-def test_a_script_is_told_too(bring_up: BringUp) -> None:
+def test_a_script_gets_the_error_too(bring_up: BringUp) -> None:
     robot, engine = bring_up()
     robot.run(0.05)
     os.kill(engine.server.process_ids[0], signal.SIGKILL)
-    with pytest.raises(EngineUnavailableError, match="killed by SIGKILL"):
+    with pytest.raises(EngineUnavailableError, match="SIGKILL"):
         robot.run(0.05)
 
 
-def test_its_last_words_are_told_in_black_and_white(
-    tmp_path: Path, bring_up: BringUp
-) -> None:
+def test_the_end_of_its_log_is_in_the_error(tmp_path: Path, bring_up: BringUp) -> None:
     world = tmp_path / "complains.world"
     world.write_text(
         '<sdf version="1.6"><world name="w">'
         '<plugin name="p" filename="libnowhere.so"/></world></sdf>'
     )
-    robot, engine = bring_up(world=world)
+    robot, engine = bring_up(engine_options={"world": world})
     os.kill(engine.server.process_ids[0], signal.SIGKILL)
     with pytest.raises(EngineError) as caught:
         robot.run(0.05)
-    first, *words = str(caught.value).splitlines()
-    assert first.endswith("its last words:")
-    assert any("[Err]" in line and "libnowhere.so" in line for line in words)
+    _, *log = str(caught.value).splitlines()
+    assert any("[Err]" in line and "libnowhere.so" in line for line in log)
     assert "\x1b" not in str(caught.value)
     assert "Copyright" not in str(caught.value)
 
@@ -108,7 +106,7 @@ def test_what_cannot_be_brought_up_leaves_nothing(tmp_path: Path) -> None:
         '<link name="l"/></model></world></sdf>'
     )
     with pytest.raises(EngineError, match="has a model 'ur5_robot' already"):
-        tool0.bringup(engine="gazebo", world=world)
+        tool0.bringup(simulation=gazebo_with(world=world))
     assert not [pid for pid in children(os.getpid()) if "gz" in program(pid)]
 
 

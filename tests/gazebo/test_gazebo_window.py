@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from in_gazebo import PATIENCE, BringUp, process_with_a_robot
+from in_gazebo import PATIENCE, BringUp, gazebo_with, process_with_a_robot
 from processes import Watch, children, program
 from promised import absent
 from screen import Pixels, Screen, find_xvfb
@@ -72,7 +72,7 @@ def shows_the_robot(pixels: Pixels) -> bool:
 
 
 def test_it_shows_the_robot_and_follows_it(screen: Screen, bring_up: BringUp) -> None:
-    robot, engine = bring_up(gazebo_gui=True)
+    robot, engine = bring_up(engine_options={"gui": True})
     watch = Watch(engine.server.process_ids)
     seen = [np.empty(0)]
 
@@ -101,7 +101,7 @@ def test_it_shows_the_robot_and_follows_it(screen: Screen, bring_up: BringUp) ->
 def test_closing_the_window_leaves_the_robot_running(
     screen: Screen, bring_up: BringUp
 ) -> None:
-    robot, engine = bring_up(gazebo_gui=True)
+    robot, engine = bring_up(engine_options={"gui": True})
     assert screen.wait_for(lambda pixels: bool(pixels.any()), PATIENCE) is not None
     (client,) = (pid for pid in engine.server.process_ids if "gzclient" in program(pid))
     watch = Watch([client])
@@ -124,16 +124,16 @@ def test_it_ends_with_a_process_that_is_killed(screen: Screen) -> None:
 def test_without_a_display_it_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DISPLAY", raising=False)
     with pytest.raises(EngineUnavailableError, match="DISPLAY is not set"):
-        tool0.bringup(engine="gazebo", gazebo_gui=True)
+        tool0.bringup(simulation=gazebo_with(gui=True))
 
 
-def test_a_window_that_crashes_is_told_of(
+def test_a_window_that_crashes_is_reported(
     monkeypatch: pytest.MonkeyPatch,
     bring_up: BringUp,
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     monkeypatch.setenv("DISPLAY", ":4711")
-    robot, _ = bring_up(gazebo_gui=True)
+    robot, _ = bring_up(engine_options={"gui": True})
     deadline = time.monotonic() + PATIENCE
     while not caplog.records and time.monotonic() < deadline:
         robot.run(0.01)

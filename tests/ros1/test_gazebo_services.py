@@ -15,7 +15,7 @@ from ros import Bringup, Ros, until
 from ros_client import Message, call, listening, publishing
 
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import transforms
+from tool0.description.forward_kinematics import link_poses
 
 EDGE = 0.05  # [m]
 CUBE = f"""<?xml version="1.0"?>
@@ -253,7 +253,7 @@ def test_links_are_where_the_joints_put_them(gazebo: Gazebo) -> None:
         (position[joint.name],) = answer.position
         assert answer.type == answer.REVOLUTE
         assert len(answer.rate) == len(answer.damping) == 1
-    poses = transforms(model, position)
+    poses = link_poses(model, position)
     for link in ("base_link", "wrist_3_link", "tool0", "left_inner_finger_pad"):
         state = gazebo.ask("get_link_state", link_name=f"robot::{link}").link_state
         x, y, z = poses[link].position

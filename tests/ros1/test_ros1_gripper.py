@@ -11,7 +11,7 @@ from ros import Bringup, Ros, until
 from ros_client import Message, Topic, connected, listening, outcome, state
 from ur5_rig import GRIPPER
 
-from tool0.description.presets import config_file
+from tool0.description.catalogue import config_file
 
 SCENE = "table_and_cubes"
 READY = ("shoulder_lift_joint=-1.2", "elbow_joint=1.9", "wrist_1_joint=-2.2708")

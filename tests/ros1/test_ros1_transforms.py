@@ -12,7 +12,7 @@ from ros_client import listening, publishing, trajectory
 from ur5_rig import ARM, AWAY
 
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import transforms
+from tool0.description.forward_kinematics import link_poses
 
 LAST = "left_inner_finger"
 """A link at the end of a chain that mimic joints move."""
@@ -91,7 +91,7 @@ def worst_transform(target: tuple[float, ...], prefix: str = "") -> float:
     worst = 0.0
     for message in compared:
         values = dict(zip(message.name, message.position, strict=True))
-        T_root = transforms(model, values)
+        T_root = link_poses(model, values)
         for link in ("tool0", LAST):
             ours = T_root["base_link"].inverse() @ T_root[link]
             theirs = buffer.lookup_transform(

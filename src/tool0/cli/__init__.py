@@ -1,4 +1,4 @@
-"""The command line: finds the command, and imports that command alone.
+"""The command line: find the command, and import only its module.
 
 ``tyro`` takes 60 ms to import, a third of MuJoCo; so the list of commands is a plain
 table here, and a command's module is imported only when it is called.
@@ -11,36 +11,36 @@ from collections.abc import Sequence
 from typing import Final
 
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
-    "bringup": ("bringup", "bring a robot up in simulation, its controllers running"),
+    "bringup": ("bringup", "bring up a robot in simulation, with controllers"),
     "view": ("view", "show a robot in a web page and pose it, without physics"),
-    "demo": ("demo", "watch a whole task: pick a cube and place it in a bin"),
+    "demo": ("demo", "watch a complete task: pick a cube and place it in a bin"),
     "describe": ("describe", "write the robot as a tree, a table, URDF or MJCF"),
-    "controllers": ("controllers", "list, load, unload, start, stop or switch them"),
+    "controllers": ("controllers", "list, load, start, stop or switch controllers"),
     "move": ("move", "move joints, or the tool to a pose"),
     "grip": ("grip", "open or close the gripper"),
     "scene": ("scene", "list, add, remove or place objects around the robot"),
     "state": ("state", "print time and joints"),
-    "wrench": ("wrench", "print force and torque at the wrist, or zero them"),
-    "camera": ("camera", "take a picture by a camera, or list them"),
-    "pause": ("simulation", "hold simulated time"),
-    "resume": ("simulation", "let simulated time run on"),
+    "wrench": ("wrench", "print force and torque at the wrist, or tare the sensor"),
+    "camera": ("camera", "take a picture with a camera, or list the cameras"),
+    "pause": ("simulation", "pause simulated time"),
+    "resume": ("simulation", "resume simulated time"),
     "step": ("simulation", "advance a paused simulation by some ticks"),
-    "reset": ("simulation", "go back to time zero and the initial pose"),
+    "reset": ("simulation", "return to time zero and the initial pose"),
     "estop": ("simulation", "engage or release the emergency stop"),
-    "gazebo": ("gazebo", "get a Gazebo 11 to simulate with, or see which would run"),
-    "ros1": ("ros1", "get ROS 1 for bringup --ros1, or see what of it is there"),
-    "check": ("check", "find what is wrong in URDF, xacro, YAML and launch files"),
-    "explain": ("explain", "tell what a launch file does, and where arguments go"),
-    "workspace": ("workspace", "write the robot as catkin packages, for Noetic"),
-    "doctor": ("doctor", "tell what this machine can run, and how to get the rest"),
+    "gazebo": ("gazebo", "install a Gazebo 11, or show which one would run"),
+    "ros1": ("ros1", "install ROS 1 for bringup --ros1, or show what is installed"),
+    "check": ("check", "find mistakes in URDF, xacro, YAML and launch files"),
+    "explain": ("explain", "explain what a launch file does and where arguments go"),
+    "workspace": ("workspace", "write the robot as catkin packages for Noetic"),
+    "doctor": ("doctor", "show what this machine can run, and how to get the rest"),
 }
-"""Command → its module in this package, and what it does."""
+"""Command → its module in this package, and a summary."""
 
 OK: Final = 0
 GOAL_FAILED: Final = 1
-"""A goal was accepted and did not succeed."""
+"""A goal was accepted but did not succeed."""
 FAILED: Final = 2
-"""Bad arguments, or an error that is ours to report."""
+"""Wrong arguments, or a Tool0Error."""
 INTERRUPTED: Final = 130
 """Ctrl-C, as shells count it: 128 + SIGINT."""
 
@@ -96,7 +96,7 @@ def _help() -> str:
             "",
             *rows,
             "",
-            "`tool0 COMMAND --help` explains a command.  All from controllers to estop",
-            "talk to a bringup that runs: --name if there are several.",
+            "`tool0 COMMAND --help` explains a command.  The commands controllers to",
+            "estop need a running bringup; --name selects one of several.",
         ]
     )

@@ -16,7 +16,7 @@ from tool0.errors import ConfigError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from tool0.description.camera import Camera
+    from tool0.api.sensors import CameraHandle
     from tool0.sensing.cameras import CameraImage
 
 _DEFAULT = Bringup()
@@ -57,13 +57,13 @@ def camera(
             raise ConfigError(f"{path}: the name must end in {' or '.join(suffixes)}")
     with bringup.connect() as robot:
         if name is None:
-            print(_table(robot.cameras()), end="")
+            print(_table(robot.cameras), end="")
             return
         image = robot.camera(name).image()
     _write(image, out, depth)
 
 
-def _table(cameras: Mapping[str, Camera]) -> str:
+def _table(cameras: Mapping[str, CameraHandle]) -> str:
     rows = [("camera", "link", "pixels", "field of view", "sees")]
     rows += [
         (
@@ -73,7 +73,7 @@ def _table(cameras: Mapping[str, Camera]) -> str:
             f"{math.degrees(item.field_of_view):.0f}°",
             f"{item.near:g} … {item.far:g} m",
         )
-        for name, item in cameras.items()
+        for name, item in ((name, view.camera) for name, view in cameras.items())
     ]
     return columns(rows)
 

@@ -1,4 +1,4 @@
-"""What the commands that talk to a running bringup have in common."""
+"""What the commands that talk to a running bring-up have in common."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
-from tool0.interfaces.socket.address import DEFAULT_NAME
+from tool0.api.address import DEFAULT_NAME
 
 if TYPE_CHECKING:
+    from tool0.api.controller import GoalHandle
+    from tool0.api.robot import Robot
     from tool0.control.goal import Result
-    from tool0.interfaces.socket.client import RemoteRobot
-    from tool0.interfaces.socket.requests import RemoteGoal
 
-_GLANCE: Final = 0.05
-"""Longest time between looks at the signals [wall s]; an outcome wakes at once."""
-_PATIENCE: Final = 10.0
+_POLL_PERIOD: Final = 0.05
+"""Longest time between checks of the signals [wall s]; an outcome wakes at once."""
+_CANCEL_TIMEOUT: Final = 10.0
 """Longest wait for a canceled goal to end [wall s]."""
 
 
@@ -30,17 +30,17 @@ class Bringup:
     name: str = DEFAULT_NAME
     """The --name of the bringup."""
 
-    def connect(self) -> RemoteRobot:
+    def connect(self) -> Robot:
         """Return the running robot, or raise TransportError."""
-        from tool0.interfaces.socket.client import RemoteRobot
+        from tool0.api.connect import connect
 
-        return RemoteRobot(self.name)
+        return connect(self.name)
 
 
-def see_through(
-    robot: RemoteRobot, start: Callable[[], RemoteGoal], timeout: float | None
+def wait_for_goal(
+    robot: Robot, start: Callable[[], GoalHandle], timeout: float | None
 ) -> int:
-    """Start a goal, wait for it, tell how it ended, and return the exit status.
+    """Start a goal, wait for it, print its outcome, and return the exit status.
 
     Ctrl-C and SIGTERM cancel the goal: the robot stops as it does for a ROS client.
     They are caught before the goal starts, so that none can slip in between.
@@ -53,24 +53,24 @@ def see_through(
     end = math.inf if timeout is None else time.monotonic() + timeout
     with StopSignal() as stop:
         goal = start()
-        if robot.joint_state.is_paused:
+        if robot.snapshot.is_paused:
             hint = "the simulation is paused: `tool0 resume` or `tool0 step` goes on"
             print(hint, file=sys.stderr, flush=True)
         while True:
             try:
-                result = goal.wait(_GLANCE)
+                result = goal.wait(_POLL_PERIOD)
                 break
             except GoalTimeoutError:
                 if not stop.is_set and time.monotonic() < end:
                     continue
             goal.cancel()
-            print(f"canceled: {_told(goal.wait(_PATIENCE))}")
+            print(f"canceled: {_described(goal.wait(_CANCEL_TIMEOUT))}")
             return INTERRUPTED if stop.is_set else GOAL_FAILED
-    print(_told(result))
+    print(_described(result))
     return OK if result.status is GoalStatus.SUCCEEDED else GOAL_FAILED
 
 
-def _told(result: Result) -> str:
+def _described(result: Result) -> str:
     from tool0.control.goal import GoalResult
 
     if isinstance(result, GoalResult):

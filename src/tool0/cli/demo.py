@@ -1,4 +1,4 @@
-"""``tool0 demo``: whole tasks to watch, and what they measured."""
+"""``tool0 demo``: complete tasks to watch, with measurements."""
 
 from __future__ import annotations
 
@@ -14,24 +14,25 @@ import tyro
 
 from tool0.cli import GOAL_FAILED, OK
 from tool0.cli.bringup import quiet_overruns
-from tool0.cli.bringup_text import finite, panel_line
 from tool0.cli.options import PanelOptions
 from tool0.cli.progress import Progress
+from tool0.cli.text import finite, panel_line
+from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
-from tool0.runtime.writable import require_writable
+from tool0.runtime.config import SimulationConfig
+from tool0.user_data import require_writable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from tool0.cli.pick_demo.report import DemoReport, PickReport
-    from tool0.description.model import Pose
+    from tool0.api.robot import Robot
+    from tool0.cli.pick_demo.picker import PickReport
+    from tool0.cli.pick_demo.trials import DemoReport
     from tool0.description.scene import Scene
-    from tool0.runtime.robot import Robot
+    from tool0.description.transform import Pose
 
-_GLANCE = 10.0
-"""Longest time between looks at the signals [wall s]; a signal wakes at once."""
 ITEM, BIN = "cube", "bin"
-"""What the scene ``table_and_bin`` calls them."""
+"""Their names in the scene ``table_and_bin``."""
 
 
 def run(command: str, arguments: list[str]) -> int:
@@ -49,34 +50,34 @@ def run(command: str, arguments: list[str]) -> int:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickArguments:
-    """How picks are done, and what comes of them."""
+    """How to pick, and what to write."""
 
-    engine: Literal["mujoco", "gazebo"] = "mujoco"
-    """The physics."""
+    engine: str = "mujoco"
+    """The physics engine: mujoco or gazebo."""
     gripper_model: Literal["mimic", "linkage"] = "mimic"
-    """Fingers that follow their drive, or real five-bar linkages (mujoco only)."""
+    """mimic: fingers that follow the drive; linkage: five-bar fingers (mujoco only)."""
     n: int = 1
-    """How many picks; from the second on, or with --seed, from random poses."""
+    """Number of picks; from the second on, or with --seed, from random poses."""
     seed: int | None = None
-    """Of the random poses; the first cube lies where the scene has it if left out."""
+    """Seed of the random poses; if not given, the first pose is the scene's."""
     size: float = 0.045
     """Edge of the cube [m]."""
     mass: float = 0.1
-    """Of the cube [kg]."""
+    """Mass of the cube [kg]."""
     friction: float = 1.0
-    """Between cube and pads."""
+    """Coefficient of friction of the cube."""
     force: float = 60.0
-    """Of each pad [N], 20 to 235."""
+    """Gripping force at each pad [N], 20 to 235."""
     speed: float = 0.7
-    """Of the arm's joints, part of the fastest."""
+    """Speed of the arm's joints as a fraction of the maximum."""
     grasp_assist: bool = False
-    """Cheat: fix the cube to the gripper when it is gripped."""
+    """A cheat: attach the gripped cube to the gripper."""
     headless: bool = False
-    """Serve no panel, and run as fast as possible."""
+    """Do not serve the panel, and run as fast as possible."""
     report: Path | None = None
-    """Also write the report into this file, as JSON."""
+    """Also write the report to this file, as JSON."""
     video: Path | None = None
-    """Write an MP4 of it; needs tool0[video]."""
+    """Write an MP4 file; needs tool0[video]."""
     camera: str = "scene"
     """The camera of the video: scene or wrist."""
     format: Literal["text", "json"] = "text"
@@ -91,12 +92,12 @@ def pick(
     arguments: Annotated[PickArguments, tyro.conf.arg(name="")] = PickArguments(),
     panel: PanelOptions = PanelOptions(),  # noqa: B008  # frozen
 ) -> int:
-    """Pick a cube from the table and place it in a bin; status 1 if one is not there.
+    """Pick a cube from the table and place it in a bin; status 1 if that fails.
 
-    The cube is held by friction alone.  The panel shows it in real time, once a
-    browser has opened it, and stays; headless it runs as fast as possible and ends.
+    Friction alone holds the cube.  The demo starts in real time when a browser opens
+    the panel, and the panel stays open; headless it runs as fast as possible and ends.
     """
-    # What cannot be is told before the work of minutes is in vain.
+    # Check the files first: the picks take minutes.
     if arguments.report is not None and arguments.report == arguments.video:
         raise ConfigError(f"--report and --video are one file, {arguments.report}")
     if arguments.report is not None:
@@ -113,29 +114,30 @@ def pick(
         if not arguments.headless:
             _show(robot, panel, exits)
         report = _play(robot, arguments)
-        _tell_all(report, arguments)
+        _print_report(report, arguments)
         if not arguments.headless:
             _linger()
     return OK if report.n_succeeded == len(report.picks) else GOAL_FAILED
 
 
 def _bring_up(arguments: PickArguments) -> Robot:
-    from tool0.runtime.bringup import bringup
+    from tool0.api.bringup import bringup
 
     return bringup(
-        engine=arguments.engine,
-        gripper_model=arguments.gripper_model,
-        grasp_assist=arguments.grasp_assist,
-        scene=_scene(arguments),
-        initial_pose="home",
-        realtime=not arguments.headless,
+        description=DescriptionConfig(gripper_model=arguments.gripper_model),
+        simulation=SimulationConfig(
+            engine=arguments.engine,
+            grasp_assist=arguments.grasp_assist,
+            scene=_scene(arguments),
+            realtime=not arguments.headless,
+        ),
     )
 
 
 def _scene(arguments: PickArguments) -> Scene:
     """Return the scene with the cube that was asked for."""
-    from tool0.description.model import Box
     from tool0.description.scene_file import load_scene
+    from tool0.description.shapes import Box
 
     shipped = load_scene("table_and_bin")
     cube = next(item for item in shipped.objects if item.name == ITEM)
@@ -154,35 +156,34 @@ def _scene(arguments: PickArguments) -> Scene:
 
 
 def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
-    """Serve the panel, and wait until somebody looks: the demo is over in seconds."""
-    from tool0.cli.panel import door_of, served, show
+    """Serve the panel, and wait for a page: the demo lasts only seconds."""
+    from tool0.cli.panel import listening, show
+    from tool0.interfaces.panel.server import Panel
 
-    door = door_of(options)
-    exits.callback(door.listener.close)
-    panel = exits.enter_context(served(robot, door))
-    print(panel_line(door.url), file=sys.stderr)
-    if show(door.url, options, sys.stderr) is None:
+    endpoint = exits.enter_context(listening(options))
+    panel = exits.enter_context(Panel(robot, endpoint=endpoint))
+    print(panel_line(panel.url), file=sys.stderr)
+    if show(panel.url, options, sys.stderr) is None:
         print("It begins when a browser shows that page.", file=sys.stderr, flush=True)
     panel.await_page()
 
 
 def _linger() -> None:
-    """Leave robot and panel to the person who looks, until Ctrl-C."""
+    """Keep robot and panel until Ctrl-C."""
     from tool0.cli.stop_signal import StopSignal
 
     print("The panel stays; Ctrl-C ends it.", file=sys.stderr, flush=True)
     with StopSignal() as stop:
-        while not stop.wait(_GLANCE):
-            pass
+        stop.wait()
 
 
 def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
-    from tool0.cli.pick_demo.bin import find_bin
-    from tool0.cli.pick_demo.film import Film
+    from tool0.cli.pick_demo.grasps import find_bin
+    from tool0.cli.pick_demo.monitor import FrameRecorder
     from tool0.cli.pick_demo.picker import PickOptions
     from tool0.cli.pick_demo.trials import run_trials
 
-    film = Film()
+    recorder = FrameRecorder()
     report = run_trials(
         robot,
         ITEM,
@@ -190,13 +191,13 @@ def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
         _poses(arguments),
         arguments.n,
         options=PickOptions(force=arguments.force, speed=arguments.speed),
-        on_snapshot=film.take if arguments.video else lambda snapshot: None,
-        on_pick=_tell if arguments.format == "text" else lambda pick: None,
+        on_snapshot=recorder.record if arguments.video else lambda snapshot: None,
+        on_pick=_print_pick if arguments.format == "text" else lambda pick: None,
     )
     if arguments.video is None:
         return report
     with Progress() as progress:
-        film.write(arguments.video, robot, arguments.camera, progress)
+        recorder.write(arguments.video, robot, arguments.camera, progress)
     return replace(report, video=str(arguments.video))
 
 
@@ -207,11 +208,11 @@ def _poses(arguments: PickArguments) -> Iterator[Pose | None]:
     return drawn if arguments.seed is not None else itertools.chain([None], drawn)
 
 
-def _tell(pick: PickReport) -> None:
+def _print_pick(pick: PickReport) -> None:
     print(pick.to_text(), flush=True)
 
 
-def _tell_all(report: DemoReport, arguments: PickArguments) -> None:
+def _print_report(report: DemoReport, arguments: PickArguments) -> None:
     if arguments.format == "json":
         print(json.dumps(finite(report.to_json()), allow_nan=False), flush=True)
     else:

@@ -1,4 +1,4 @@
-"""``tool0 describe``: the robot as text for people, or as XML for programs."""
+"""``tool0 describe``: the robot as a tree, a table, URDF or MJCF."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from tool0.cli.options import RobotOptions, robot_keywords
+from tool0.cli.options import READERS
 from tool0.cli.parsing import parse
 from tool0.cli.text import columns
+from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -22,13 +23,13 @@ Form = Literal["tree", "table", "urdf", "mjcf"]
 
 def run(command: str, arguments: list[str]) -> int:
     """Run the command and return its exit status."""
-    parse(describe, command, arguments)
+    parse(describe, command, arguments, readers=READERS)
     return 0
 
 
 def describe(
     form: Annotated[Form, tyro.conf.Positional],
-    description: RobotOptions = RobotOptions(),  # noqa: B008  # frozen
+    description: DescriptionConfig = DescriptionConfig(),  # noqa: B008  # frozen
     output: Path | None = None,
 ) -> None:
     """Write the robot as a tree, a table of joints, URDF or MJCF.
@@ -36,9 +37,11 @@ def describe(
     Args:
         form: What to write.
         description: Which robot.
-        output: The file to write; standard output if left out.
+        output: The file to write; standard output if not given.
     """
-    text = _render(described(description), form)
+    from tool0.description.catalogue import load_description
+
+    text = _render(load_description(description), form)
     if output is None:
         print(text, end="")
     else:
@@ -46,17 +49,6 @@ def describe(
             output.write_text(text, encoding="utf-8")
         except OSError as error:
             raise ConfigError(f"cannot write '{output}': {error.strerror}") from None
-
-
-def described(options: RobotOptions) -> RobotDescription:
-    """Return the robot that the options say."""
-    from tool0.description.catalogue import assemble, load_robot
-
-    keywords = robot_keywords(options)
-    args = keywords.pop("args", {})
-    if options.robot is not None:
-        return load_robot(options.robot, args)  # type: ignore[arg-type]  # str → str
-    return assemble(**keywords)  # type: ignore[arg-type]  # one type for each option
 
 
 def _render(description: RobotDescription, form: Form) -> str:
@@ -77,7 +69,7 @@ def _render(description: RobotDescription, form: Form) -> str:
 
 
 def tree(model: RobotModel) -> str:
-    """Return every joint on a line with the link it carries, indented below its own."""
+    """Return a line for each joint with its child link, indented below its parent."""
     rows = [
         (f"{branch}{joint.name}", joint.type.value, f"─> {joint.child}")
         for branch, joint in _branches(model, model.root, "")
@@ -95,7 +87,7 @@ def _branches(model: RobotModel, link: str, indent: str) -> Iterator[tuple[str, 
 
 
 def table(model: RobotModel) -> str:
-    """Return the movable joints with type, axis, limits and what drives them."""
+    """Return the movable joints with type, axis, limits and drive."""
     heads = ("joint", "type", "axis", "lower", "upper", "velocity", "effort", "driven")
     units = ("", "", "", "rad|m", "rad|m", "/s", "N·m|N", "")
     rows = [_row(model, joint) for joint in model.movable_joints]

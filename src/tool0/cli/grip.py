@@ -6,12 +6,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from tool0.cli import INTERRUPTED
-from tool0.cli.connection import Bringup, see_through
+from tool0.cli.connection import Bringup, wait_for_goal
 from tool0.cli.parsing import parse
-from tool0.errors import ConfigError
+from tool0.errors import ConfigError, GoalTimeoutError
 
 if TYPE_CHECKING:
-    from tool0.interfaces.socket.remote_gripper import RemoteGrasp
+    from tool0.api.gripper import Gripper
+    from tool0.sensing.grasp import GraspState
 
 _DEFAULT = Bringup()
 _SETTLE = 1.0
@@ -23,7 +24,7 @@ def run(command: str, arguments: list[str]) -> int:
     return parse(grip, command, arguments)
 
 
-def told(state: RemoteGrasp) -> str:
+def described(state: GraspState) -> str:
     """Return what a gripper does, for people, with Robotiq's number for it."""
     opening = f"{1e3 * state.opening:.1f} mm"
     words = {
@@ -35,6 +36,14 @@ def told(state: RemoteGrasp) -> str:
     if state.motion not in words:
         return f"open {opening}, commanded by nobody"
     return f"{words[state.motion]} (gOBJ {state.gobj})"
+
+
+def _settled(gripper: Gripper) -> GraspState:
+    """Return the state once the pads stand still, or after a while."""
+    try:
+        return gripper.wait(_SETTLE)
+    except GoalTimeoutError:
+        return gripper.state
 
 
 def grip(
@@ -69,7 +78,7 @@ def grip(
             force=force,
             effort=effort,
         )
-        status = see_through(robot, move, timeout)
+        status = wait_for_goal(robot, move, timeout)
         if status != INTERRUPTED:
-            print(told(robot.gripper.wait(_SETTLE)))
+            print(described(_settled(robot.gripper)))
     return status

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tool0.cli.connection import Bringup, see_through
-from tool0.cli.options import joint_values
-from tool0.cli.parsing import parse
-from tool0.description.model import Pose
+from tool0.cli.connection import Bringup, wait_for_goal
+from tool0.cli.parsing import joint_values, parse
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError, ControlError, did_you_mean
 
 if TYPE_CHECKING:
-    from tool0.interfaces.socket.client import RemoteRobot, RemoteStatus
+    from tool0.api.controller import GoalHandle
 
 SixNumbers = tuple[float, float, float, float, float, float]
 
-_TYPE = "/JointTrajectoryController"
 _DEFAULT = Bringup()
 
 
@@ -63,12 +61,11 @@ def move(
         "speed": speed,
         "tip": tip,
         "relative_to": relative_to,
-        "arm": arm,
     }
     if (pose is None) == (not joints):
         raise ConfigError("give either --joints, joint=position …, or --pose")
     if pose is None:
-        _refuse("--pose", {**of_pose, "linear": linear or None})
+        _refuse("--pose", {**of_pose, "arm": arm, "linear": linear or None})
         duration = 2.0 if duration is None else duration
         return _move_joints(joints, duration, controller, timeout, bringup)
     _refuse("--joints", {"duration": duration, "controller": controller})
@@ -76,8 +73,11 @@ def move(
     x, y, z, roll, pitch, yaw = pose
     target = Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw))
     with bringup.connect() as robot:
-        way = robot.arm.move_linear if linear else robot.arm.move_to
-        return see_through(robot, partial(way, target, **given), timeout)
+        chosen = robot.arms.get(arm) if arm is not None else robot.arm
+        if chosen is None:
+            raise ControlError(f"no arm '{arm}'{did_you_mean(arm or '', robot.arms)}")
+        move = chosen.move_linear if linear else chosen.move_to
+        return wait_for_goal(robot, partial(move, target, **given), timeout)
 
 
 def _refuse(other: str, options: Mapping[str, object]) -> None:
@@ -94,68 +94,15 @@ def _move_joints(
     timeout: float | None,
     bringup: Bringup,
 ) -> int:
-    from tool0.control.trajectory import TrajectoryPoint
-
-    wanted = joint_values(joints, "--joints")
+    positions = joint_values(joints, "--joints")
     if not 0.0 < duration < math.inf:
         raise ConfigError(f"--duration must be above 0 s, got {duration}")
     with bringup.connect() as robot:
-        chosen = find_controller(robot.controllers(), wanted, controller)
-        names, positions = _target(robot, chosen, wanted)
-        zeros = [0.0] * len(names)
-        # Velocities given make the motion a cubic: it starts and ends softly.
-        point = TrajectoryPoint(positions, zeros, time_from_start=duration)
-        handle = robot.controller(chosen.name)
-        follow = partial(handle.follow, [point], joint_names=names)
-        return see_through(robot, follow, timeout)
 
+        def start() -> GoalHandle:
+            if controller is not None:
+                handle = robot.controller(controller)
+                return handle.move(positions, duration=duration)
+            return robot.move_joints(positions, duration=duration)[0]
 
-def find_controller(
-    controllers: Sequence[RemoteStatus],
-    wanted: Mapping[str, float],
-    name: str | None = None,
-) -> RemoteStatus:
-    """Return the running trajectory controller of all wanted joints."""
-    running = [
-        item
-        for item in controllers
-        if item.state == "running" and item.type.endswith(_TYPE)
-    ]
-    if name is not None:
-        running = [item for item in running if item.name == name]
-        if not running:
-            raise ControlError(
-                f"no trajectory controller '{name}' is running; "
-                "see `tool0 controllers list`"
-            )
-    fitting = [item for item in running if wanted.keys() <= _joints(item)]
-    if fitting:
-        return fitting[0]
-    claimed = {joint for item in running for joint in _joints(item)}
-    for joint in wanted:
-        if joint not in claimed:
-            raise ControlError(
-                f"no running trajectory controller claims joint '{joint}'"
-                f"{did_you_mean(joint, claimed)}"
-            )
-    raise ControlError(
-        f"no single controller claims {', '.join(wanted)}; move them one after another"
-    )
-
-
-def _joints(status: RemoteStatus) -> set[str]:
-    return {joint for _, joints in status.claimed for joint in joints}
-
-
-def _target(
-    robot: RemoteRobot, status: RemoteStatus, wanted: Mapping[str, float]
-) -> tuple[list[str], list[float]]:
-    """Return all joints of the controller, and where they should go.
-
-    The others keep the place that is desired, not measured: the arm droops a little
-    below it, and would creep down with every move.
-    """
-    names = [joint for _, joints in status.claimed for joint in joints]
-    desired = robot.controller(status.name).query_state()
-    held = dict(zip(names, desired.positions, strict=True))
-    return names, [wanted.get(name, held[name]) for name in names]
+        return wait_for_goal(robot, start, timeout)

@@ -1,4 +1,4 @@
-"""The panel of a command: where it listens, and the browser that shows it."""
+"""The panel of a command: its address, its server, and the browser that shows it."""
 
 from __future__ import annotations
 
@@ -12,57 +12,50 @@ if TYPE_CHECKING:
     from threading import Thread
 
     from tool0.cli.options import PanelOptions
-    from tool0.interfaces.panel.address import Door
-    from tool0.interfaces.panel.server import Panel
-    from tool0.interfaces.panel.source import PanelSource
-    from tool0.runtime.robot import Robot
-
-
-def door_of(options: PanelOptions) -> Door:
-    """Listen where the options say, and warn if that lets others in."""
-    from tool0.interfaces.panel.address import open_door
-    from tool0.interfaces.panel.server import load
-
-    door = open_door(options.panel_host, options.panel_port)
-    if door.token is not None:
-        print(
-            f"tool0: warning: the panel listens at {door.host}, port {door.port}; "
-            "whoever knows its address with the token can drive the robot",
-            file=sys.stderr,
-        )
-    load()
-    return door
+    from tool0.interfaces.panel.address import Endpoint
 
 
 @contextlib.contextmanager
-def served(source: Robot | PanelSource, door: Door) -> Iterator[Panel]:
-    """Serve the panel at ``door``."""
-    from tool0.interfaces.panel.server import Panel, is_page_built
+def listening(options: PanelOptions) -> Iterator[Endpoint]:
+    """Listen at the address of the options, and warn if others can reach it."""
+    from tool0.interfaces.panel.address import open_endpoint
+    from tool0.interfaces.panel.server import is_page_built, load
 
+    endpoint = open_endpoint(options.panel_host, options.panel_port)
+    if endpoint.token is not None:
+        print(
+            f"tool0: warning: the panel listens at {endpoint.host}, port "
+            f"{endpoint.port}; whoever knows its address with the token can drive the "
+            "robot",
+            file=sys.stderr,
+        )
     if not is_page_built():
         print(
             "tool0: warning: the panel's page is not built; `make run` builds it",
             file=sys.stderr,
         )
-    with Panel(source, door=door) as panel:
-        yield panel
+    try:
+        load()
+        yield endpoint
+    finally:
+        endpoint.listener.close()
 
 
 def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
-    """Open the page in a browser, where a person sits before a desktop.
+    """Open the page in a browser if there are a terminal and a desktop.
 
     Returns:
-        The thread that opens it; None if there is nobody to see it.
+        The thread that opens it; None if it is not opened.
     """
     from tool0.interfaces.panel.desktop import has_desktop
 
-    is_seen = console.isatty() and has_desktop(os.environ, sys.platform)
-    if not (options.open and is_seen):
+    has_user = console.isatty() and has_desktop(os.environ, sys.platform)
+    if not (options.open and has_user):
         return None
     import threading
     import webbrowser
 
-    # Some browsers come back only when they are closed.
+    # Some browsers return only when they are closed.
     opener = threading.Thread(
         target=webbrowser.open, args=(url,), name="tool0-browser", daemon=True
     )

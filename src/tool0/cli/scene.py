@@ -12,14 +12,15 @@ import tyro
 
 from tool0.cli.connection import Bringup
 from tool0.cli.text import columns
-from tool0.description.mesh_files import mesh as mesh_in
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
-from tool0.description.motion import from_quaternion, to_pose
 from tool0.description.scene import DEFAULT_FRICTION
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import mesh as mesh_in
+from tool0.description.transform import Pose, from_quaternion, to_pose, to_transform
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
-    from tool0.interfaces.socket.remote_scene import RemoteObject
+    from tool0.description.scene import SceneObject
+    from tool0.hardware.engine import ObjectState
 
 Three = tuple[float, float, float]
 Name = Annotated[str, tyro.conf.Positional]
@@ -53,13 +54,15 @@ def show(
         bringup: Which bringup.
     """
     with bringup.connect() as robot:
-        found = robot.scene.list()
+        snapshot = robot.snapshot
+    found = list(zip(snapshot.scene, snapshot.objects, strict=True))
     if as_json:
-        rows = [_plain(item) for item in found]
+        rows = [_plain(item, state) for item, state in found]
         print(json.dumps({"objects": rows}))
     else:
         head = ("name", "shape", "mass", "x y z [m]", "roll pitch yaw [deg]")
-        print(columns([head, *map(_row, found)]), end="")
+        rows_of_text = [_row(item, state) for item, state in found]
+        print(columns([head, *rows_of_text]), end="")
 
 
 def add(
@@ -129,7 +132,7 @@ def place(
         bringup: Which bringup.
     """
     with bringup.connect() as robot:
-        robot.scene.place(name, xyz, rpy)
+        robot.scene.place(name, xyz, to_transform(Pose(xyz=xyz, rpy=rpy)).quat_wxyz)
 
 
 def _shape(
@@ -157,11 +160,11 @@ def _shape(
     return shapes[0]
 
 
-def _row(item: RemoteObject) -> tuple[str, ...]:
-    pose = to_pose(from_quaternion(item.state.position, item.state.quat_wxyz))
+def _row(item: SceneObject, state: ObjectState) -> tuple[str, ...]:
+    pose = to_pose(from_quaternion(state.position, state.quat_wxyz))
     return (
         item.name,
-        _told(item.shape),
+        _described(item.geometry),
         "still" if item.mass is None else f"{item.mass:g} kg",
         " ".join(_signed(part, 4) for part in pose.xyz),
         " ".join(_signed(math.degrees(part), 1) for part in pose.rpy),
@@ -173,7 +176,7 @@ def _signed(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:+.{digits}f}"
 
 
-def _told(shape: Geometry) -> str:
+def _described(shape: Geometry) -> str:
     match shape:
         case Box(size=(x, y, z)):
             return f"box {x:g} x {y:g} x {z:g}"
@@ -185,13 +188,15 @@ def _told(shape: Geometry) -> str:
             return f"mesh {path.name}"
 
 
-def _plain(item: RemoteObject) -> dict[str, object]:
-    from tool0.interfaces.socket.shape_json import shape_to_json
+def _plain(item: SceneObject, state: ObjectState) -> dict[str, object]:
+    from msgspec import to_builtins
+
+    from tool0.requests.objects import shape_of
 
     return {
         "name": item.name,
-        "shape": shape_to_json(item.shape),
+        "shape": to_builtins(shape_of(item.geometry)),
         "mass": item.mass,
         "friction": item.friction,
-        **{key: value for key, value in asdict(item.state).items() if key != "name"},
+        **{key: value for key, value in asdict(state).items() if key != "name"},
     }

@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from tool0.cli.connection import Bringup
-from tool0.cli.grip import told
+from tool0.cli.grip import described
 from tool0.cli.parsing import parse
 from tool0.cli.text import columns
-from tool0.description.motion import to_pose
+from tool0.description.transform import to_pose
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from tool0.description.model import Pose, Vector3
-    from tool0.interfaces.socket.client import RemoteState
+    from tool0.description.transform import Pose, Vector3
+    from tool0.sensing.grasp import GraspState
+    from tool0.sensing.snapshot import Snapshot
 
 _DEFAULT = Bringup()
 
@@ -41,13 +42,35 @@ def state(
         bringup: Which bringup.
     """
     with bringup.connect() as robot:
-        measured = robot.joint_state
-        ends = {name: to_pose(pose) for name, pose in robot.arm.poses().items()}
+        snapshot = robot.snapshot
+        grippers = {name: item.state for name, item in robot.grippers.items()}
+        tools = {arm.tip: to_pose(arm.pose()) for arm in robot.arms.values()}
     if as_json:
-        poses = {name: asdict(pose) for name, pose in ends.items()}
-        print(json.dumps({**asdict(measured), "poses": poses}))
+        print(json.dumps(_plain(snapshot, grippers, tools)))
     else:
-        print(_table(measured) + _poses(ends), end="")
+        print(_table(snapshot, grippers) + _poses(tools), end="")
+
+
+def _plain(
+    snapshot: Snapshot, grippers: Mapping[str, GraspState], tools: Mapping[str, Pose]
+) -> dict[str, object]:
+    names = snapshot.joint_names
+    return {
+        "time": snapshot.time,
+        "is_paused": snapshot.is_paused,
+        "is_stopped": snapshot.is_stopped,
+        "real_time_factor": snapshot.real_time_factor,
+        "overruns": snapshot.overruns,
+        "fault": snapshot.fault,
+        "position": dict(zip(names, snapshot.position, strict=True)),
+        "velocity": dict(zip(names, snapshot.velocity, strict=True)),
+        "effort": dict(zip(names, snapshot.effort, strict=True)),
+        "grippers": {
+            name: {**asdict(state), "gobj": state.gobj}
+            for name, state in grippers.items()
+        },
+        "poses": {name: asdict(pose) for name, pose in tools.items()},
+    }
 
 
 def _poses(ends: Mapping[str, Pose]) -> str:
@@ -62,27 +85,26 @@ def _numbers(values: Vector3) -> str:
     return " ".join(f"{value:+.5f}" for value in values)
 
 
-def _table(state: RemoteState) -> str:
-    marks = [f"t = {state.time:.3f} s"]
-    if state.real_time_factor > 0.0:  # zero until it was measured for a second
-        marks.append(f"{state.real_time_factor:.2f} x real time")
-    if state.is_paused:
+def _table(snapshot: Snapshot, grippers: Mapping[str, GraspState]) -> str:
+    marks = [f"t = {snapshot.time:.3f} s"]
+    if snapshot.real_time_factor > 0.0:  # zero until it was measured for a second
+        marks.append(f"{snapshot.real_time_factor:.2f} x real time")
+    if snapshot.is_paused:
         marks.append("paused")
-    if state.is_stopped:
+    if snapshot.is_stopped:
         marks.append("emergency stop")
-    if state.fault is not None:
-        marks.append(f"standing still: {state.fault}")
+    if snapshot.fault is not None:
+        marks.append(f"standing still: {snapshot.fault}")
     rows = [("joint", "position", "velocity", "effort")]
     rows += [
-        (
-            name,
-            f"{state.position[name]:+.5f}",
-            f"{state.velocity[name]:+.5f}",
-            f"{state.effort[name]:+.3f}",
+        (name, f"{position:+.5f}", f"{velocity:+.5f}", f"{effort:+.3f}")
+        for name, position, velocity, effort in zip(
+            snapshot.joint_names,
+            snapshot.position,
+            snapshot.velocity,
+            snapshot.effort,
+            strict=True,
         )
-        for name in state.position
     ]
-    grippers = "".join(
-        f"{name}: {told(grasp)}\n" for name, grasp in state.grippers.items()
-    )
-    return f"{', '.join(marks)}\n{columns(rows)}{grippers}"
+    lines = "".join(f"{name}: {described(state)}\n" for name, state in grippers.items())
+    return f"{', '.join(marks)}\n{columns(rows)}{lines}"

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as a wish that the main thread looks at between two ticks."""
+"""Ctrl-C and SIGTERM as a flag that the main thread checks between two ticks."""
 
 from __future__ import annotations
 
@@ -24,34 +24,34 @@ class StopSignal:
         self._before: dict[signal.Signals, Any] = {}  # what signal.signal returns
 
     def __enter__(self) -> StopSignal:
-        """Take the signals over."""
+        """Install the handlers."""
         self._read, self._write = socket.socketpair()
         self._write.setblocking(False)
         self._before = {item: signal.signal(item, self._note) for item in _SIGNALS}
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Give the signals back."""
-        self._give_back()
+        """Restore the handlers."""
+        self._restore()
         self._read.close()
         self._write.close()
 
-    def wait(self, timeout: float) -> bool:
-        """Wait at most ``timeout`` wall seconds; return whether a signal came."""
+    def wait(self, timeout: float | None = None) -> bool:
+        """Wait for a signal, at most ``timeout`` [wall s]; return whether it came."""
         if not self.is_set:
-            select.select([self._read], [], [], max(timeout, 0.0))
+            select.select([self._read], [], [], timeout and max(timeout, 0.0))
         return self.is_set
 
     def request(self) -> None:
-        """Stop as if a signal had come; any thread may ask."""
+        """Stop as if a signal had come; from any thread."""
         self.is_set = True
         self._write.send(b"x")
 
     def _note(self, number: int, frame: FrameType | None) -> None:
         self.request()
-        self._give_back()
+        self._restore()
 
-    def _give_back(self) -> None:
+    def _restore(self) -> None:
         for item, handler in self._before.items():
             signal.signal(item, handler)
         self._before = {}

@@ -1,8 +1,15 @@
-"""Plain text for terminals."""
+"""Text for terminals: tables, and what ``tool0 bringup`` prints."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import time
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, TextIO, final
+
+if TYPE_CHECKING:
+    from tool0.api.robot import Robot
+    from tool0.cli.options import BringupOptions
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:
@@ -15,3 +22,120 @@ def columns(rows: Sequence[Sequence[str]]) -> str:
         for row in rows
     )
     return "".join(f"{line.rstrip()}\n" for line in lines)
+
+
+def panel_line(url: str) -> str:
+    """Return the line with the panel's URL."""
+    return f"Panel: {url}"
+
+
+def greeting(
+    robot: Robot,
+    options: BringupOptions,
+    url: str | None = None,
+    ros: str | None = None,
+) -> str:
+    """Return what was brought up, and how to move it.
+
+    Args:
+        robot: The robot.
+        options: How it runs.
+        url: The panel's, if there is one.
+        ros: A line that says where it is in ROS, if it is.
+    """
+    description, simulation, run = robot.description, options.simulation, options.run
+    name = " + ".join(description.folders) or description.source.name
+    pace = "real time" if simulation.realtime else "as fast as possible"
+    n_joints = len(description.model.transmissions)
+    lines = [
+        f"{name} is up in {robot.engine.name}: {n_joints} driven joints, {pace}"
+        f"{', paused' if simulation.paused else ''}",
+        *columns(
+            [(f"  {row.name}", row.state, row.type) for row in robot.controllers()]
+        ).splitlines(),
+    ]
+    if simulation.grasp_assist:
+        lines.append(
+            "Grasp assist is on, a cheat: a gripped object is attached to the gripper."
+        )
+    lines += [] if url is None else [panel_line(url)]
+    lines += [] if ros is None else [ros]
+    if run.duration is None:
+        if run.remote:
+            lines += ["From another terminal:", *_examples(robot, run.name)]
+        lines.append("Ctrl-C ends it.")
+    return "\n".join(lines)
+
+
+def _examples(robot: Robot, name: str) -> Iterator[str]:
+    suffix = "" if name == "tool0" else f" --name {name}"
+    position = robot.joint_state.position
+    for row in robot.controllers():
+        joints = [joint for _, joints in row.claimed for joint in joints]
+        if row.state != "running" or not joints:
+            continue
+        if row.type.endswith("/JointTrajectoryController"):
+            joint = joints[min(2, len(joints) - 1)]
+            limits = robot.description.model.joint(joint).limits
+            goal = limits.clamp(round(position[joint] + 0.5, 1))
+            yield f"  tool0 move --joints {joint}={goal:g} --duration 2{suffix}"
+            break
+    if len(robot.grippers) == 1:
+        opening = robot.gripper.geometry.max_opening / 2.0
+        yield f"  tool0 grip --opening {opening:.2g}{suffix}"
+    yield f"  tool0 state{suffix}"
+    yield f"  tool0 controllers list{suffix}"
+
+
+@final
+class StatusLine:
+    """One line on a terminal, rewritten once a second; elsewhere nothing."""
+
+    def __init__(self, console: TextIO) -> None:
+        self._console = console
+        self._is_shown = console.isatty()
+        self._next = time.monotonic() + 1.0
+
+    def refresh(self, robot: Robot) -> None:
+        """Rewrite the line if a second has passed."""
+        if not self._is_shown or time.monotonic() < self._next:
+            return
+        self._next = time.monotonic() + 1.0
+        snapshot = robot.snapshot
+        words = [
+            f"t = {snapshot.time:.1f} s",
+            f"{snapshot.real_time_factor:.2f} x real time",
+            f"{snapshot.overruns} overruns",
+        ]
+        words += ["paused"] if snapshot.is_paused else []
+        words += ["emergency stop"] if snapshot.is_stopped else []
+        self._console.write(f"\r{', '.join(words)}\x1b[K")
+        self._console.flush()
+
+    def end(self) -> None:
+        """Clear the line."""
+        if self._is_shown:
+            self._console.write("\r\x1b[K")
+            self._console.flush()
+
+
+def summary_line(summary: dict[str, Any]) -> str:
+    """Return the run in one line."""
+    n_warnings = len(summary["warnings"])
+    return (
+        f"{summary['sim_time']:.3f} s simulated in {summary['wall_time']:.2f} s "
+        f"({summary['real_time_factor']:.2f} x real time), {summary['steps']} steps, "
+        f"{summary['overruns']} overruns, max drift {summary['max_drift']:.2e} rad, "
+        f"{n_warnings} {'warning' if n_warnings == 1 else 'warnings'}"
+    )
+
+
+def finite(value: object) -> object:
+    """Return ``value`` with None for NaN and infinity, which JSON lacks."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, dict):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    return value

@@ -1,50 +1,46 @@
-"""``tool0 view``: a robot without physics in a web page, to be posed by sliders."""
+"""``tool0 view``: a robot without physics in a web page, posed by sliders."""
 
 from __future__ import annotations
 
 import contextlib
 import sys
 
-from tool0.cli.bringup_text import panel_line
-from tool0.cli.describe import described
-from tool0.cli.options import DEFAULT_SPAWN_Z, PanelOptions, RobotOptions
-from tool0.cli.panel import door_of, served, show
+from tool0.cli.options import READERS, PanelOptions
+from tool0.cli.panel import listening, show
 from tool0.cli.parsing import parse
 from tool0.cli.stop_signal import StopSignal
-
-_GLANCE = 10.0
-"""Longest time between looks at the signals [wall s]; a signal wakes at once."""
+from tool0.cli.text import panel_line
+from tool0.description.config import DescriptionConfig
+from tool0.runtime.config import SimulationConfig
 
 
 def run(command: str, arguments: list[str]) -> int:
     """Run the command and return its exit status."""
-    parse(view, command, arguments, flag_pairs=True)
+    parse(view, command, arguments, readers=READERS, flag_pairs=True)
     return 0
 
 
 def view(
-    description: RobotOptions = RobotOptions(),  # noqa: B008  # frozen
+    description: DescriptionConfig = DescriptionConfig(),  # noqa: B008  # frozen
+    spawn_z: float = SimulationConfig().spawn_z,  # frozen
     panel: PanelOptions = PanelOptions(),  # noqa: B008  # frozen
 ) -> None:
     """Show a robot in a web page, without physics, and pose its joints there.
 
     Args:
         description: Which robot.
+        spawn_z: Height of the robot's root above the ground [m].
         panel: Where the page is.
     """
-    from tool0.interfaces.panel.view import ViewSource
+    from tool0.description.catalogue import load_description
+    from tool0.interfaces.panel.server import Panel
+    from tool0.interfaces.panel.view import RobotView
 
     with contextlib.ExitStack() as exits:
-        door = door_of(panel)
-        exits.callback(door.listener.close)
+        endpoint = exits.enter_context(listening(panel))
         stop = exits.enter_context(StopSignal())
-        spawn_z = description.spawn_z
-        source = ViewSource(
-            described(description),
-            ground=-(DEFAULT_SPAWN_Z if spawn_z is None else spawn_z),
-        )
-        exits.enter_context(served(source, door))
-        print(f"{panel_line(door.url)}\nCtrl-C ends it.", flush=True)
-        show(door.url, panel, sys.stdout)
-        while not stop.wait(_GLANCE):
-            pass
+        robot = RobotView(load_description(description), ground=-spawn_z)
+        exits.enter_context(Panel(robot, endpoint=endpoint))
+        print(f"{panel_line(endpoint.url)}\nCtrl-C ends it.", flush=True)
+        show(endpoint.url, panel, sys.stdout)
+        stop.wait()

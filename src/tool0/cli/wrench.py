@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 from tool0.cli.connection import Bringup
 from tool0.cli.parsing import parse
 from tool0.errors import ConfigError
+from tool0.sensing.force_torque import DEFAULT_CUTOFF
 
 if TYPE_CHECKING:
-    from tool0.description.model import Vector3
-    from tool0.interfaces.socket.remote_force_torque import RemoteForceTorque
-    from tool0.sensing.wrench import WrenchReading
+    from tool0.api.sensors import ForceTorque
+    from tool0.description.transform import Vector3
+    from tool0.sensing.force_torque_sensor import WrenchReading
 
 _DEFAULT = Bringup()
 
@@ -49,20 +50,20 @@ def wrench(
     with bringup.connect() as robot:
         sensor = robot.force_torque
         if rate is not None or cutoff is not None:
-            sensor.start(rate, cutoff)
+            sensor.start(rate, DEFAULT_CUTOFF if cutoff is None else cutoff)
         if zero:
             sensor.zero()
         for reading in _readings(sensor, duration or 0.0):
             print(_line(reading, raw), flush=True)
 
 
-def _readings(sensor: RemoteForceTorque, duration: float) -> Iterator[WrenchReading]:
+def _readings(sensor: ForceTorque, duration: float) -> Iterator[WrenchReading]:
     """Yield the newest sample, and those of the time after it."""
     newest = sensor.read()
     end = newest.time + duration - 1e-6
     yield newest
     while newest.time < end:
-        for reading in sensor.samples(newest.number):
+        for reading in sensor.samples(newest.number, None):
             if newest.time < end:
                 newest = reading
                 yield newest

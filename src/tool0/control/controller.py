@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from tool0.control.intent import Intent
+from tool0.control.setpoint import Setpoint
 from tool0.description.model import Interface
 from tool0.hardware.joint_state import JointState
 
@@ -21,10 +21,10 @@ class Controller(Protocol):
             period: Time since the last update [s].
         """
 
-    def intent(self) -> Intent | None:
-        """Return what is wanted of the joints; None if it is no position.
+    def setpoint(self) -> Setpoint | None:
+        """Return where the joints are wanted; None if no position is.
 
-        It is asked between ticks, about a hundred times a second, so it only takes
+        It is called between ticks, about a hundred times a second, so it only takes
         references to what will not change.
         """
 

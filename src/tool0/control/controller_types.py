@@ -16,7 +16,7 @@ Parser = Callable[[Namespace, RobotJoints], ControllerSpec]
 
 _FORWARD = "tool0.control.forward_command"
 _GRIPPER = "tool0.control.gripper_action"
-_TRAJECTORY = "tool0.control.joint_trajectory_spec"
+_TRAJECTORY = "tool0.control.joint_trajectory"
 _MODULES = {
     "joint_state_controller/JointStateController": "tool0.control.joint_state",
     "effort_controllers/JointTrajectoryController": _TRAJECTORY,

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import enum
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-from tool0.control.intent import PositionIntent
-from tool0.control.joint_servo import JointServo, Quantity
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     RobotJoints,
@@ -16,12 +15,22 @@ from tool0.control.parameters import (
     read_gains,
     single_joint,
 )
-from tool0.control.pid import Gains
-from tool0.description.model import Interface, Joint
+from tool0.control.pid import Gains, Pid
+from tool0.control.segment import shortest_turn
+from tool0.control.setpoint import Setpoint
+from tool0.control.spline import JointSpline, hold
+from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ControlError
-from tool0.hardware.joint_state import JointState
-from tool0.hardware.pick import picker
+from tool0.hardware.joint_state import JointState, joint_selector
+
+
+class Quantity(enum.Enum):
+    """What a command to a joint prescribes."""
+
+    EFFORT = "effort"
+    POSITION = "position"
+    VELOCITY = "velocity"
 
 
 @final
@@ -61,32 +70,61 @@ class ForwardCommandController:
 
     ROS starts effort controllers with a command of 0, which drops the arm.  Here the
     brakes hold until the first command comes; from then on effort is what was said.
+
+    A PID takes the rate from the last two errors.  The error of a continuous joint goes
+    the shortest way round.  That of a revolute joint is the plain difference: positions
+    are continuous, and a way that leaves the limits is none.
     """
 
     def __init__(
         self, spec: ForwardCommandSpec, indices: Sequence[int], state: JointState
     ) -> None:
         self.spec = spec
-        self._command: Sequence[float] = [0.0] * len(indices)
+        self._is_position = spec.quantity is Quantity.POSITION
         self._was_commanded = False
-        self._pick = picker(indices)
+        self._holds: tuple[JointSpline, ...] = ()
+        """The commanded positions as splines, made when they are asked for."""
+        self._select = joint_selector(indices)
         self._state = state
-        self._servo: JointServo | None = None
-        if spec.gains:
-            self._servo = JointServo(
-                spec.quantity, spec.joint_models, spec.gains, indices
-            )
-        if spec.quantity is Quantity.POSITION:
-            self._command = list(self._pick(state.position))
-            if self._servo is not None:
-                self._command = self._servo.within_limits(self._command)
+        self._pid = Pid(spec.gains) if spec.gains else None
+        self._last_errors = [0.0] * len(indices)  # before the first, as in ROS
+        start = [0.0] * len(indices)
+        if self._is_position:
+            start = list(self._select(state.position))
+        self._command = self._within_limits(start)
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return the commands, or what the PIDs make of them."""
         self._state = state
-        if self._servo is None:
+        if self._pid is None:
             return self._command
-        return self._servo.update(self._command, state, period)
+        if not period > 0.0:
+            return [0.0] * len(self._command)
+        measured = self._select(state.position if self._is_position else state.velocity)
+        errors = list(map(self._error, self.spec.joint_models, self._command, measured))
+        rates = [
+            (error - last) / period
+            for error, last in zip(errors, self._last_errors, strict=True)
+        ]
+        self._last_errors = errors
+        return self._pid.update(errors, rates, period)
+
+    def _error(self, joint: Joint, desired: float, measured: float) -> float:
+        if self._is_position and joint.type is JointType.CONTINUOUS:
+            return shortest_turn(measured, desired)
+        return desired - measured
+
+    def _within_limits(self, command: list[float]) -> list[float]:
+        """Return the allowed positions nearest to ``command``, if a PID follows them.
+
+        Other commands are passed on as they are.
+        """
+        if self._pid is None or not self._is_position:
+            return command
+        return [
+            value if joint.type is JointType.CONTINUOUS else joint.limits.clamp(value)
+            for joint, value in zip(self.spec.joint_models, command, strict=True)
+        ]
 
     def command(self, values: Sequence[float] | float) -> None:
         """Set one command per joint, in the order of the controller's joints.
@@ -110,18 +148,17 @@ class ForwardCommandController:
                     "it must be a finite number"
                 )
         self._was_commanded = True
-        command = [float(value) for value in given]
-        self._command = (
-            command if self._servo is None else self._servo.within_limits(command)
-        )
+        self._holds = ()
+        self._command = self._within_limits([float(value) for value in given])
 
-    def intent(self) -> PositionIntent | None:
+    def setpoint(self) -> Setpoint | None:
         """Return the positions that were commanded, if positions were."""
-        if self.spec.quantity is not Quantity.POSITION or not self._was_commanded:
+        if not self._is_position or not self._was_commanded:
             return None
-        return PositionIntent(
-            self.spec.joint_models, tuple(self._command), self._pick, self._state
-        )
+        if not self._holds:
+            time = self._state.time
+            self._holds = tuple(hold(time, position) for position in self._command)
+        return Setpoint(self.spec.joint_models, self._holds, self._select, self._state)
 
     def stop(self) -> None:
         """Do nothing: there is no goal to end."""

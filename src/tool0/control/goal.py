@@ -31,7 +31,6 @@ class GoalStatus(enum.Enum):
 class GoalResult:
     """How a trajectory goal ended: control_msgs/FollowJointTrajectoryResult."""
 
-    SUCCESSFUL = 0
     PATH_TOLERANCE_VIOLATED = -4
     GOAL_TOLERANCE_VIOLATED = -5
 

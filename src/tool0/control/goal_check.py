@@ -13,11 +13,10 @@ from __future__ import annotations
 import logging
 import math
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
-from tool0.control.point_survey import PointSurvey
 from tool0.control.tolerances import tolerance_numbers
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import BLOCK, TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Joint, JointType
 from tool0.errors import GoalRejectedError, did_you_mean
 
@@ -61,16 +60,11 @@ def check_names(
     return names
 
 
-def check_points(
-    points: Sequence[TrajectoryPoint],
-    names: tuple[str, ...],
-    survey: PointSurvey | None,
-) -> None:
+def check_points(goal: TrajectoryGoal, names: tuple[str, ...]) -> None:
     """Reject points whose times, counts or numbers make no trajectory."""
-    known = survey.n_timed if survey else 0
-    last = points[known - 1].time_from_start if known else -math.inf
-    for number in range(known, len(points)):
-        time = points[number].time_from_start
+    for number in goal.suspects:
+        time = goal.times[number]
+        last = goal.times[number - 1] if number else -math.inf
         if not math.isfinite(time):
             raise GoalRejectedError(f"point {number} has time_from_start {time}")
         if not time > last:
@@ -79,10 +73,8 @@ def check_points(
                 f"increasing in time. Point {number} is at {time} s, "
                 f"the one before it at {last} s."
             )
-        last = time
-    known = survey.n_sound if survey and survey.n_joints == len(names) else 0
-    for number in range(known, len(points)):
-        _check_counts(number, points[number], names)
+    for number in goal.suspects:
+        _check_counts(number, goal.points[number], names)
 
 
 def _check_counts(number: int, point: TrajectoryPoint, names: tuple[str, ...]) -> None:
@@ -113,27 +105,23 @@ def _check_counts(number: int, point: TrajectoryPoint, names: tuple[str, ...]) -
 def start_time(goal: TrajectoryGoal, now: float) -> float:
     """Return when the goal starts [s]."""
     if goal.stamp is None or goal.stamp == 0.0:
-        return now
+        return float(now)
     if not math.isfinite(goal.stamp):
         raise GoalRejectedError(f"stamp {goal.stamp}; it must be a simulated time")
-    return goal.stamp
+    return float(goal.stamp)
 
 
-def points_ahead(
-    points: Sequence[TrajectoryPoint], start: float, now: float
-) -> Sequence[TrajectoryPoint]:
-    """Return the points that are still to be reached, or reject the goal.
+def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
+    """Return the number of the first point still to be reached, or reject the goal.
 
-    Dropped are those at or before ``now``, as in ROS, and a first one at the very
-    start: there is no time to move there, ROS would jump.
+    Those before it are dropped.  A point at the start, or no more than an INSTANT after
+    it, is dropped as well: there is no time to move there, ROS would jump.
     """
     earliest = max(start, now)
-    n_dropped = bisect_right(
-        points, earliest + INSTANT, key=lambda point: start + point.time_from_start
-    )
-    ahead = points[n_dropped:]
-    if not ahead:
-        behind = earliest - (start + points[-1].time_from_start)
+    n_points = len(goal.points)
+    n_dropped = bisect_right(goal.times, earliest + INSTANT, key=start.__add__)
+    if n_dropped == n_points:
+        behind = earliest - (start + goal.times[-1])
         raise GoalRejectedError(
             f"Dropping all {n_dropped} trajectory point(s), as they occur before the "
             f"current time.\nLast point is {behind:.3f}s in the past."
@@ -143,42 +131,42 @@ def points_ahead(
             "Dropping first %d trajectory point(s) out of %d, as they occur before "
             "the current time.\nFirst valid point will be reached in %.3fs.",
             n_dropped,
-            len(points),
-            start + ahead[0].time_from_start - now,
+            n_points,
+            start + goal.times[n_dropped] - now,
         )
-    return ahead
+    return n_dropped
 
 
-def check_limits(
-    points: Sequence[TrajectoryPoint],
-    joints: Sequence[Joint],
-    survey: PointSurvey | None,
-) -> None:
+def check_limits(goal: TrajectoryGoal, joints: Sequence[Joint], first: int) -> None:
     """Reject positions that the joints cannot reach.
 
     Args:
-        points: The last of the goal's points.
+        goal: Its points are examined from number ``first`` on.
         joints: Those of the points' numbers.
-        survey: What is known of all the goal's points, if anything is.
+        first: The first point still to be reached.
     """
-    ranges = [_range(joint) for joint in joints]
-    numbers: Iterable[int] = range(len(points))
-    if survey is not None:
-        numbers = survey.beyond(ranges, len(points))
-    for number in numbers:
-        positions = points[number].positions
-        for joint, (lowest, highest), position in zip(
-            joints, ranges, positions, strict=True
-        ):
-            if not lowest <= position <= highest:
-                check_position(joint, position, f"point {number}")
+    limits = [_limits(joint) for joint in joints]
+    blocks = [range(first, len(goal.points))]
+    if goal.position_ranges is not None:
+        blocks = [
+            range(max(block * BLOCK, first), min((block + 1) * BLOCK, len(goal.points)))
+            for block in goal.position_ranges.blocks_beyond(limits)
+        ]
+    for block in blocks:
+        for number in block:
+            positions = goal.points[number].positions
+            for joint, (lowest, highest), position in zip(
+                joints, limits, positions, strict=True
+            ):
+                if not lowest <= position <= highest:
+                    check_position(joint, position, f"point {number}")
 
 
 def check_position(joint: Joint, position: float, where: str) -> None:
     """Reject a position beyond the joint's limits; a continuous joint has none."""
     if joint.type is JointType.CONTINUOUS:
         return
-    lowest, highest = _range(joint)
+    lowest, highest = _limits(joint)
     if not lowest <= position <= highest:
         lower, upper = joint.limits.lower, joint.limits.upper
         raise GoalRejectedError(
@@ -187,7 +175,7 @@ def check_position(joint: Joint, position: float, where: str) -> None:
         )
 
 
-def _range(joint: Joint) -> tuple[float, float]:
+def _limits(joint: Joint) -> tuple[float, float]:
     """Return the smallest and the largest position that is not rejected."""
     if joint.type is JointType.CONTINUOUS:
         return -math.inf, math.inf

@@ -1,15 +1,14 @@
-"""GripperActionController: move one joint, and squeeze what is in its way."""
+"""GripperActionController: move one joint, and squeeze what stops it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 from tool0.control.goal import Goal, GoalStatus, GripperResult
 from tool0.control.goal_check import check_position
-from tool0.control.intent import PositionIntent
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     RobotJoints,
@@ -17,12 +16,13 @@ from tool0.control.parameters import (
     single_joint,
 )
 from tool0.control.pid import Gains, Pid
+from tool0.control.setpoint import Setpoint
+from tool0.control.spline import hold
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import GoalRejectedError
-from tool0.hardware.drive_bounds import DriveBounds
-from tool0.hardware.joint_state import JointState
-from tool0.hardware.pick import picker
+from tool0.hardware.drive_limits import DriveLimits
+from tool0.hardware.joint_state import JointState, joint_selector
 
 
 @final
@@ -38,7 +38,7 @@ class GripperActionSpec:
     """None for the position interface."""
     goal_tolerance: float = 0.01
     max_effort: float
-    """Bound on the effort at the start, after a cancel, and for goals without one."""
+    """Limit of the effort at the start, after a cancel, and for goals without one."""
     stall_velocity_threshold: float = 0.001
     """Mean speed below which the joint counts as stalled, per second."""
     stall_timeout: float = 1.0
@@ -46,12 +46,9 @@ class GripperActionSpec:
     allow_stalling: bool = False
     """Whether a stall is a success: the gripper holds something."""
     action_monitor_rate: float = 20.0
-    """[Hz], for the edges."""
+    """[Hz], for interfaces that publish feedback."""
 
-    @property
-    def waits_for_command(self) -> bool:
-        """It holds by itself."""
-        return False
+    waits_for_command: ClassVar[bool] = False
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -85,64 +82,55 @@ class GripperActionController:
     def __init__(self, spec: GripperActionSpec, index: int, state: JointState) -> None:
         self.spec = spec
         self._index = index
-        self._pick = picker((index,))
+        self._select = joint_selector((index,))
         self._state = state
-        self._pid = None if spec.gains is None else Pid(spec.gains)
+        self._pid = None if spec.gains is None else Pid([spec.gains])
         self._target = state.position[index]
         self._position = self._target
-        self._setpoint = self._target
-        self._bounds: DriveBounds | None = None
+        self._ramp = self._target
+        self._hold = hold(state.time, self._target)
+        self._drive_limits: DriveLimits | None = None
         self._max_effort = spec.max_effort
         self._effort = 0.0
         self._goal: Goal | None = None
-        self._still_position = self._target
-        self._still_since = state.time
-        self._still_range = spec.stall_velocity_threshold * spec.stall_timeout
-
-    @property
-    def active_goal(self) -> Goal | None:
-        """The goal that is being pursued."""
-        return self._goal
-
-    @property
-    def target(self) -> float:
-        """The commanded position [rad | m]."""
-        return self._target
+        self._stall_position = self._target
+        self._stall_since = state.time
+        self._stall_range = spec.stall_velocity_threshold * spec.stall_timeout
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return the joint's command: its position, or an effort towards it."""
         self._state = state
         position = self._position = state.position[self._index]
         if self._goal is not None:
-            self._judge(state.time, position, self._target - position)
+            self._check_goal(state.time, position, self._target - position)
         if self._pid is None:
             self._effort = self._max_effort
             return (self._target,)
-        error = self._lead(period) - position
-        effort = self._pid.update(error, -state.velocity[self._index], period)
+        error = self._advance_ramp(period) - position
+        (effort,) = self._pid.update([error], [-state.velocity[self._index]], period)
         bound = self._max_effort
         self._effort = -bound if effort < -bound else min(effort, bound)
         return (self._effort,)
 
-    def _lead(self, period: float) -> float:
-        """Return where to be now: on the way to the target, at a bounded speed.
+    def _advance_ramp(self, period: float) -> float:
+        """Return the position to be at now: towards the target, at a limited speed.
 
-        An integral that saw the whole way while the drive keeps it slow would wind up.
+        An integral of the whole error would wind up while the drive is kept slow.
         """
-        if self._bounds is None:
-            self._setpoint = self._target
+        if self._drive_limits is None:
+            self._ramp = self._target
         else:
-            _, speed = self._bounds.at(self._setpoint)
-            left = self._target - self._setpoint
-            self._setpoint += min(max(left, -speed * period), speed * period)
-        return self._setpoint
+            _, speed = self._drive_limits.at(self._ramp)
+            left = self._target - self._ramp
+            self._ramp += min(max(left, -speed * period), speed * period)
+        return self._ramp
 
-    def _judge(self, time: float, position: float, error: float) -> None:
+    def _check_goal(self, time: float, position: float, error: float) -> None:
         if abs(error) < self.spec.goal_tolerance:
             self._finish(GoalStatus.SUCCEEDED, reached_goal=True)
-        elif abs(position - self._still_position) > self._still_range:
-            self._still_position, self._still_since = position, time
-        elif time - self._still_since > self.spec.stall_timeout:
+        elif abs(position - self._stall_position) > self._stall_range:
+            self._stall_position, self._stall_since = position, time
+        elif time - self._stall_since > self.spec.stall_timeout:
             is_success = self.spec.allow_stalling
             self._finish(
                 GoalStatus.SUCCEEDED if is_success else GoalStatus.ABORTED, stalled=True
@@ -153,16 +141,16 @@ class GripperActionController:
         position: float,
         max_effort: float | None,
         now: float,
-        bounds: DriveBounds | None = None,
+        drive_limits: DriveLimits | None = None,
     ) -> Goal:
         """Replace the goal and return the new one's handle, or reject it.
 
         Args:
             position: Where to go [rad | m].
-            max_effort: Bound on the effort [N·m | N], its sign ignored as in ROS; None
+            max_effort: Limit of the effort [N·m | N], its sign ignored as in ROS; None
                 or 0 for the controller's own.
             now: Simulated time of the coming update [s].
-            bounds: What bounds the joint's drive meanwhile.
+            drive_limits: Those of the joint's drive meanwhile.
 
         Raises:
             GoalRejectedError: What was commanded before goes on untouched.
@@ -174,39 +162,34 @@ class GripperActionController:
         check_position(self.spec.joint, position, f"a goal of '{self.spec.name}'")
         self._finish(GoalStatus.PREEMPTED)
         self._goal = goal = Goal(self.spec.name)
-        self._target, self._bounds = float(position), bounds
-        ahead = self._setpoint - self._position
+        self._target, self._drive_limits = float(position), drive_limits
+        self._hold = hold(now, self._target)
+        ahead = self._ramp - self._position
         way = self._target - self._position
         # What is squeezed is not let go of for a squeeze in the same direction.
         if ahead * way <= 0.0:
-            self._setpoint = self._position
+            self._ramp = self._position
         elif abs(ahead) > abs(way):
-            self._setpoint = self._target
+            self._ramp = self._target
         self._max_effort = abs(max_effort or 0.0) or self.spec.max_effort
-        self._still_position, self._still_since = self._position, now
+        self._stall_position, self._stall_since = self._position, now
         return goal
 
     def cancel(self, goal: Goal, now: float) -> None:
         """Hold the measured position, if ``goal`` is the active one."""
-        del now
         if goal is self._goal and goal is not None:
-            self._target = self._setpoint = self._position
+            self._target = self._ramp = self._position
+            self._hold = hold(now, self._target)
             self._max_effort = self.spec.max_effort
             self._finish(GoalStatus.PREEMPTED)
 
-    def intent(self) -> PositionIntent:
+    def setpoint(self) -> Setpoint:
         """Return the commanded position, and what was measured at the last update."""
-        return PositionIntent(
-            (self.spec.joint,), (self._target,), self._pick, self._state
-        )
+        return Setpoint((self.spec.joint,), (self._hold,), self._select, self._state)
 
     def stop(self) -> None:
         """End an active goal as PREEMPTED; the controller is dropped after that."""
         self._finish(GoalStatus.PREEMPTED)
-
-    def result(self) -> GripperResult:
-        """Return what an edge may publish as feedback."""
-        return self._result(GoalStatus.ACTIVE)
 
     def _finish(
         self, status: GoalStatus, *, stalled: bool = False, reached_goal: bool = False
@@ -214,19 +197,14 @@ class GripperActionController:
         goal, self._goal = self._goal, None
         if goal is not None:
             goal.finish(
-                self._result(status, stalled=stalled, reached_goal=reached_goal)
+                GripperResult(
+                    status=status,
+                    position=self._position,
+                    effort=self._effort,
+                    stalled=stalled,
+                    reached_goal=reached_goal,
+                )
             )
-
-    def _result(
-        self, status: GoalStatus, *, stalled: bool = False, reached_goal: bool = False
-    ) -> GripperResult:
-        return GripperResult(
-            status=status,
-            position=self._position,
-            effort=self._effort,
-            stalled=stalled,
-            reached_goal=reached_goal,
-        )
 
 
 def parse(parameters: Namespace, robot: RobotJoints) -> GripperActionSpec:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 from tool0.control.parameters import RobotJoints
 from tool0.description.model import Interface
@@ -49,15 +49,8 @@ class JointStateSpec:
     """[Hz]; 0 or less is never."""
     extra_joints: tuple[ExtraJoint, ...] = ()
 
-    @property
-    def waits_for_command(self) -> bool:
-        """It holds by itself."""
-        return False
-
-    @property
-    def interface(self) -> Interface | None:
-        """No command interface: it only reads."""
-        return None
+    interface: ClassVar[Interface | None] = None
+    waits_for_command: ClassVar[bool] = False
 
     def start(self, indices: Sequence[int], state: JointState) -> JointStateController:
         """Return a controller; joints and their state are no matter of it."""
@@ -97,7 +90,7 @@ class JointStateController:
         """Return no command."""
         return ()
 
-    def intent(self) -> None:
+    def setpoint(self) -> None:
         """Return None: it wants nothing of the joints."""
 
     def stop(self) -> None:

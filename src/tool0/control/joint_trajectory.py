@@ -3,26 +3,73 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import final
+from dataclasses import dataclass
+from typing import ClassVar, final
 
-from tool0.control import goal_check
-from tool0.control.angles import shortest_turn
 from tool0.control.goal import Goal, GoalResult, GoalStatus
-from tool0.control.intent import TrajectoryIntent
-from tool0.control.joint_trajectory_spec import JointTrajectorySpec
-from tool0.control.merging import merged_tracks, planned_tracks, stopping_tracks
-from tool0.control.pid import PidBank
-from tool0.control.playback import Playback, hold_track
-from tool0.control.segment import MotionPlan
-from tool0.control.track import Track
-from tool0.control.trajectory import (
-    JointsMotion,
-    TrajectoryGoal,
-    TrajectoryState,
+from tool0.control.goal_check import check_names
+from tool0.control.goal_monitor import GoalMonitor
+from tool0.control.parameters import (
+    INTERFACE_OF_PACKAGE,
+    RobotJoints,
+    controlled_joints,
+    read_gains,
 )
-from tool0.description.model import JointType
-from tool0.hardware.joint_state import JointState
-from tool0.hardware.pick import picker
+from tool0.control.pid import Gains, Pid
+from tool0.control.replacement import TrajectoryReplacement
+from tool0.control.sampler import TrajectorySampler
+from tool0.control.segment import MotionPlan, shortest_turn
+from tool0.control.setpoint import Setpoint, joints_motion
+from tool0.control.spline import JointSpline, hold
+from tool0.control.tolerances import (
+    DEFAULT_GOAL_TIME,
+    DEFAULT_STOPPED_VELOCITY,
+    JointTolerances,
+    Tolerance,
+    TrajectoryTolerances,
+)
+from tool0.control.trajectory import JointsMotion, TrajectoryGoal
+from tool0.description.model import Interface, Joint, JointType
+from tool0.description.yaml_values import Namespace
+from tool0.hardware.joint_state import JointState, joint_selector
+
+PREEMPTED = GoalResult(status=GoalStatus.PREEMPTED)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointTrajectorySpec:
+    """Everything a JointTrajectoryController is made of."""
+
+    name: str
+    type: str
+    joint_models: tuple[Joint, ...]
+    interface: Interface
+    gains: tuple[Gains, ...] = ()
+    """One per joint; none for the position interface."""
+    velocity_ff: tuple[float, ...] = ()
+    """Command per desired velocity, one per joint; none for the position interface."""
+    tolerances: TrajectoryTolerances
+    stop_trajectory_duration: float = 0.0
+    """Length of the ramp to rest [s]; 0 holds the measured position at once."""
+    allow_partial_joints_goal: bool = False
+    state_publish_rate: float = 50.0
+    """[Hz], for interfaces that publish the state; 0 is never."""
+    action_monitor_rate: float = 20.0
+    """[Hz], for interfaces that publish feedback."""
+
+    waits_for_command: ClassVar[bool] = False
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints it claims."""
+        return tuple(joint.name for joint in self.joint_models)
+
+    def start(
+        self, indices: Sequence[int], state: JointState
+    ) -> JointTrajectoryController:
+        """Return a controller that holds the measured positions."""
+        return JointTrajectoryController(self, indices, state)
 
 
 @final
@@ -49,29 +96,23 @@ class JointTrajectoryController:
         self, spec: JointTrajectorySpec, indices: Sequence[int], state: JointState
     ) -> None:
         self.spec = spec
-        self._pick = picker(indices)
+        self._select = joint_selector(indices)
         self._wrapping = [
             k
             for k, joint in enumerate(spec.joint_models)
             if joint.type is JointType.CONTINUOUS
         ]
-        self._law = PidBank(spec.gains) if spec.gains else None
-        self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
-        self._tolerances = spec.tolerances
-        self._goal: Goal | None = None
-        self._done: set[int] = set()
-        self._goal_time = 0.0
-        self._state = state
-        position = self._pick(state.position)
-        self._playback = Playback(
-            [hold_track(state.time, q) for q in position], state.time
+        self._replacement = TrajectoryReplacement(
+            spec.joint_models, spec.tolerances, spec.stop_trajectory_duration
         )
-        self._watch(state.time)
-
-    @property
-    def active_goal(self) -> Goal | None:
-        """The goal that is being followed."""
-        return self._goal
+        self._pid = Pid(spec.gains) if spec.gains else None
+        self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
+        self._monitor: GoalMonitor | None = None
+        self._state = state
+        position = self._select(state.position)
+        self._sampler = TrajectorySampler(
+            [hold(state.time, q) for q in position], state.time
+        )
 
     # ---- the tick -----------------------------------------------------------------
 
@@ -79,102 +120,38 @@ class JointTrajectoryController:
         """Return the commands: desired positions, or velocities or efforts to them."""
         self._state = state
         time, position, velocity, _ = state
-        playback = self._playback
-        if time >= playback.next_change:
-            playback.advance(time)
-            self._watch(time)
-        law = self._law
-        if law is None and self._goal is None:
-            return playback.desired(time)[0]
-        speeds = self._pick(velocity)
-        errors, rates = playback.errors(time, self._pick(position), speeds)
+        sampler, monitor = self._sampler, self._monitor
+        if time >= sampler.next_change:
+            sampler.advance(time)
+            if monitor is not None:
+                monitor.watch(sampler, time)
+        pid = self._pid
+        if pid is None and monitor is None:
+            return sampler.desired(time)[0]
+        speeds = self._select(velocity)
+        errors, rates = sampler.errors(time, self._select(position), speeds)
         for k in self._wrapping:
             errors[k] = shortest_turn(0.0, errors[k])
-        if self._goal is not None:
-            self._judge(self._goal, time, errors, rates)
-        if law is None:
-            return playback.desired(time)[0]
-        commands = law.update(errors, rates, period)
+        if monitor is not None:
+            result = monitor.check(time, errors, rates)
+            if result is not None:
+                self._end_goal(result)
+        if pid is None:
+            return sampler.desired(time)[0]
+        commands = pid.update(errors, rates, period)
         if self._feed_forward:
             for k, scale in enumerate(self._feed_forward):
                 commands[k] += scale * (rates[k] + speeds[k])
         return commands
 
-    def _watch(self, time: float) -> None:
-        """Collect what to check until the next change, so that the tick does less."""
-        self._on_path: list[int] = []
-        self._at_goal: list[int] = []
-        self._path_limit = float("inf")
-        self._checks_path_velocity = False
-        if self._goal is None:
-            return
-        playback = self._playback
-        for k, (piece, arrived) in enumerate(
-            zip(playback.current, playback.arrived, strict=True)
-        ):
-            if piece.goal is not self._goal:
-                continue
-            if arrived:
-                if k not in self._done:
-                    self._at_goal.append(k)
-                continue
-            if piece.segment.end <= time:
-                continue
-            path = piece.tolerances.path
-            if path.position > 0.0 or path.velocity > 0.0:
-                self._on_path.append(k)
-                self._path_limit = min(self._path_limit, path.position or float("inf"))
-                self._checks_path_velocity |= path.velocity > 0.0
-
-    def _judge(
-        self, goal: Goal, time: float, errors: list[float], rates: list[float]
-    ) -> None:
-        """Abort the goal on a violated tolerance; end it when every joint arrived."""
-        if self._on_path and (
-            self._checks_path_velocity or max(map(abs, errors)) > self._path_limit
-        ):
-            for k in self._on_path:
-                path = self._playback.current[k].tolerances.path
-                if not path.allows(errors[k], rates[k]):
-                    self._abort(goal, "path", k, errors[k])
-                    return
-        if self._at_goal:
-            self._judge_arrival(goal, time, errors, rates)
-
-    def _judge_arrival(
-        self, goal: Goal, time: float, errors: list[float], rates: list[float]
-    ) -> None:
-        waiting = []
-        for k in self._at_goal:
-            piece = self._playback.current[k]
-            if piece.tolerances.goal.allows(errors[k], rates[k]):
-                self._done.add(k)
-            elif time < piece.segment.end + self._goal_time:
-                waiting.append(k)
-            else:
-                self._abort(goal, "goal", k, errors[k])
-                return
-        self._at_goal = waiting
-        if len(self._done) == len(errors):
-            self._end_goal(GoalStatus.SUCCEEDED)
-
-    def _abort(self, goal: Goal, kind: str, k: int, error: float) -> None:
-        code = {
-            "path": GoalResult.PATH_TOLERANCE_VIOLATED,
-            "goal": GoalResult.GOAL_TOLERANCE_VIOLATED,
-        }[kind]
-        text = f"{self.spec.joints[k]} {kind} error {error:.6f}"
-        self._goal = None
-        self._play(self._stop_tracks(self._state.time, None), self._state.time)
-        goal.finish(
-            GoalResult(status=GoalStatus.ABORTED, error_code=code, error_string=text)
-        )
-
-    def _end_goal(self, status: GoalStatus) -> None:
-        goal, self._goal = self._goal, None
-        if goal is not None:
-            self._on_path, self._at_goal = [], []
-            goal.finish(GoalResult(status=status))
+    def _end_goal(self, result: GoalResult) -> None:
+        """End the active goal, if there is one; if it is aborted, stop."""
+        monitor, self._monitor = self._monitor, None
+        if result.status is GoalStatus.ABORTED:
+            now = self._state.time
+            self._sampler = TrajectorySampler(self._stop_splines(now, None), now)
+        if monitor is not None:
+            monitor.goal.finish(result)
 
     # ---- requests, between ticks --------------------------------------------------
 
@@ -196,7 +173,7 @@ class JointTrajectoryController:
         self._accept(goal, now, None)
 
     def follow_plan(self, plan: MotionPlan, now: float) -> Goal:
-        """Replace what is done by a plan that starts as the joints are wanted ``now``.
+        """Replace what is done by a plan that starts with the desired motion ``now``.
 
         Raises:
             GoalRejectedError: If no joint can move so; what ran before goes on.
@@ -211,75 +188,112 @@ class JointTrajectoryController:
 
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
-        if goal is self._goal and goal is not None:
-            self._play(self._stop_tracks(now, None), now)
-            self._end_goal(GoalStatus.PREEMPTED)
+        if self._monitor is not None and goal is self._monitor.goal:
+            self._sampler = TrajectorySampler(self._stop_splines(now, None), now)
+            self._end_goal(PREEMPTED)
 
     def stop(self) -> None:
         """End an active goal as PREEMPTED; the controller is dropped after that."""
-        self._end_goal(GoalStatus.PREEMPTED)
+        self._end_goal(PREEMPTED)
 
     def _accept(self, goal: TrajectoryGoal, now: float, handle: Goal | None) -> None:
-        names = goal_check.check_names(
-            goal,
-            self.spec.joints,
-            allow_partial=self.spec.allow_partial_joints_goal,
+        spec = self.spec
+        names = check_names(
+            goal, spec.joints, allow_partial=spec.allow_partial_joints_goal
         )
         if goal.points:
-            tracks = merged_tracks(
-                self.spec, self._playback.tracks, goal, names, now=now, handle=handle
-            )
+            running = self._sampler.splines
+            splines = self._replacement.by_goal(running, goal, names, now, handle)
         else:
-            tracks = self._stop_tracks(now, handle)
-        self._replace(tracks, now, handle, goal.goal_time_tolerance)
+            splines = self._stop_splines(now, handle)
+        self._replace(splines, now, handle, goal.goal_time_tolerance)
 
     def _accept_plan(self, plan: MotionPlan, now: float, handle: Goal | None) -> None:
-        old = self._playback.tracks
-        tracks = planned_tracks(self.spec, old, plan, now=now, handle=handle)
-        self._replace(tracks, now, handle, None)
+        running = self._sampler.splines
+        splines = self._replacement.by_plan(running, plan, now, handle)
+        self._replace(splines, now, handle, None)
 
     def _replace(
         self,
-        tracks: list[Track],
+        splines: list[JointSpline],
         now: float,
         handle: Goal | None,
         goal_time: float | None,
     ) -> None:
-        self._end_goal(GoalStatus.PREEMPTED)
-        self._goal = handle
-        self._done = set()
-        self._goal_time = self._tolerances.goal_time_with(goal_time)
-        self._play(tracks, now)
+        self._end_goal(PREEMPTED)
+        self._sampler = TrajectorySampler(splines, now)
+        if handle is not None:
+            grace = self.spec.tolerances.goal_time_with(goal_time)
+            self._monitor = GoalMonitor(handle, self.spec.joints, grace)
+            self._monitor.watch(self._sampler, now)
 
-    def _stop_tracks(self, now: float, handle: Goal | None) -> list[Track]:
-        measured = self._pick(self._state.position)
-        return stopping_tracks(self.spec, self._playback.tracks, measured, now, handle)
+    def _stop_splines(self, now: float, handle: Goal | None) -> list[JointSpline]:
+        measured = self._select(self._state.position)
+        return self._replacement.by_stop(self._sampler.splines, measured, now, handle)
 
-    def _play(self, tracks: list[Track], time: float) -> None:
-        self._playback = Playback(tracks, time)
-        self._watch(time)
-
-    # ---- what it wants and has ----------------------------------------------------
+    # ---- desired and measured motion ----------------------------------------------
 
     def query_state(self, time: float) -> JointsMotion:
-        """Return what is wanted of the joints at ``time``.
+        """Return the desired motion at ``time``.
 
         Raises:
             ControlError: If no trajectory is known so far back.
         """
-        motions = self._playback.motions(time)
-        return JointsMotion(
-            positions=tuple(motion.position for motion in motions),
-            velocities=tuple(motion.velocity for motion in motions),
-            accelerations=tuple(motion.acceleration for motion in motions),
+        return joints_motion(self._sampler.samples(time))
+
+    def setpoint(self) -> Setpoint:
+        """Return desired and measured motion, as a value that later ticks leave be."""
+        return Setpoint(
+            self.spec.joint_models, self._sampler.splines, self._select, self._state
         )
 
-    def intent(self) -> TrajectoryIntent:
-        """Return what is wanted and measured, as a value that later ticks leave be."""
-        return TrajectoryIntent(
-            self.spec.joint_models, self._playback.tracks, self._pick, self._state
-        )
 
-    def state(self) -> TrajectoryState:
-        """Return what was wanted and measured at the last update."""
-        return self.intent().state()
+def parse(parameters: Namespace, robot: RobotJoints) -> JointTrajectorySpec:
+    """Return the checked parameters of a JointTrajectoryController."""
+    type_name = parameters.text("type")
+    interface = INTERFACE_OF_PACKAGE[type_name.partition("/")[0]]
+    joints = controlled_joints(robot, parameters, interface)
+    gains: tuple[Gains, ...] = ()
+    velocity_ff: tuple[float, ...] = ()
+    if interface is not Interface.POSITION:
+        why = f"{type_name} needs"
+        gains = tuple(
+            read_gains(parameters, f"gains/{joint.name}", why) for joint in joints
+        )
+        velocity_ff = tuple(
+            parameters.number(f"velocity_ff/{joint.name}", 0.0) for joint in joints
+        )
+    return JointTrajectorySpec(
+        name=parameters.name,
+        type=type_name,
+        joint_models=joints,
+        interface=interface,
+        gains=gains,
+        velocity_ff=velocity_ff,
+        tolerances=_tolerances(parameters, joints),
+        stop_trajectory_duration=parameters.not_negative(
+            "stop_trajectory_duration", 0.0
+        ),
+        allow_partial_joints_goal=parameters.boolean(
+            "allow_partial_joints_goal", default=False
+        ),
+        state_publish_rate=parameters.not_negative("state_publish_rate", 50.0),
+        action_monitor_rate=parameters.not_negative("action_monitor_rate", 20.0),
+    )
+
+
+def _tolerances(
+    parameters: Namespace, joints: tuple[Joint, ...]
+) -> TrajectoryTolerances:
+    read = parameters.not_negative
+    stopped = read("constraints/stopped_velocity_tolerance", DEFAULT_STOPPED_VELOCITY)
+    return TrajectoryTolerances(
+        joints={
+            joint.name: JointTolerances(
+                path=Tolerance(read(f"constraints/{joint.name}/trajectory", 0.0)),
+                goal=Tolerance(read(f"constraints/{joint.name}/goal", 0.0), stopped),
+            )
+            for joint in joints
+        },
+        goal_time=read("constraints/goal_time", DEFAULT_GOAL_TIME),
+    )

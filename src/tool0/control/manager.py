@@ -9,13 +9,12 @@ from typing import final
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import Controller, ControllerSpec
-from tool0.control.hardware_port import HardwarePort
-from tool0.control.intent import Intent
 from tool0.control.parameters import RobotJoints
+from tool0.control.setpoint import Setpoint
 from tool0.description.model import Joint
 from tool0.errors import ClaimError, ControlError, GoalRejectedError, did_you_mean
-from tool0.hardware.joint_state import JointState
-from tool0.hardware.pick import as_slice
+from tool0.hardware.joint_state import JointState, as_slice
+from tool0.hardware.robot_hardware import RobotHardware
 
 
 class Strictness(enum.Enum):
@@ -66,7 +65,7 @@ class ControllerManager:
 
     def __init__(
         self,
-        hardware: HardwarePort,
+        hardware: RobotHardware,
         config: ControllerConfig,
         joints: Mapping[str, Joint],
     ) -> None:
@@ -81,8 +80,8 @@ class ControllerManager:
         self._config = config
         self._robot = RobotJoints(joints, hardware.interfaces)
         self._loaded: dict[str, _Loaded] = {}
-        self._updates: list[tuple[Controller, slice | None, tuple[int, ...]]] = []
-        self._running: list[tuple[str, Controller]] = []
+        self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
+        """Name and controller, and which slots of the command are its own."""
         self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
@@ -90,7 +89,7 @@ class ControllerManager:
     def update(self, state: JointState, period: float) -> None:
         """Update the running controllers, in load order, and write their commands."""
         command = self._hardware.command
-        for controller, run, indices in self._updates:
+        for _, controller, run, indices in self._running:
             values = controller.update(state, period)
             if run is not None:
                 command[run] = values
@@ -99,16 +98,11 @@ class ControllerManager:
                     command[index] = value
 
     def _refresh(self) -> None:
-        self._updates = [
-            (item.controller, as_slice(claims), claims)
-            for item in self._loaded.values()
-            if item.controller is not None
-            for claims in [item.indices if item.claims else ()]
-        ]
         self._running = [
-            (name, item.controller)
+            (name, item.controller, as_slice(claims), claims)
             for name, item in self._loaded.items()
             if item.controller is not None
+            for claims in [item.indices if item.claims else ()]
         ]
         self._statuses = tuple(map(self.status, self._loaded))
 
@@ -318,12 +312,12 @@ class ControllerManager:
         """Return every loaded controller, in load order."""
         return self._statuses
 
-    def intents(self) -> Mapping[str, Intent]:
-        """Return what the running controllers want, of those that want a position."""
+    def setpoints(self) -> Mapping[str, Setpoint]:
+        """Return the setpoints of the running controllers that command a position."""
         return {
-            name: intent
-            for name, controller in self._running
-            if (intent := controller.intent()) is not None
+            name: setpoint
+            for name, controller, *_ in self._running
+            if (setpoint := controller.setpoint()) is not None
         }
 
     def spec(self, name: str) -> ControllerSpec:

@@ -1,4 +1,4 @@
-"""The PID law of ROS's control_toolbox, for one joint and for several at once."""
+"""The PID law of ROS's control_toolbox, for several joints at once."""
 
 from __future__ import annotations
 
@@ -37,48 +37,10 @@ class Gains:
 
 @final
 class Pid:
-    """One joint's law: ``p e + clamp(i ∫e dt) + d de/dt``; no filter, no output clamp.
+    """Per joint: ``p e + clamp(i ∫e dt) + d de/dt``; no filter, no output clamp.
 
-    An error that is not finite, or a period of zero, gives 0 and leaves the integral.
-    """
-
-    __slots__ = ("_gains", "_integral", "_last_error")
-
-    def __init__(self, gains: Gains) -> None:
-        self._gains = gains
-        self._integral = 0.0
-        self._last_error = 0.0
-
-    def update(self, error: float, error_rate: float, period: float) -> float:
-        """Return the command for an error and its rate of change."""
-        if not (period > 0.0 and math.isfinite(error) and math.isfinite(error_rate)):
-            return 0.0
-        gains = self._gains
-        self._integral += period * error
-        integral_term = gains.i * self._integral
-        clamped = min(max(integral_term, gains.i_min), gains.i_max)
-        if gains.antiwindup and clamped != integral_term:
-            self._integral = clamped / gains.i
-        return gains.p * error + clamped + gains.d * error_rate
-
-    def update_from_error(self, error: float, period: float) -> float:
-        """Return the command, with the rate taken from the last two errors.
-
-        As in control_toolbox the error before the first is taken as 0.
-        """
-        if not (period > 0.0 and math.isfinite(error)):
-            return 0.0
-        error_rate = (error - self._last_error) / period
-        self._last_error = error
-        return self.update(error, error_rate, period)
-
-
-@final
-class PidBank:
-    """The law of ``Pid``, error and rate given, over several joints in one loop.
-
-    Made for the tick: the errors must be finite, which the engine (DivergenceError)
-    and the checks on goals see to.
+    A period of zero gives 0 and leaves the integral.  The errors must be finite, which
+    the engine (DivergenceError) and the checks of goals and commands ensure.
     """
 
     __slots__ = ("_integrals", "_rows")

@@ -1,4 +1,4 @@
-"""Polynomial motion of one joint between two instants."""
+"""Polynomial motion of one joint between two instants, and angles."""
 
 from __future__ import annotations
 
@@ -8,19 +8,7 @@ from typing import NamedTuple, final
 
 from tool0.errors import GoalRejectedError
 
-Polynomial = tuple[
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-    float,
-]
+Polynomial = tuple[float, ...]
 """``(t0, c0 … c5, 2 c2, 3 c3, 4 c4, 5 c5)``: position and velocity by Horner's rule.
 
 ``t = time - t0``; the velocity's coefficients are ready, since the tick wants both.
@@ -30,6 +18,9 @@ Polynomial = tuple[
 IMPLAUSIBLE = 1e9
 """No segment may be able to reach this position or velocity [rad, rad/s]: the sums of
 the tick stay far from overflow, and no joint could follow anyway."""
+
+
+_ALMOST_PI = math.pi - 1e-9
 
 
 class Motion(NamedTuple):
@@ -92,8 +83,8 @@ class Segment:
     @property
     def polynomial(self) -> Polynomial:
         """The coefficients as the tick reads them."""
-        c0, c1, c2, c3, c4, c5 = self.coefficients
-        return (self.start, c0, c1, c2, c3, c4, c5, 2 * c2, 3 * c3, 4 * c4, 5 * c5)
+        _, _, c2, c3, c4, c5 = self.coefficients
+        return (self.start, *self.coefficients, 2 * c2, 3 * c3, 4 * c4, 5 * c5)
 
     @property
     def rest(self) -> Polynomial:
@@ -114,27 +105,21 @@ class Segment:
 
 def resting(position: float) -> Polynomial:
     """Return the polynomial of staying at ``position``."""
-    return (0.0, position, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return (0.0, position, *[0.0] * 9)
 
 
-def hold(time: float, position: float) -> Segment:
-    """Return the segment without duration that rests at ``position``."""
-    return Segment(time, Motion(position, 0.0, 0.0), time, Motion(position, 0.0, 0.0))
+def stop_ramp(time: float, now: Sample, duration: float) -> tuple[Motion, Motion]:
+    """Return the ends of the quintic that brings a moving joint to rest.
 
-
-def stop_ramp(time: float, now: Sample, duration: float) -> Segment:
-    """Return the quintic that brings a moving joint to rest within ``duration``.
-
-    As in ROS it ends where the symmetric quintic from velocity v to -v over twice the
-    duration turns round, at ``position + 5/8 v duration``.
+    As in ROS it ends after ``duration``, where the symmetric quintic from velocity v to
+    -v over twice the duration turns round, at ``position + 5/8 v duration``.
     """
     position, velocity, _ = now
     first = Motion(position, velocity, 0.0)
     there_and_back = Segment(
         time, first, time + 2.0 * duration, Motion(position, -velocity, 0.0)
     )
-    turn = there_and_back.sample(time + duration)
-    return Segment(time, first, time + duration, Motion(*turn))
+    return first, Motion(*there_and_back.sample(time + duration))
 
 
 def _fit(
@@ -160,6 +145,19 @@ def _fit(
     return (p0, v0, 0.5 * a0, c3, c4 / T / T / T / T, c5 / T / T / T / T / T)
 
 
-def is_finite(motion: Motion) -> bool:
-    """Return whether every prescribed number is finite."""
-    return all(value is None or math.isfinite(value) for value in motion)
+def shortest_turn(start: float, end: float) -> float:
+    """Return the shortest turn from ``start`` to ``end``, in (-π, π] [rad]."""
+    turn = math.remainder(end - start, math.tau)
+    return math.pi if turn == -math.pi else turn
+
+
+def wrap_offset(previous: float, following: float) -> float:
+    """Return the whole turns that bring ``following`` nearest to ``previous`` [rad].
+
+    Half a turn away, within 1e-9 rad, the numbers' own order decides the sense, so
+    that rounding does not.
+    """
+    turn = shortest_turn(previous, following)
+    if abs(turn) > _ALMOST_PI:
+        turn = math.copysign(turn, following - previous)
+    return previous + turn - following

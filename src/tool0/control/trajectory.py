@@ -1,14 +1,44 @@
-"""What a person asks of a trajectory controller, and what it answers."""
+"""Trajectory goals and states, as values.
+
+A goal may have many thousands of points.  What can be known of them without the
+controller is worked out when the goal is made, in the thread that makes it: so that
+accepting it, between two ticks, need not look at every point.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import final
+from typing import TYPE_CHECKING, final
 
-from tool0.control.point_survey import MANY, PointSurvey, survey
+from tool0.control.segment import IMPLAUSIBLE
 from tool0.control.tolerances import ToleranceOverride
 from tool0.errors import GoalRejectedError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+MANY = 50
+"""From so many points on, numpy is quicker than looking at each point."""
+
+BLOCK = 1024
+"""Points that numpy examines in one go: less than a millisecond, during which no other
+thread runs."""
+
+_SHORT = 1e-9
+"""Shorter segments [s] are suspects: rounding decides on their duration."""
+
+_TERMS = 256.0
+"""``Segment.is_bounded`` sums up at most 32 |d| + 32 |v| T + 6 |a| T² on top of the
+position, and 120 |d| + 121 |v| T + 22 |a| T² for T times the speed, where d is the
+distance, and v and a are the larger ones of both ends.  Twice that leaves room for
+rounding; half the bound, for a rounded T and for whole turns of a continuous joint."""
+
+MARGIN = IMPLAUSIBLE / 2.0
+"""By how much positions may be shifted before every point must be examined [rad]."""
 
 
 @final
@@ -57,13 +87,48 @@ class TrajectoryGoal:
     """Per joint, by the same rule."""
     goal_time_tolerance: float | None = None
     """Grace after the last point [s]: > 0 replaces, < 0 is unlimited, 0 keeps."""
-    survey: PointSurvey | None = field(init=False, repr=False, compare=False)
-    """What is known of many points, so that the tick need not look at each."""
+    times: Sequence[float] = field(init=False, repr=False, compare=False)
+    """Of the points, after the start [s]."""
+    suspects: Sequence[int] = field(init=False, repr=False, compare=False)
+    """The points that may be wrong, in order: the first one, and others whose time or
+    numbers are unsound or whose segment may be implausible.  All, if they are few."""
+    position_ranges: PositionRanges | None = field(
+        init=False, repr=False, compare=False
+    )
+    """Of the points' positions; None if the points are few."""
 
     def __post_init__(self) -> None:
         points = tuple(self.points)
+        times = tuple([point.time_from_start for point in points])
+        suspects: Sequence[int] = range(len(points))
+        ranges = None
+        if len(points) >= MANY:
+            suspects, ranges = _examine(points, times)
         _set(self, "points", points)
-        _set(self, "survey", survey(points) if len(points) >= MANY else None)
+        _set(self, "times", times)
+        _set(self, "suspects", suspects)
+        _set(self, "position_ranges", ranges)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class PositionRanges:
+    """Smallest and largest positions in each block of points [rad | m].
+
+    Both have shape (n_blocks, n_joints), and are NaN where the numbers are unsound.
+    """
+
+    lowest: FloatArray
+    highest: FloatArray
+
+    def blocks_beyond(self, limits: Sequence[tuple[float, float]]) -> list[int]:
+        """Return which blocks may have positions beyond the joints' limits."""
+        import numpy as np
+
+        lower, upper = zip(*limits, strict=True)
+        is_within = (self.lowest >= lower) & (self.highest <= upper)
+        beyond: list[int] = np.flatnonzero(~is_within.all(axis=1)).tolist()
+        return beyond
 
 
 @final
@@ -82,7 +147,7 @@ class JointsMotion:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrajectoryState:
-    """What a trajectory controller wants, has and lacks."""
+    """Desired and measured motion of a controller's joints, and the difference."""
 
     joint_names: tuple[str, ...]
     time: float
@@ -103,3 +168,64 @@ def _floats(name: str, values: Iterable[object]) -> tuple[float, ...]:
         raise GoalRejectedError(
             f"{name} of a trajectory point must be numbers, got {values!r}"
         ) from None
+
+
+def _examine(
+    points: Sequence[TrajectoryPoint], times: Sequence[float]
+) -> tuple[list[int], PositionRanges]:
+    """Return the points that may be wrong, and the ranges of the positions.
+
+    A point that is not returned has a finite time after the one before it, and as many
+    finite numbers as the first point has positions; and no joint exceeds IMPLAUSIBLE on
+    the segment that leads to it.
+    """
+    import numpy as np
+
+    n_joints = len(points[0].positions)
+    with np.errstate(invalid="ignore"):
+        durations = np.diff(times)
+    is_sound = np.zeros(len(points), dtype=bool)
+    lowest = np.full((-(-len(points) // BLOCK), n_joints), np.nan)
+    highest = lowest.copy()
+    for block in range(len(lowest) if n_joints else 0):
+        first, end = block * BLOCK, (block + 1) * BLOCK
+        before = max(first - 1, 0)  # where the segment to the first point starts
+        numbers = _numbers(points[before:end], n_joints)
+        if numbers is None:
+            continue
+        lowest[block] = numbers[0, first - before :].min(axis=0)
+        highest[block] = numbers[0, first - before :].max(axis=0)
+        with np.errstate(all="ignore"):
+            T = durations[before : end - 1]
+            distance = np.abs(np.diff(numbers[0], axis=0)).max(axis=1)
+            sizes = np.abs(numbers).max(axis=2)
+            position, v, a = np.maximum(sizes[:, :-1], sizes[:, 1:])
+            terms = _TERMS * (distance + T * (v + T * a))
+            is_sound[before + 1 : end] = (
+                (T >= _SHORT) & (position + terms <= MARGIN) & (terms <= MARGIN * T)
+            )
+    return np.flatnonzero(~is_sound).tolist(), PositionRanges(lowest, highest)
+
+
+def _numbers(points: Sequence[TrajectoryPoint], n_joints: int) -> FloatArray | None:
+    """Return positions, velocities and accelerations, or None if unsound.
+
+    Absent ones are 0.  Shape (3, n_points, n_joints).
+    """
+    import numpy as np
+
+    absent = (0.0,) * n_joints
+    try:
+        numbers = np.array(
+            [
+                [point.positions for point in points],
+                [point.velocities or absent for point in points],
+                [point.accelerations or absent for point in points],
+            ],
+            dtype=np.float64,
+        )
+    except ValueError:  # not as many numbers everywhere
+        return None
+    # The same wrong number of positions everywhere is no error of numpy's.
+    is_sound = numbers.shape == (3, len(points), n_joints)
+    return numbers if is_sound and np.isfinite(numbers).all() else None

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from xml.dom.minidom import Element
 
-from tool0.description.model import Pose, Vector3
+from tool0.description.transform import Pose, Vector3
 from tool0.description.xml_source import children, locate
-from tool0.errors import DescriptionError, did_you_mean
+from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
 
 
 def required(element: Element, attribute: str) -> str:
@@ -75,14 +75,19 @@ def numbers(
     """Return ``count`` numbers from ``attribute``, separated by spaces."""
     if default is not None and not element.hasAttribute(attribute):
         return tuple(default)
-    words = required(element, attribute).split()
+    return to_numbers(required(element, attribute), count, element, attribute)
+
+
+def to_numbers(text: str, count: int, element: Element, what: str) -> tuple[float, ...]:
+    """Return ``count`` numbers from ``text``, found in ``element``."""
+    words = text.split()
     if len(words) != count:
         raise DescriptionError(
-            f'<{element.tagName} {attribute}="{" ".join(words)}"> has {len(words)} '
-            f"numbers; give {count}, separated by spaces",
+            f"<{element.tagName}>: {what} '{text}' has {len(words)} numbers; "
+            f"give {count}, separated by spaces",
             locate(element),
         )
-    return tuple(to_number(word, element, attribute) for word in words)
+    return tuple(to_number(word, element, what) for word in words)
 
 
 def vector(
@@ -119,6 +124,14 @@ def choice(text: str, valid: Sequence[str], element: Element, what: str) -> str:
         hint = did_you_mean(text, list(valid))
         raise DescriptionError(f"unknown {what} '{text}'{hint}", locate(element))
     return text
+
+
+def require_known(
+    name: str, valid: Collection[str], what: str, location: SourceLocation | None
+) -> None:
+    """Raise ModelError unless ``name`` is one of ``valid``; ``what`` comes first."""
+    if name not in valid:
+        raise ModelError(f"{what} '{name}'{did_you_mean(name, list(valid))}", location)
 
 
 def text_of(element: Element) -> str:

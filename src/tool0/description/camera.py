@@ -8,9 +8,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, final
 
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import Pose, RobotModel, Vector3
-from tool0.description.motion import cross, to_pose
+from tool0.description.model import RobotModel
+from tool0.description.transform import (
+    Pose,
+    Transform,
+    Vector3,
+    cross,
+    to_pose,
+    to_transform,
+)
 from tool0.errors import ConfigError, ModelError, SourceLocation
 
 if TYPE_CHECKING:
@@ -33,7 +39,7 @@ class Camera:
     """
 
     name: str
-    """Topics and frames of ROS begin with it."""
+    """ROS topics and frames start with it."""
     link: str | None = None
     """What carries it; None stands still in the robot's root."""
     pose: Pose = field(default_factory=Pose)
@@ -45,9 +51,9 @@ class Camera:
     field_of_view: float = math.radians(45.0)
     """From the upper to the lower edge of the picture [rad]."""
     near: float = 0.01
-    """What is nearer along z is not seen [m]."""
+    """Nearer points along z are not seen [m]."""
     far: float = 10.0
-    """What is farther along z is not seen [m]."""
+    """Farther points along z are not seen [m]."""
     location: SourceLocation | None = field(default=None, compare=False, repr=False)
     """Where it is written, for messages."""
 
@@ -55,7 +61,7 @@ class Camera:
         if not _NAME.fullmatch(self.name):
             raise ConfigError(
                 f"'{self.name}' cannot name a camera; use letters, digits and '_', "
-                "a letter first: ROS's topics begin with it"
+                "a letter first: ROS topics start with it"
             )
         of = f"of camera '{self.name}'"
         if not all(map(math.isfinite, (*self.pose.xyz, *self.pose.rpy))):
@@ -168,7 +174,7 @@ WRIST_POSITION: Vector3 = (-0.075, 0.0, 0.05)
 """On tool0 [m], beside the gripper's body, in the plane between its fingers: where a
 bracket of a depth camera holds it."""
 WRIST_TARGET: Vector3 = (0.0, 0.0, 0.25)
-"""Ahead of the fingers, whose tips come into the lower part of the picture [m]."""
+"""Ahead of the fingers: their tips are in the lower part of the picture [m]."""
 WRIST_UP: Vector3 = (-1.0, 0.0, 0.0)
 WRIST_FIELD_OF_VIEW = math.radians(58.0)
 """As of the depth image of a RealSense D435 (87° x 58°, https://www.intelrealsense.com

@@ -1,28 +1,23 @@
-"""The robots that tool0 brings, and the one door to any robot: a description.
+"""The built-in robots, and the description of any robot.
 
-What there is follows from the folders in ``tool0_description/config``: an arm has
-``default_kinematics.yaml``, a gripper has ``kinematics.yaml``.
+The built-in arms and grippers are the folders in ``tool0_description/config``: an arm
+has ``default_kinematics.yaml``, a gripper has ``kinematics.yaml``.  With a robot come
+its poses, its controllers and the names of its parts for people.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Any, final
 
+from tool0.description.config import Argument, DescriptionConfig
 from tool0.description.expansion import expand
 from tool0.description.model import RobotModel
 from tool0.description.packages import find_package
-from tool0.description.presets import (
-    PartName,
-    Poses,
-    read_controllers,
-    read_part_names,
-    read_poses,
-)
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file, to_text
 from tool0.errors import DescriptionError, SourceLocation, did_you_mean
@@ -33,25 +28,38 @@ if TYPE_CHECKING:
 NO_GRIPPER = "none"
 MESHES = ("tool0", "upstream")
 GRIPPER_MODELS = ("mimic", "linkage")
-"""Fingers that follow their drive, or each a five-bar with its spring."""
 
 _PREFIX = re.compile(r"\w*")
 
-Argument = str | bool | int | float | Path | tuple[float, ...] | list[float] | None
+Poses = Mapping[str, Mapping[str, float]]
+"""Pose → joint → position [rad | m]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DisplayName:
+    """The name of a link or a joint for people."""
+
+    en: str
+    zh: str
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class RobotDescription:
-    """A robot, as the model the engines read and as the URDF everyone else does."""
+    """A robot: the model for the engines, and the URDF for everything else."""
 
     model: RobotModel
     source: Path
     """The xacro or URDF file it was read from."""
     arm: str | None = None
-    """Its names in the catalogue; None for a person's own file."""
+    """Name of the arm in the catalogue; None for your own file."""
     gripper: str | None = None
+    """Name of the gripper in the catalogue; None without one."""
     prefix: str = ""
+    """Prefix of the names of its links and joints."""
+    tf_prefix: str = ""
+    """Prefix of its frames in ROS."""
     _document: Document = field(repr=False, compare=False)
 
     @cached_property
@@ -59,89 +67,89 @@ class RobotDescription:
         """The whole robot as one URDF document, without xacro."""
         return to_text(self._document)
 
+    @property
+    def folders(self) -> tuple[str, ...]:
+        """The folders of its arm and gripper in ``tool0_description/config``."""
+        return tuple(name for name in (self.arm, self.gripper) if name is not None)
+
 
 def arms() -> tuple[str, ...]:
-    """Return the names of the arms."""
+    """Return the names of the built-in arms."""
     return _models("default_kinematics.yaml")
 
 
 def grippers() -> tuple[str, ...]:
-    """Return the names of the grippers."""
+    """Return the names of the built-in grippers."""
     return _models("kinematics.yaml")
 
 
-def assemble(
-    arm: str = "ur5",
-    gripper: str | None = "2f85",
-    *,
-    prefix: str = "",
-    **args: Argument,
-) -> RobotDescription:
-    """Return ``arm`` with ``gripper`` on its tool0, standing in ``world``.
-
-    Args:
-        arm: One of ``arms()``.
-        gripper: One of ``grippers()``, or None or "none" for a bare arm.
-        prefix: Starts every name but ``world``.
-        args: Arguments of ``ur_robotiq.urdf.xacro``; None leaves one at its
-            default.  Paths count from the working directory.
+def load_description(config: DescriptionConfig) -> RobotDescription:
+    """Return the robot that ``config`` describes; a catalogue arm stands in ``world``.
 
     Raises:
-        DescriptionError: If a name, an argument or a file is not there or wrong.
-        ModelError: If the parameters are those of no robot.
+        DescriptionError: If a name, an argument or a file is missing or wrong.
+        ModelError: If no robot could have the parameters.
     """
-    gripper = gripper or NO_GRIPPER
+    if config.robot is not None:
+        return load_robot(config.robot, config.args)
+    defaults = {"arm": "ur5", "gripper": "2f85", "prefix": ""}
+    given = {**defaults, **_to_texts(config.xacro_arguments())}
+    arm, gripper, prefix = given["arm"], given["gripper"], given["prefix"]
+    gripper_model = given.get("gripper_model", GRIPPER_MODELS[0])
     _check("arm", arm, arms())
     _check("gripper", gripper, (*grippers(), NO_GRIPPER))
+    _check("meshes", given.get("meshes", MESHES[0]), MESHES)
+    _check("gripper model", gripper_model, GRIPPER_MODELS)
     if not _PREFIX.fullmatch(prefix):
         raise DescriptionError(
             f"the prefix '{prefix}' has characters that no name may have; "
             "use letters, digits and underscores, such as left_"
         )
-    _check("meshes", str(args.get("meshes") or MESHES[0]), MESHES)
-    gripper_model = str(args.get("gripper_model") or GRIPPER_MODELS[0])
-    _check("gripper model", gripper_model, GRIPPER_MODELS)
     if gripper == NO_GRIPPER and gripper_model != GRIPPER_MODELS[0]:
         raise DescriptionError(
-            f"gripper_model {gripper_model} is of a gripper, and there is none; "
-            f"name a gripper ({', '.join(grippers())}), or leave gripper_model out"
+            f"gripper_model {gripper_model} needs a gripper "
+            f"({', '.join(grippers())}), and there is none"
         )
     path = _package() / "urdf" / "ur_robotiq.urdf.xacro"
-    given = {
-        key: _to_text(key, value) for key, value in args.items() if value is not None
-    }
-    document = expand(path, {"arm": arm, "gripper": gripper, "prefix": prefix, **given})
+    document = expand(path, given)
     return RobotDescription(
         model=read_model(document),
         source=path,
         arm=arm,
         gripper=None if gripper == NO_GRIPPER else gripper,
         prefix=prefix,
+        tf_prefix=given.get("tf_prefix", ""),
         _document=document,
     )
+
+
+def assemble(
+    arm: str = "ur5", gripper: str | None = "2f85", **args: Argument
+) -> RobotDescription:
+    """Return ``arm`` with ``gripper`` and further xacro arguments.
+
+    See ``load_description`` for the errors.
+    """
+    return load_description(DescriptionConfig(arm=arm, gripper=gripper, args=args))
 
 
 def load_robot(
     path: Path | str, args: Mapping[str, Argument] | None = None
 ) -> RobotDescription:
-    """Return the robot in a person's own xacro or URDF file.
+    """Return the robot in your own xacro or URDF file.
 
     Args:
-        path: The file; expanded as xacro unless it is called ``*.urdf``.
+        path: The file; expanded as xacro unless its name ends in ``.urdf``.
         args: Values for its ``<xacro:arg>`` elements.
 
     Raises:
-        DescriptionError: If the file, or one it names, cannot be read.
-        ModelError: If it describes no possible robot.
+        DescriptionError: If the file, or a file it refers to, cannot be read.
+        ModelError: If no robot could have its parameters.
     """
     path = Path(path).expanduser()
     if not path.is_file():
         raise DescriptionError(f"there is no file '{path}'; check the path")
-    given = {
-        key: _to_text("", value)
-        for key, value in (args or {}).items()
-        if value is not None
-    }
+    given = _to_texts(args or {}, ours=False)
     if path.suffix == ".urdf":
         if given:
             raise DescriptionError(
@@ -154,49 +162,65 @@ def load_robot(
     return RobotDescription(model=read_model(document), source=path, _document=document)
 
 
+def config_file(folder: str, file: str) -> Path:
+    """Return a file of the arm, the gripper or the pair in ``folder``."""
+    return _package() / "config" / folder / file
+
+
 def named_poses(description: RobotDescription) -> Poses:
-    """Return the poses that tool0 knows for a robot: pose → joint → [rad | m].
+    """Return the built-in poses of a robot; your own file has none.
 
-    A person's own robot has none.
+    A pose of both arm and gripper, such as ``home``, places both.
     """
-    if description.arm is None:
-        return {}
-    return read_poses(description.arm, description.gripper, description.prefix)
+    poses: dict[str, dict[str, float]] = {}
+    for folder in description.folders:
+        for name, positions in _load(folder, "poses").items():
+            pose = poses.setdefault(name, {})
+            pose.update({description.prefix + j: q for j, q in positions.items()})
+    return poses
 
 
-def part_names(description: RobotDescription) -> Mapping[str, PartName]:
-    """Return what people call the links and joints of a robot, where they do.
-
-    A person's own robot has no such names.
-    """
-    if description.arm is None:
-        return {}
-    return read_part_names(description.arm, description.gripper, description.prefix)
+def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
+    """Return the names of links and joints for people; your own file has none."""
+    return {
+        description.prefix + part: DisplayName(en=names["en"], zh=names["zh"])
+        for folder in description.folders
+        for part, names in _load(folder, "part_names").items()
+    }
 
 
 def default_controllers(
     description: RobotDescription, file: str = "controllers.yaml"
 ) -> tuple[str, SourceLocation]:
-    """Return the YAML of a robot's controllers, and where its first line stands.
+    """Return the YAML of a robot's controllers, and the location of its first line.
 
-    The joints in it carry the robot's prefix.  ``file`` may be
-    ``controllers_gripper_action.yaml`` for the gripper as an action of its own.
+    The joints in it carry the robot's prefix; no line moves, so that the lines of
+    messages are those of the file.  ``file`` may be
+    ``controllers_gripper_action.yaml``, which drives the gripper by an action.
 
     Raises:
-        DescriptionError: If the robot is a person's own, which brings its own YAML.
+        DescriptionError: If there are none, as for your own file.
     """
     if description.arm is None:
         raise DescriptionError(
-            f"tool0 knows no controllers for '{description.source}'; "
+            f"there are no built-in controllers for '{description.source}'; "
             "give a file of controllers"
         )
-    bare = {
-        transmission.joint.removeprefix(description.prefix)
-        for transmission in description.model.transmissions
-    }
-    return read_controllers(
-        description.arm, description.gripper, description.prefix, bare, file
-    )
+    path = config_file("_".join(description.folders), file)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise DescriptionError(
+            f"there are no controllers for this robot: cannot read '{path}'; "
+            "give a file of controllers"
+        ) from error
+    if description.prefix:
+        joints = {
+            transmission.joint.removeprefix(description.prefix)
+            for transmission in description.model.transmissions
+        }
+        text = _with_prefix(text, description.prefix, joints)
+    return text, SourceLocation(path, 1)
 
 
 def _package() -> Path:
@@ -211,18 +235,55 @@ def _models(mark: str) -> tuple[str, ...]:
 def _check(kind: str, name: str, valid: tuple[str, ...]) -> None:
     if name not in valid:
         hint = did_you_mean(name, valid)
-        is_told = hint.startswith("; valid")
-        more = "" if is_told else f" (there are: {', '.join(valid)})"
+        lists_all = hint.startswith("; valid")
+        more = "" if lists_all else f" (there are: {', '.join(valid)})"
         raise DescriptionError(f"unknown {kind} '{name}'{hint}{more}")
 
 
-def _to_text(key: str, value: Argument) -> str:
-    """Return ``value`` as xacro wants it: text."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, tuple | list):
-        return " ".join(map(str, value))
-    if isinstance(value, Path) or (key.endswith("_params") and value):
-        # xacro would count a relative path from its own file
-        return str(Path(str(value)).expanduser().absolute())
-    return str(value)
+def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, str]:
+    """Return the arguments as text, as xacro wants them, without those left out.
+
+    Args:
+        args: The values by name.
+        ours: Whether ``…_params`` are paths: xacro would resolve a relative one from
+            the folder of its own file.
+    """
+    texts = {}
+    for name, value in args.items():
+        if isinstance(value, bool):
+            texts[name] = "true" if value else "false"
+        elif isinstance(value, Path) or (ours and name.endswith("_params") and value):
+            texts[name] = str(Path(str(value)).expanduser().absolute())
+        elif isinstance(value, Sequence) and not isinstance(value, str):
+            texts[name] = " ".join(map(str, value))
+        elif value is not None:
+            texts[name] = str(value)
+    return texts
+
+
+def _load(folder: str, what: str) -> Mapping[str, Any]:  # Any: as the YAML has it
+    """Return what ``config/<folder>/<what>.yaml`` lists; nothing without the file."""
+    import yaml
+
+    path = config_file(folder, f"{what}.yaml")
+    if not path.is_file():
+        return {}
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    data = yaml.load(path.read_text(encoding="utf-8"), loader)
+    listed: Mapping[str, Any] = data[what]
+    return listed
+
+
+def _with_prefix(text: str, prefix: str, joints: Collection[str]) -> str:
+    """Return YAML ``text`` with ``prefix`` before each scalar that is a joint."""
+    import yaml
+
+    starts = [
+        token.start_mark.index
+        for token in yaml.scan(text, yaml.SafeLoader)
+        if isinstance(token, yaml.ScalarToken) and token.value in joints
+    ]
+    for start in reversed(starts):
+        after_quote = start + (text[start] in "\"'")
+        text = text[:after_quote] + prefix + text[after_quote:]
+    return text

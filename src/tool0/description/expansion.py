@@ -1,10 +1,10 @@
-"""Expanding xacro without ROS: ``$(find pkg)``, ``$(dirname)``, and clear errors.
+"""Expand xacro without ROS: ``$(find pkg)``, ``$(dirname)``, errors with locations.
 
 The expander is PyPI's ``xacro``.  Outside ROS its ``$(find)`` imports ament, its
-``$(dirname)`` knows no folder, its warnings go to stderr, and its YAML is read by
-the slow pure-Python loader.  ``_substituted`` replaces those functions while one
-document is expanded.  xacro keeps its state in module globals, so that one lock
-covers every expansion and everything is put back afterwards.
+``$(dirname)`` has no folder, its warnings go to stderr, and it reads YAML with the
+slow pure-Python loader.  ``_substituted`` replaces those functions while one document
+is expanded.  xacro keeps its state in module globals; so one lock covers every
+expansion, and everything is restored afterwards.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
     import xacro
 
     with _LOCK:
-        run = _Run(xacro, dict(args or {}))
+        run = _Expansion(xacro, dict(args or {}))
         with _substituted(xacro, run):
             document = run.expand(path.absolute())
     run.refuse_unused_args(path)
@@ -49,8 +49,8 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
 
 
 @final
-class _Run:
-    """One expansion: what it was given, and which arguments the files know."""
+class _Expansion:
+    """One expansion: the given arguments, and those that the files declare or read."""
 
     def __init__(self, xacro: ModuleType, args: dict[str, str]) -> None:
         self._xacro = xacro
@@ -64,7 +64,7 @@ class _Run:
         try:
             document = self.parse(None, str(path))
             xacro.process_doc(document, mappings=dict(self._args), verbosity=0)
-        except Exception as error:  # xacro evaluates a person's Python: anything
+        except Exception as error:  # the file's Python raises anything
             raise _describe(xacro, error) from error
         return document
 
@@ -79,7 +79,7 @@ class _Run:
                 )
 
     def parse(self, inp: None, filename: str) -> Document:
-        """Stand in for ``xacro.parse``: elements know their lines."""
+        """Replace ``xacro.parse``: elements have their lines."""
         path = Path(filename)
         if not path.is_file():
             self._xacro.filestack.pop()  # as xacro does: this file was never entered
@@ -91,7 +91,7 @@ class _Run:
         return document
 
     def substitute(self, text: str) -> str:
-        """Stand in for ``xacro.eval_extension``: the value of ``$(command …)``."""
+        """Replace ``xacro.eval_extension``: the value of ``$(command …)``."""
         command, _, rest = text[2:-1].strip().partition(" ")
         words = rest.split()
         if command in {"find", "arg", "env"} and len(words) != 1:
@@ -133,8 +133,8 @@ class _Run:
         self._known.update(name for name in context["arg"] if name in text)
         return str(resolve_args(text, context=context))
 
-    def load_yaml(self, filename: str) -> Any:  # what YAML holds is any's guess
-        """Stand in for ``xacro.load_yaml``, with the C loader where there is one."""
+    def load_yaml(self, filename: str) -> Any:  # whatever YAML holds
+        """Replace ``xacro.load_yaml``, with the C loader if there is one."""
         units = {
             unit.value.tag: unit.constructor for unit in self._xacro.ConstructUnits
         }
@@ -154,9 +154,9 @@ def _environment(name: str) -> str:
 
 
 @contextmanager
-def _substituted(xacro: ModuleType, run: _Run) -> Iterator[None]:
-    """Let ``run`` answer for the parts of xacro that need ROS; put all back."""
-    stand_ins = {
+def _substituted(xacro: ModuleType, run: _Expansion) -> Iterator[None]:
+    """Replace the parts of xacro that need ROS by ``run``; restore them at the end."""
+    replacements = {
         "eval_extension": run.substitute,
         "parse": run.parse,
         "load_yaml": run.load_yaml,
@@ -168,10 +168,10 @@ def _substituted(xacro: ModuleType, run: _Run) -> Iterator[None]:
         "print_location": lambda: None,
     }
     state = ("filestack", "macrostack", "all_includes", "verbosity", "_global_symbols")
-    saved = {name: getattr(xacro, name) for name in (*stand_ins, *state)}
+    saved = {name: getattr(xacro, name) for name in (*replacements, *state)}
     context = dict(xacro.substitution_args_context)
     try:
-        for name, function in stand_ins.items():
+        for name, function in replacements.items():
             setattr(xacro, name, function)
         xacro.all_includes = []  # type: ignore[attr-defined]
         xacro._global_symbols = xacro.create_global_symbols()  # type: ignore[attr-defined]
@@ -197,7 +197,7 @@ def _compile(expression: str) -> Any:  # a code object
 
 
 def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
-    """Return ``xacro.safe_eval`` with its compilation remembered.
+    """Return ``xacro.safe_eval`` with cached compilation.
 
     ``${prefix}`` alone is evaluated a hundred times in one robot.
     """
@@ -216,7 +216,7 @@ def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
 
 
 def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
-    """Return ``xacro.eval_text`` with a short cut past its lexer.
+    """Return ``xacro.eval_text`` with a fast path around its lexer.
 
     Text without ``$``, or with nothing but plain ``${…}``, is evaluated here; all
     else by xacro.
@@ -227,7 +227,7 @@ def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
     def evaluate(expression: str, symbols: Any) -> Any:
         try:
             return compiled(expression, symbols)
-        except Exception as error:  # a person's Python raises anything
+        except Exception as error:  # the file's Python raises anything
             suffix = f"when evaluating expression '{expression}'"
             raise xacro.XacroException(exc=error, suffix=suffix) from error
 

@@ -8,27 +8,25 @@ from __future__ import annotations
 
 import enum
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
-from typing import final
+from typing import TypeVar, final
 
+from tool0.description.shapes import Geometry
+from tool0.description.transform import Pose, Vector3
 from tool0.errors import LimitsError, ModelError, SourceLocation, did_you_mean
 
-Vector3 = tuple[float, float, float]
+Item = TypeVar("Item")
 
 FLANGE = "tool0"
-"""How the link at the end of an arm is called, after a prefix (REP-199)."""
+"""Name of the link at the end of an arm, after a prefix (REP-199)."""
 
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pose:
-    """A frame in its parent, as URDF's ``<origin>`` writes it."""
-
-    xyz: Vector3 = (0.0, 0.0, 0.0)
-    rpy: Vector3 = (0.0, 0.0, 0.0)
-    """Fixed-axis roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+DEFAULT_TURN_VELOCITY = 1.0
+"""Velocity of turning joints without a velocity limit [rad/s]; chosen to be slow."""
+DEFAULT_SLIDE_VELOCITY = 0.25
+"""The same of prismatic joints [m/s]."""
 
 
 @final
@@ -49,41 +47,6 @@ class Inertial:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Box:
-    size: Vector3
-    """Full edge lengths."""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cylinder:
-    """A cylinder about z, centred at its origin."""
-
-    radius: float
-    length: float
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sphere:
-    radius: float
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mesh:
-    uri: str
-    """As written: ``package://…``, ``file://…`` or a path."""
-    path: Path
-    """The file it resolves to; it exists."""
-    scale: Vector3 = (1.0, 1.0, 1.0)
-
-
-Geometry = Box | Cylinder | Sphere | Mesh
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Visual:
     geometry: Geometry
     origin: Pose = field(default_factory=Pose)
@@ -100,16 +63,10 @@ class Collision:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surface:
-    """Contact of a link made for gripping, from ``<gazebo reference=…>``."""
+    """A surface made for gripping: the link has one in ``<gazebo reference=…>``."""
 
     mu1: float | None = None
-    mu2: float | None = None
-    kp: float | None = None
-    """Contact stiffness [N/m]."""
-    kd: float | None = None
-    """Contact damping [N·s/m]."""
-    min_depth: float | None = None
-    max_vel: float | None = None
+    """Coulomb's coefficient; None if absent."""
 
 
 @final
@@ -120,8 +77,6 @@ class Link:
     visuals: tuple[Visual, ...] = ()
     collisions: tuple[Collision, ...] = ()
     surface: Surface | None = None
-    self_collide: bool | None = None
-    """``<gazebo reference><selfCollide>``; None if it says nothing."""
 
 
 class JointType(enum.Enum):
@@ -211,13 +166,22 @@ class Joint:
     friction: float = 0.0
     mimic: Mimic | None = None
     passive: bool = False
-    """Whether nothing but a loop holds it: it mimics while nothing touches the loop."""
+    """Whether only a loop holds it: it mimics while nothing touches the loop."""
     spring: Spring | None = None
     safety: SafetyController | None = None
 
     @property
     def is_movable(self) -> bool:
         return self.type is not JointType.FIXED
+
+    @property
+    def max_velocity(self) -> float:
+        """Its velocity limit [rad/s | m/s]; a modest default where there is none."""
+        if math.isfinite(self.limits.velocity):
+            return self.limits.velocity
+        if self.type is JointType.PRISMATIC:
+            return DEFAULT_SLIDE_VELOCITY
+        return DEFAULT_TURN_VELOCITY
 
 
 class Interface(enum.Enum):
@@ -240,8 +204,8 @@ class Transmission:
     rotor_inertia: float = 0.0
     """Inertia of the motor's rotor, at the motor [kg·m²]."""
     gravity_compensation: bool = False
-    """Whether the drive itself carries the weight of what it moves, so that effort is
-    what is applied beyond it.  True of drives too firmly geared for it to matter."""
+    """Whether the drive compensates gravity by itself, so that effort acts in addition.
+    True of drives with so large a reduction that gravity hardly matters."""
 
     @property
     def armature(self) -> float:
@@ -281,7 +245,7 @@ class ParallelGripper:
     """Weakest and strongest grip, at each pad [N]."""
     passive: tuple[tuple[str, Mimic], ...] = ()
     """Joints of its linkage, and how they follow its joint while the pads are parallel:
-    fingers that wrap around something leave that."""
+    fingers that wrap around an object leave that relation."""
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [rad]."""
@@ -312,7 +276,7 @@ class ParallelGripper:
 @final
 @dataclass(frozen=True)
 class RobotModel:
-    """A tree of links and joints that was checked: it exists, so it is sound."""
+    """A checked tree of links and joints."""
 
     name: str
     root: str
@@ -371,16 +335,16 @@ class RobotModel:
 
     def joint(self, name: str) -> Joint:
         """Return the joint called ``name``, or raise ModelError."""
-        try:
-            return self.joint_by_name[name]
-        except KeyError:
-            hint = did_you_mean(name, list(self.joint_by_name))
-            raise ModelError(f"unknown joint '{name}'{hint}") from None
+        return _find("joint", name, self.joint_by_name)
 
     def link(self, name: str) -> Link:
         """Return the link called ``name``, or raise ModelError."""
-        try:
-            return self.link_by_name[name]
-        except KeyError:
-            hint = did_you_mean(name, list(self.link_by_name))
-            raise ModelError(f"unknown link '{name}'{hint}") from None
+        return _find("link", name, self.link_by_name)
+
+
+def _find(kind: str, name: str, items: Mapping[str, Item]) -> Item:
+    try:
+        return items[name]
+    except KeyError:
+        hint = did_you_mean(name, list(items))
+        raise ModelError(f"unknown {kind} '{name}'{hint}") from None

@@ -1,8 +1,8 @@
 """Finding ROS packages and the files inside them, without ROS.
 
-The packages that tool0 brings are found first, then those of ``ROS_PACKAGE_PATH``,
-each entry of which is a package itself or a folder somewhere above packages.  Who looks
-into a person's workspace prefers what lies there.
+The bundled packages are found first, then those of ``ROS_PACKAGE_PATH``, each entry of
+which is a package itself or a folder above packages.  ``preferring`` puts the packages
+of a workspace before both.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
     """Return the folder of the ROS package ``name``.
 
     Raises:
-        DescriptionError: If it is nowhere; the message says where it was sought.
+        DescriptionError: If it is not found; the message lists the search path.
     """
     preferred = _PREFERRED.get().get(name)
     if preferred is not None:
@@ -53,7 +53,7 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
 
 @contextmanager
 def preferring(packages: Mapping[str, Path]) -> Iterator[None]:
-    """Find these packages, by their names, before all others meanwhile."""
+    """Within the context, find these packages before all others, by name."""
     before = _PREFERRED.set(packages)
     try:
         yield
@@ -71,8 +71,8 @@ def search_path() -> tuple[Path, ...]:
 def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:
     """Return the path that ``package://…``, ``file://…`` or a plain path means.
 
-    A relative path counts from the folder of the file it is written in.  Whether
-    the file exists is for the caller to say.
+    A relative path counts from the folder of the file it is written in.  The
+    caller checks whether the file exists.
     """
     scheme, separator, rest = uri.partition("://")
     if not separator:

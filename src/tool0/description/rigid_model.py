@@ -1,14 +1,13 @@
-"""A simple model of URDF or SDF, as a value: one rigid body of one shape."""
+"""A simple model from URDF or SDF, as a value: one rigid body of one shape."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import final
 
-from tool0.description.kinematics import Transform
-from tool0.description.model import Geometry
-from tool0.description.motion import to_pose
 from tool0.description.scene import DEFAULT_FRICTION, RGBA, SceneObject
+from tool0.description.shapes import Geometry
+from tool0.description.transform import Transform, to_pose
 
 UNPAINTED: RGBA = (0.7, 0.7, 0.7, 1.0)
 """Grey, as Gazebo shows what names no colour."""
@@ -38,10 +37,10 @@ def gazebo_colour(name: str) -> RGBA | None:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidModel:
-    """What an object was made of, with the frames that Gazebo knows of it."""
+    """The model of an object, with the frames that Gazebo has for it."""
 
     name: str
-    """As its text says."""
+    """As in its text."""
     geometry: Geometry
     link: str = "link"
     collision: str = "collision"

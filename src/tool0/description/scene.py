@@ -1,36 +1,30 @@
-"""What stands and lies around the robot, as frozen values."""
+"""The objects around the robot, as frozen values."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import final
 
 from tool0.description.camera import Camera
-from tool0.description.model import (
-    Box,
-    Cylinder,
-    Geometry,
-    Mesh,
-    Pose,
-    RobotModel,
-    Sphere,
-)
+from tool0.description.model import RobotModel
+from tool0.description.shapes import Box, Geometry, check_geometry
+from tool0.description.transform import Pose, Vector3, to_transform
 from tool0.errors import ConfigError, SourceLocation
 
 RGBA = tuple[float, float, float, float]
 
 DEFAULT_FRICTION = 1.0
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
-"""Orange: no part of the robots that tool0 brings has it."""
+"""Orange: no part of the bundled robots has it."""
 
 GROUND = "ground"
-"""What contacts and warnings call what everything stands on."""
+"""Name of the ground plane in contacts and warnings."""
 
 STILL_RGBA: RGBA = (0.78, 0.74, 0.66, 1.0)
-"""Of what stands still and names no colour: pale wood."""
+"""Of fixed objects without a colour: pale wood."""
 PALETTE: tuple[RGBA, ...] = (
     (0.90, 0.60, 0.00, 1.0),  # orange
     (0.00, 0.62, 0.45, 1.0),  # bluish green
@@ -39,8 +33,11 @@ PALETTE: tuple[RGBA, ...] = (
     (0.84, 0.37, 0.00, 1.0),  # vermilion
     (0.00, 0.45, 0.70, 1.0),  # blue
 )
-"""Of movable objects that name no colour, in turn: told apart by colour-blind people
+"""Of movable objects that name no colour, in turn: distinct for colour-blind people,
 too (Okabe and Ito, https://jfly.uni-koeln.de/color/)."""
+
+DEFAULT_WALL = 0.004
+"""Thickness of floor and walls [m]: of a common plastic box."""
 
 _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 
@@ -48,7 +45,7 @@ _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SceneObject:
-    """A rigid object of one shape, made of one stuff all through.
+    """A rigid object of one shape, of uniform density.
 
     The smaller friction of two objects that touch is what counts, as in ODE; the
     ground and the robot's links are rough, its pads have their own.
@@ -61,7 +58,7 @@ class SceneObject:
     pose: Pose = field(default_factory=Pose)
     """At the start and after a reset, in the robot's root."""
     mass: float | None = None
-    """[kg]; None stands still, whatever pushes it."""
+    """[kg]; None is a fixed object."""
     friction: float = DEFAULT_FRICTION
     """Coulomb's coefficient for sliding, as ``mu1`` of Gazebo."""
     rgba: RGBA = DEFAULT_RGBA
@@ -103,7 +100,7 @@ class Scene:
     )
     """Where the object of each name is written, for messages."""
     cameras: tuple[Camera, ...] = ()
-    """What looks at them, besides the cameras that every robot has."""
+    """In addition to the default cameras of every robot."""
 
     def __post_init__(self) -> None:
         seen: set[str] = set()
@@ -120,8 +117,8 @@ class Scene:
         for item in self.objects:
             if item.name == GROUND:
                 raise ConfigError(
-                    f"no object can be called '{GROUND}': so contacts call what all "
-                    "stands on; rename it",
+                    f"no object can be called '{GROUND}': that is the ground plane; "
+                    "rename it",
                     self.locations.get(item.name),
                 )
             if item.name in model.link_by_name:
@@ -132,26 +129,52 @@ class Scene:
                 )
 
 
-def check_geometry(geometry: Geometry, of: str) -> None:
-    """Raise ConfigError unless there can be such a shape; ``of`` says whose it is."""
-    match geometry:
-        case Box(size=size):
-            if len(size) != 3:
-                raise ConfigError(f"the box {of} has three edges, got {len(size)}")
-            _check_sizes("each edge of the box", of, size)
-        case Cylinder(radius=radius, length=length):
-            _check_sizes("radius and length of the cylinder", of, (radius, length))
-        case Sphere(radius=radius):
-            _check_sizes("the radius of the sphere", of, (radius,))
-        case Mesh(scale=scale):
-            if not all(math.isfinite(part) and part for part in scale):
-                raise ConfigError(
-                    f"the scale of the mesh {of} must be finite and never 0, "
-                    f"got {scale}"
-                )
+def bin_walls(
+    name: str,
+    *,
+    size: Sequence[float],
+    wall: float = DEFAULT_WALL,
+    pose: Pose | None = None,
+    friction: float = DEFAULT_FRICTION,
+    rgba: RGBA = STILL_RGBA,
+) -> tuple[SceneObject, ...]:
+    """Return floor and walls of a bin that is open above.
 
+    Args:
+        name: They are called ``name.floor``, ``.front`` (+x), ``.back``, ``.left``
+            (+y) and ``.right``.
+        size: Outer edges x, y, z [m].
+        wall: Thickness of floor and walls [m].
+        pose: Of the centre of the outer box, in the robot's root.
+        friction: Of each of the five.
+        rgba: Of each of the five.
 
-def _check_sizes(what: str, of: str, sizes: Iterable[float]) -> None:
-    if not all(0.0 < size < math.inf for size in sizes):
-        got = ", ".join(f"{size:g}" for size in sizes)
-        raise ConfigError(f"{what} {of} must be above 0 m and finite, got {got}")
+    Raises:
+        ConfigError: If the walls leave no room inside, or a value cannot be.
+    """
+    x, y, z = size
+    if not 0.0 < 2 * wall < min(x, y) or not wall < z:
+        raise ConfigError(
+            f"the walls of bin '{name}' must be above 0 m and leave room inside, "
+            f"got wall {wall:g} for size {x:g}, {y:g}, {z:g}"
+        )
+    high, up = z - wall, wall / 2
+    parts: dict[str, tuple[Vector3, Vector3]] = {
+        "floor": ((x, y, wall), (0.0, 0.0, -high / 2)),
+        "front": ((wall, y, high), ((x - wall) / 2, 0.0, up)),
+        "back": ((wall, y, high), ((wall - x) / 2, 0.0, up)),
+        "left": ((x - 2 * wall, wall, high), (0.0, (y - wall) / 2, up)),
+        "right": ((x - 2 * wall, wall, high), (0.0, (wall - y) / 2, up)),
+    }
+    pose = pose or Pose()
+    T_root_bin = to_transform(pose)
+    return tuple(
+        SceneObject(
+            name=f"{name}.{part}",
+            geometry=Box(size=edges),
+            pose=Pose(xyz=T_root_bin.apply(centre), rpy=pose.rpy),
+            friction=friction,
+            rgba=rgba,
+        )
+        for part, (edges, centre) in parts.items()
+    )

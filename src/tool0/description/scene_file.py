@@ -1,45 +1,95 @@
-"""A scene's YAML file, read into values.
+"""A scene's YAML file, read into values, and the scenes that come with tool0.
 
-The keys are those of ``SceneObject``, but that the geometry goes by its kind::
+The keys are those of ``SceneObject`` and ``Camera``, but that the geometry goes by its
+kind, and a camera's pose may name a point to look at::
 
     objects:
       - {name: table, box: {size: [0.6, 0.8, 0.04]}, pose: {xyz: [0.6, 0, 0]}}
       - {name: can, cylinder: {radius: 0.03, length: 0.1}, mass: 0.2, friction: 0.6}
       - {name: part, mesh: {file: part.stl, scale: [0.001, 0.001, 0.001]}, mass: 0.1}
       - {name: tray, bin: {size: [0.3, 0.2, 0.1], wall: 0.004}}
+    cameras:
+      - {name: above, pose: {xyz: [0.5, 0, 1.2], look_at: [0.5, 0, 0], up: [1, 0, 0]}}
+      - {name: palm, link: tool0, pose: {xyz: [0, 0, 0.1], rpy: [0, 0, 0]}, far: 2}
 
 A bin is an open box that stands still; it becomes the objects ``tray.floor``,
-``tray.front``, ….  ``cameras:`` is in ``camera_file``.
+``tray.front``, ….
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-from tool0.description.bins import DEFAULT_WALL, bin_walls
-from tool0.description.camera_file import read_cameras
-from tool0.description.mesh_files import find_mesh
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Pose, Sphere
+from tool0.description.camera import Camera, looking
 from tool0.description.scene import (
     DEFAULT_FRICTION,
+    DEFAULT_WALL,
     PALETTE,
     RGBA,
     STILL_RGBA,
     Scene,
     SceneObject,
-    check_geometry,
+    bin_walls,
 )
-from tool0.description.shipped_scenes import scene_path
+from tool0.description.shapes import (
+    Box,
+    Cylinder,
+    Geometry,
+    Mesh,
+    Sphere,
+    check_geometry,
+    find_mesh,
+)
+from tool0.description.transform import Pose
 from tool0.description.yaml_tree import Entry, read_files
 from tool0.description.yaml_values import Namespace
-from tool0.errors import ConfigError, DescriptionError, SourceLocation
+from tool0.errors import (
+    ConfigError,
+    DescriptionError,
+    SourceLocation,
+    did_you_mean,
+)
+
+SCENE_FOLDER = Path(__file__).resolve().parent.parent / "scenes"
+
+_ZERO = (0.0, 0.0, 0.0)
+_CAMERA_NUMBERS = ("field_of_view", "near", "far")
+_CAMERA_PIXELS = ("width", "height")
+
+
+def shipped_scenes() -> dict[str, Path]:
+    """Return the file of each built-in scene, by its name."""
+    return {path.stem: path for path in sorted(SCENE_FOLDER.glob("*.yaml"))}
+
+
+def scene_path(given: Path | str) -> Path:
+    """Return the file of a scene that is given by path or built-in name.
+
+    Args:
+        given: A path, or a name without folder and suffix.  A file of that very name
+            comes first.
+
+    Raises:
+        ConfigError: If it is only a name, and there is neither.
+    """
+    path = Path(given).expanduser()
+    if path.suffix or path.name != str(given) or path.is_file():
+        return path
+    shipped = shipped_scenes()
+    if path.name not in shipped:
+        raise ConfigError(
+            f"no scene '{path.name}'{did_you_mean(path.name, list(shipped))}; name a "
+            f"YAML file, or a built-in one: {', '.join(shipped)}"
+        )
+    return shipped[path.name]
 
 
 def load_scene(path: Path | str) -> Scene:
-    """Return the objects in a YAML file, or in a scene that comes along.
+    """Return the objects in a YAML file, or in a built-in scene.
 
     Args:
         path: The file, or the name of one of ``shipped_scenes``.
@@ -66,13 +116,11 @@ def load_scene(path: Path | str) -> Scene:
                     entry.location,
                 )
             objects[item.name], locations[item.name] = item, entry.location
-    return Scene(
-        tuple(objects.values()), locations, read_cameras(root.items("cameras"))
-    )
+    return Scene(tuple(objects.values()), locations, _cameras(root.items("cameras")))
 
 
 def _objects(entry: Entry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
-    """Return what an entry stands for: one object, or the walls of a bin."""
+    """Return the objects of an entry: one, or the walls of a bin."""
     values = Namespace.of(entry)
     values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
     mass = values.number("mass") if values.find("mass") is not None else None
@@ -115,7 +163,7 @@ def _objects(entry: Entry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
 
 
 def _shape(values: Namespace, name: str) -> tuple[str, Namespace]:
-    """Return the kind of an object's only shape, and what is said of it."""
+    """Return the kind of an object's only shape, and its values."""
     kinds = [kind for kind in _KINDS if values.find(kind) is not None]
     if len(kinds) != 1:
         raise ConfigError(
@@ -167,18 +215,72 @@ _BIN = "bin"
 _KINDS = (*_SHAPES, _BIN)
 
 
-def _pose(values: Namespace) -> Pose:
+def _cameras(entries: Iterable[Entry]) -> tuple[Camera, ...]:
+    found: dict[str, Camera] = {}
+    for entry in entries:
+        camera = _camera(entry)
+        if camera.name in found:
+            raise ConfigError(
+                f"two cameras are called '{camera.name}', the other at "
+                f"{found[camera.name].location}; rename one",
+                entry.location,
+            )
+        found[camera.name] = camera
+    return tuple(found.values())
+
+
+def _camera(entry: Entry) -> Camera:
+    values = Namespace.of(entry)
+    values.only("name", "link", "pose", *_CAMERA_PIXELS, *_CAMERA_NUMBERS)
+    given: dict[str, Any] = {  # keywords of two types
+        **{key: values.number(key) for key in _CAMERA_NUMBERS if values.find(key)},
+        **{key: _pixels(values, key) for key in _CAMERA_PIXELS if values.find(key)},
+    }
+    with _located(entry):
+        return Camera(
+            name=values.text("name"),
+            link=values.text("link") if values.find("link") else None,
+            pose=_camera_pose(values),
+            location=entry.location,
+            **given,
+        )
+
+
+def _camera_pose(values: Namespace) -> Pose:
+    pose = values.namespace("pose")
+    if pose is None or pose.find("look_at") is None:
+        return _pose(values, "look_at")
+    pose.only("xyz", "look_at", "up")
+    with _located(pose.entry):
+        return looking(
+            pose.vector("xyz", _ZERO),
+            pose.vector("look_at"),
+            pose.vector("up", (0.0, 0.0, 1.0)),
+        )
+
+
+def _pixels(values: Namespace, key: str) -> int:
+    value = values.number(key)
+    if not value.is_integer():
+        entry = values.find(key) or values.entry
+        raise ConfigError(
+            f"'{entry.key}' must be a whole number of pixels, got {value:g}",
+            entry.location,
+        )
+    return int(value)
+
+
+def _pose(values: Namespace, *other_keys: str) -> Pose:
     pose = values.namespace("pose")
     if pose is None:
         return Pose()
-    pose.only("xyz", "rpy")
-    zero = (0.0, 0.0, 0.0)
-    return Pose(xyz=pose.vector("xyz", zero), rpy=pose.vector("rpy", zero))
+    pose.only("xyz", "rpy", *other_keys)
+    return Pose(xyz=pose.vector("xyz", _ZERO), rpy=pose.vector("rpy", _ZERO))
 
 
 @contextmanager
 def _located(entry: Entry) -> Iterator[None]:
-    """Add where ``entry`` stands to an error that does not say where."""
+    """Add the location of ``entry`` to an error without one."""
     try:
         yield
     except ConfigError as error:

@@ -6,23 +6,24 @@ from collections.abc import Mapping
 from typing import TypeVar
 from xml.dom.minidom import Document, Element
 
-from tool0.description.attributes import required
+from tool0.description.attributes import require_known, required
 from tool0.description.model import Joint, Link, RobotModel
 from tool0.description.urdf_extensions import (
     apply_gazebo,
     read_grippers,
     read_transmissions,
 )
-from tool0.description.urdf_joints import check_mimics, read_joint
-from tool0.description.urdf_linkages import (
+from tool0.description.urdf_joints import (
     apply_springs,
     check_loops,
+    check_mimics,
     mark_passive,
+    read_joint,
     read_loops,
 )
 from tool0.description.urdf_links import read_link, read_materials
 from tool0.description.xml_source import children, locate
-from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
+from tool0.errors import DescriptionError, ModelError, SourceLocation
 
 Item = TypeVar("Item", Link, Joint)
 _Locations = dict[str, SourceLocation]
@@ -100,12 +101,8 @@ def _order(
     for joint in joints.values():
         location = locations.get(f"joint:{joint.name}")
         for role, name in (("parent", joint.parent), ("child", joint.child)):
-            if name not in links:
-                hint = did_you_mean(name, list(links))
-                raise ModelError(
-                    f"joint '{joint.name}' has the unknown {role} link '{name}'{hint}",
-                    location,
-                )
+            what = f"joint '{joint.name}' has the unknown {role} link"
+            require_known(name, links, what, location)
         if joint.child in above:
             raise ModelError(
                 f"link '{joint.child}' has two parents, by the joints "

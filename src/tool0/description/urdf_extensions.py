@@ -1,4 +1,4 @@
-"""Reading what a simulation needs beyond the tree of links and joints.
+"""Reading what a simulation needs besides the tree of links and joints.
 
 ``<transmission>`` as ros_control reads it, ``<gazebo reference=LINK>`` as Gazebo
 does, and ``<parallel_gripper>``, which is our own: other readers of URDF ignore
@@ -18,6 +18,7 @@ from tool0.description.attributes import (
     number,
     only_child,
     positive,
+    require_known,
     required,
     required_child,
     text_of,
@@ -46,13 +47,8 @@ def read_transmissions(
     found: dict[str, Transmission] = {}
     for element in children(robot, "transmission"):
         transmission = _read_transmission(element)
-        if transmission.joint not in joints:
-            hint = did_you_mean(transmission.joint, list(joints))
-            raise ModelError(
-                f"transmission '{transmission.name}' drives the unknown joint "
-                f"'{transmission.joint}'{hint}",
-                locate(element),
-            )
+        what = f"transmission '{transmission.name}' drives the unknown joint"
+        require_known(transmission.joint, joints, what, locate(element))
         if transmission.joint in found:
             raise ModelError(
                 f"joint '{transmission.joint}' has two transmissions, "
@@ -122,14 +118,7 @@ def to_interface(text: str, element: Element | None = None) -> Interface:
     )
 
 
-_SURFACE = {
-    "mu1": "mu1",
-    "mu2": "mu2",
-    "kp": "kp",
-    "kd": "kd",
-    "minDepth": "min_depth",
-    "maxVel": "max_vel",
-}
+_SURFACE = ("mu1", "mu2", "kp", "kd", "minDepth", "maxVel")
 
 
 def apply_gazebo(
@@ -149,33 +138,26 @@ def apply_gazebo(
                 did_you_mean(reference, [*links, *joints]),
             )
             continue
-        changed[reference] = _with_contact(changed[reference], element)
+        changed[reference] = _with_surface(changed[reference], element)
     return changed
 
 
-def _with_contact(link: Link, element: Element) -> Link:
+def _with_surface(link: Link, element: Element) -> Link:
     """Return ``link`` with what one ``<gazebo>`` adds; a link may have several."""
-    values: dict[str, float] = {}
-    for tag, field in _SURFACE.items():
-        value = child_number(element, tag)
-        if value is None:
-            continue
+    flag = only_child(element, "selfCollide")
+    if flag is not None:
+        choice(text_of(flag).lower(), ("true", "1", "false", "0"), flag, "boolean")
+    values = {tag: child_number(element, tag) for tag in _SURFACE}
+    given = {tag: value for tag, value in values.items() if value is not None}
+    for tag, value in given.items():
         if not value >= 0:
             raise ModelError(
                 f"<{tag}> is {value:g}; it must not be negative", locate(element)
             )
-        values[field] = value
-    if values:
-        link = replace(link, surface=replace(link.surface or Surface(), **values))
-    flag = only_child(element, "selfCollide")
-    if flag is None:
+    if not given:
         return link
-    text = text_of(flag).lower()
-    if text not in {"true", "1", "false", "0"}:
-        raise DescriptionError(
-            f"<selfCollide> is '{text}'; write true or false", locate(flag)
-        )
-    return replace(link, self_collide=text in {"true", "1"})
+    before = None if link.surface is None else link.surface.mu1
+    return replace(link, surface=Surface(mu1=given.get("mu1", before)))
 
 
 def read_grippers(
@@ -185,13 +167,8 @@ def read_grippers(
     grippers = []
     for element in children(robot, "parallel_gripper"):
         gripper = _read_gripper(element)
-        if gripper.joint not in joints:
-            hint = did_you_mean(gripper.joint, list(joints))
-            raise ModelError(
-                f"gripper '{gripper.name}' is driven by the unknown joint "
-                f"'{gripper.joint}'{hint}",
-                locate(element),
-            )
+        what = f"gripper '{gripper.name}' is driven by the unknown joint"
+        require_known(gripper.joint, joints, what, locate(element))
         passive = tuple(
             (name, joint.mimic)
             for name, joint in joints.items()

@@ -17,18 +17,8 @@ from tool0.description.attributes import (
     required_child,
     vector,
 )
-from tool0.description.mesh_files import find_mesh
-from tool0.description.model import (
-    Box,
-    Collision,
-    Cylinder,
-    Geometry,
-    Inertial,
-    Link,
-    Mesh,
-    Sphere,
-    Visual,
-)
+from tool0.description.model import Collision, Inertial, Link, Visual
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere, find_mesh
 from tool0.description.xml_source import children, locate
 from tool0.errors import DescriptionError, ModelError
 
@@ -79,7 +69,7 @@ def _read_inertial(link: Element, name: str) -> Inertial | None:
     if not mass > 0:
         raise ModelError(
             f"link '{name}' has mass {mass:g} kg; give a mass above zero, "
-            "or leave <inertial> out for a mere frame",
+            "or leave <inertial> out for a frame without mass",
             locate(mass_element),
         )
     tensor = required_child(element, "inertia")

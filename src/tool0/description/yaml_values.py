@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import final
 
-from tool0.description.model import Vector3
+from tool0.description.transform import Vector3
 from tool0.description.yaml_tree import Entry
 from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 

@@ -8,30 +8,11 @@ from typing import final
 
 import numpy as np
 
-from tool0.description.model import Inertial, Joint, JointType, Pose, RobotModel
+from tool0.description.model import Inertial, Joint, JointType, RobotModel
+from tool0.description.transform import pose_matrix
 from tool0.errors import ModelError
 
 Matrix = np.ndarray
-
-
-def rotation_rpy(rpy: Sequence[float]) -> Matrix:
-    """Return Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3)."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-
-
-def transform(pose: Pose) -> Matrix:
-    """Return the homogeneous matrix of ``pose``, shape (4, 4)."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation_rpy(pose.rpy)
-    matrix[:3, 3] = pose.xyz
-    return matrix
 
 
 @final
@@ -46,7 +27,7 @@ class BodyInertia:
     @staticmethod
     def of(inertial: Inertial, frame: Matrix) -> BodyInertia:
         """Return ``inertial`` seen from the frame in which its link has ``frame``."""
-        pose = frame @ transform(inertial.origin)
+        pose = frame @ pose_matrix(inertial.origin)
         i = inertial
         tensor = np.array(
             [[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]]
@@ -96,9 +77,9 @@ def moving_bodies(model: RobotModel) -> tuple[MovingBody, ...]:
                 f"joint '{joint.name}' is {joint.type.value}, which is not supported; "
                 "use revolute, continuous, prismatic or fixed joints"
             )
-        placement, link = transform(joint.origin), joint.parent
+        placement, link = pose_matrix(joint.origin), joint.parent
         while (above := model.parent_joint.get(link)) and not above.is_movable:
-            placement, link = transform(above.origin) @ placement, above.parent
+            placement, link = pose_matrix(above.origin) @ placement, above.parent
         links = tuple(_fixed_links(model, joint.child, np.eye(4)))
         parts = [
             BodyInertia.of(inertial, frame)
@@ -140,6 +121,6 @@ def _fixed_links(
     found = [(link, frame)]
     for joint in model.child_joints[link]:
         if not joint.is_movable:
-            below = frame @ transform(joint.origin)
+            below = frame @ pose_matrix(joint.origin)
             found.extend(_fixed_links(model, joint.child, below))
     return found

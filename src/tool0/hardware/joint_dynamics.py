@@ -14,7 +14,8 @@ from typing import final
 
 import numpy as np
 
-from tool0.description.model import Joint, JointType, RobotModel, Vector3
+from tool0.description.model import Joint, JointType, RobotModel
+from tool0.description.transform import Vector3
 from tool0.hardware.bodies import Matrix, moving_bodies
 
 STANDARD_GRAVITY: Vector3 = (0.0, 0.0, -9.81)

@@ -1,7 +1,9 @@
-"""What the joints do now: the one value that flows from engine to controllers."""
+"""The measured joint state, and selecting joints out of it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from operator import itemgetter
 from typing import NamedTuple
 
 
@@ -21,3 +23,26 @@ class JointState(NamedTuple):
     """[rad/s] or [m/s]."""
     effort: list[float]
     """Last applied effort [N·m] or [N]."""
+
+
+JointSelector = Callable[[list[float]], Sequence[float]]
+"""Takes some joints out of a list of all joints."""
+
+
+def joint_selector(indices: Sequence[int]) -> JointSelector:
+    """Return the function that takes ``indices`` out of a list.
+
+    It runs in C: a slice where the joints stand side by side, as they mostly do.
+    """
+    run = as_slice(indices)
+    if run is not None:
+        return itemgetter(run)
+    return itemgetter(*indices)
+
+
+def as_slice(indices: Sequence[int]) -> slice | None:
+    """Return the slice that is ``indices``, or None if they do not stand in a row."""
+    first = indices[0] if indices else 0
+    if list(indices) == list(range(first, first + len(indices))):
+        return slice(first, first + len(indices))
+    return None

@@ -6,7 +6,7 @@ clamped, a joint beyond a position limit gets no effort outwards, one beyond its
 no effort that drives it on.  Two things differ, on purpose:
 
 * A drive whose rotor inertia is known keeps to its speed by that
-  (``regulated_drive``).  ROS switches the whole effort on and off there, and a light
+  (``SpeedLimiter``).  ROS switches the whole effort on and off there, and a light
   joint then runs far above its limit on average.
 * ``k_velocity = 0`` means "no soft limit on effort".  ROS takes it as a window of
   width zero, so that the UR description's own ``safety_limits:=true`` makes an
@@ -21,9 +21,8 @@ from dataclasses import dataclass
 from typing import final
 
 from tool0.description.model import JointLimits, SafetyController
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits, SpeedLimiter
 from tool0.hardware.joint_state import JointState
-from tool0.hardware.regulated_drive import RegulatedDrive
 
 STOP_TOLERANCE = 1e-4
 """How far into its stop a joint may rest before effort outwards ends [rad | m].
@@ -35,8 +34,8 @@ effort would switch on and off a thousand times a second on a joint held at its 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DriveLimits:
-    """All that bounds the effort of one joint."""
+class EffortLimits:
+    """All that limits the effort of one joint, whatever the goal."""
 
     hard: JointLimits
     soft: SafetyController | None = None
@@ -48,63 +47,62 @@ class DriveLimits:
 class EffortLimiter:
     """Saturates the effort of every driven joint, each step."""
 
-    def __init__(
-        self, indices: Sequence[int], drives: Sequence[DriveLimits], dt: float
-    ) -> None:
+    def __init__(self, drives: Mapping[int, EffortLimits], dt: float) -> None:
+        """Take the limits of the driven joints, by index, and the step [s]."""
+        self._drives = drives
         self._soft = [
             (i, drive.hard, drive.soft)
-            for i, drive in zip(indices, drives, strict=True)
+            for i, drive in drives.items()
             if drive.soft is not None and drive.soft.k_velocity > 0.0
         ]
-        self._drives = dict(zip(indices, drives, strict=True))
         self._dt = dt
-        self._bounds: dict[int, DriveBounds] = {}
+        self._drive_limits: dict[int, DriveLimits] = {}
         self.restart()
 
     @property
-    def bounds(self) -> Mapping[int, DriveBounds]:
-        """What bounds joints below their limits now, by index."""
-        return self._bounds
+    def drive_limits(self) -> Mapping[int, DriveLimits]:
+        """The limits of goals, by the joint's index."""
+        return self._drive_limits
 
-    def bind(self, index: int, bounds: DriveBounds | None) -> None:
-        """Bound a joint below its limits; None takes the bounds away."""
-        if bounds == self._bounds.get(index):
+    def set_drive_limits(self, index: int, limits: DriveLimits | None) -> None:
+        """Limit a drive below its joint's limits; None lifts that."""
+        if limits == self._drive_limits.get(index):
             return
-        if bounds is None:
-            del self._bounds[index]
+        if limits is None:
+            del self._drive_limits[index]
         else:
-            self._bounds[index] = bounds
+            self._drive_limits[index] = limits
         drive = self._drives[index]
-        if index not in self._regulated:
-            self._regulated[index] = self._regulate(drive)
-        elif bounds is None and drive.armature == 0.0:
-            del self._regulated[index]
-        if index in self._regulated:
-            self._regulated[index].bounds = bounds
+        if index not in self._speed_limiters:
+            self._speed_limiters[index] = self._speed_limiter(drive)
+        elif limits is None and drive.armature == 0.0:
+            del self._speed_limiters[index]
+        if index in self._speed_limiters:
+            self._speed_limiters[index].drive_limits = limits
         self._rows = list(self._saturated())
 
     def restart(self) -> None:
-        """Take all bounds away, and forget how the rotors answered."""
-        self._bounds.clear()
-        self._regulated = {
-            i: self._regulate(drive)
+        """Lift the limits of goals, and forget how the rotors answered."""
+        self._drive_limits.clear()
+        self._speed_limiters = {
+            i: self._speed_limiter(drive)
             for i, drive in self._drives.items()
             if drive.armature > 0.0
         }
         self._rows = list(self._saturated())
 
     def saturate(
-        self, effort: list[float], state: JointState, load: Sequence[float]
+        self, effort: list[float], state: JointState, gravity: Sequence[float]
     ) -> None:
         """Bound ``effort`` [N·m | N] in place.
 
-        ``load`` is what of it carries weight, as far as there are ``bounds``; both have
-        shape (n_joints,).
+        ``gravity`` is the part of it that compensates gravity, where there are
+        ``drive_limits``; both have shape (n_joints,).
         """
         _, position, velocity, applied = state
-        for i, drive in self._regulated.items():
-            effort[i] = drive.bound(
-                effort[i], applied[i], load[i], position[i], velocity[i]
+        for i, limiter in self._speed_limiters.items():
+            effort[i] = limiter.limit(
+                effort[i], applied[i], gravity[i], position[i], velocity[i]
             )
         for i, most, lower, upper, speed in self._rows:
             u = effort[i]
@@ -123,15 +121,15 @@ class EffortLimiter:
         for i, hard, soft in self._soft:
             effort[i] = _soften(effort[i], position[i], velocity[i], hard, soft)
 
-    def _regulate(self, drive: DriveLimits) -> RegulatedDrive:
-        return RegulatedDrive(drive.hard, armature=drive.armature, dt=self._dt)
+    def _speed_limiter(self, drive: EffortLimits) -> SpeedLimiter:
+        return SpeedLimiter(drive.hard, armature=drive.armature, dt=self._dt)
 
     def _saturated(self) -> Iterator[tuple[int, float, float, float, float]]:
         """Yield all that ``saturate`` needs of each joint."""
         for i, drive in self._drives.items():
             hard = drive.hard
-            # A regulated drive sees to its speed by itself.
-            speed = math.inf if i in self._regulated else hard.velocity
+            # A drive with a speed limiter keeps to its speed by that.
+            speed = math.inf if i in self._speed_limiters else hard.velocity
             lower, upper = hard.lower - STOP_TOLERANCE, hard.upper + STOP_TOLERANCE
             yield i, hard.effort, lower, upper, speed
 

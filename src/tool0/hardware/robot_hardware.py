@@ -1,7 +1,7 @@
 """Joint commands in, joint efforts out: interfaces, servos, limits and brakes.
 
-A joint is in one of three hands: its controller's, by effort; its controller's, by
-position or velocity through a servo; or the brake's, when nobody claims it.
+A joint is driven in one of three ways: by its controller's effort; by its controller's
+position or velocity, through a servo; or by the brake, when nobody claims it.
 """
 
 from __future__ import annotations
@@ -11,17 +11,19 @@ from collections.abc import Mapping, Sequence
 from operator import mul, truediv
 from typing import final
 
-from tool0.description.model import Interface, JointLimits, RobotModel, Vector3
+from tool0.description.model import Interface, JointLimits, RobotModel
+from tool0.description.transform import Vector3
 from tool0.errors import ModelError, did_you_mean
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.joint_dynamics import STANDARD_GRAVITY, JointDynamics
 from tool0.hardware.joint_state import JointState
-from tool0.hardware.limits import DriveLimits, EffortLimiter
+from tool0.hardware.limits import EffortLimiter, EffortLimits
 from tool0.hardware.servo import Brake, PositionServo, Servo, VelocityServo
 
 POSE_PERIOD = 64
-"""Steps after which what hangs on the pose alone and need not be exact is renewed: the
-servos' gains, and the weight of fingers.  In 64 ms the fastest wrist turns 0.2 rad."""
+"""Steps after which values that depend on the pose alone and need not be exact are
+renewed: the mass matrix of servos, and gravity compensation.  In 64 ms the fastest
+wrist turns 0.2 rad."""
 
 
 @final
@@ -60,35 +62,24 @@ class RobotHardware:
             for name in self.joint_names
             if name in model.transmission_by_joint
         }
-        self.limits = {
-            name: overrides.get(name, model.joint_by_name[name].limits)
+        self._drives = {
+            name: EffortLimits(
+                hard=overrides.get(name, model.joint_by_name[name].limits),
+                soft=model.joint_by_name[name].safety,
+                armature=model.transmission_by_joint[name].armature,
+            )
             for name in self.interfaces
         }
+        self.limits = {name: drive.hard for name, drive in self._drives.items()}
         self.command = [0.0] * len(self.joint_names)
         """What the claiming controllers want, in the unit of their interface."""
         self._dt = dt
         self._dynamics = JointDynamics(model, gravity)
-        movable = [self.index[joint.name] for joint in model.movable_joints]
-        self._to_model = movable
+        self._to_model = [self.index[joint.name] for joint in model.movable_joints]
         """Engine index of each of the model's movable joints."""
-        self._soft = {n: model.joint_by_name[n].safety for n in self.interfaces}
         self._limiter = EffortLimiter(
-            [self.index[name] for name in self.interfaces],
-            [
-                DriveLimits(
-                    hard=self.limits[name],
-                    soft=self._soft[name],
-                    armature=model.transmission_by_joint[name].armature,
-                )
-                for name in self.interfaces
-            ],
-            dt,
+            {self.index[name]: drive for name, drive in self._drives.items()}, dt
         )
-        self._with_rotor = {
-            name
-            for name in self.interfaces
-            if model.transmission_by_joint[name].armature > 0.0
-        }
         self._is_stopped = False
         self._steps = 0
         self._masses: list[tuple[int, list[float]]] = []
@@ -96,18 +87,19 @@ class RobotHardware:
         self._fastest: list[float] = []
         """Of each joint with a servo, the acceleration that its drive can give."""
         self._servos: dict[int, Servo] = {}
-        self._carrying = [
+        self._compensated = [
             self.index[name]
             for name, interface in self.interfaces.items()
             if interface is Interface.EFFORT
             and model.transmission_by_joint[name].gravity_compensation
         ]
-        self._weights: list[tuple[int, float]] = []
-        self._load = [0.0] * len(self.joint_names)
-        """What of the effort carries weight, where a drive is bounded [N·m | N]."""
+        self._compensation: list[tuple[int, float]] = []
+        self._gravity_effort = [0.0] * len(self.joint_names)
+        """The part of the effort that compensates gravity, where a drive has limits
+        [N·m | N]."""
         self._claimed: set[str] = set()
         for name in self.interfaces:
-            self._engage(name, 0.0)
+            self._select_servo(name, 0.0)
 
     @property
     def is_stopped(self) -> bool:
@@ -118,31 +110,29 @@ class RobotHardware:
         """Forget what servos and brakes learnt, and hold ``state`` from now on."""
         self._steps = 0
         self._limiter.restart()
-        for name, interface in self.interfaces.items():
-            i = self.index[name]
-            if interface is Interface.POSITION:
-                self.command[i] = state.position[i]
-            else:
-                self.command[i] = 0.0
-            self._engage(name, state.position[i])
+        for name in self.interfaces:
+            self._hold(name, state)
 
     def claim(self, joints: Sequence[str], state: JointState) -> None:
         """Hand ``joints`` to a controller, holding still until its first command."""
         for name in joints:
-            i, interface = self.index[name], self.interfaces[name]
             self._claimed.add(name)
-            self._limiter.bind(i, None)
-            self.command[i] = (
-                state.position[i] if interface is Interface.POSITION else 0.0
-            )
-            self._engage(name, state.position[i])
+            self._limiter.set_drive_limits(self.index[name], None)
+            self._hold(name, state)
+
+    def _hold(self, name: str, state: JointState) -> None:
+        """Command the joint to stay as it is, or no effort."""
+        i, interface = self.index[name], self.interfaces[name]
+        holds_position = interface is Interface.POSITION
+        self.command[i] = state.position[i] if holds_position else 0.0
+        self._select_servo(name, state.position[i])
 
     def release(self, joints: Sequence[str], state: JointState) -> None:
         """Take ``joints`` back: the brakes hold them."""
         for name in joints:
             self._claimed.discard(name)
-            self._limiter.bind(self.index[name], None)
-            self._engage(name, state.position[self.index[name]])
+            self._limiter.set_drive_limits(self.index[name], None)
+            self._select_servo(name, state.position[self.index[name]])
 
     def emergency_stop(self, engaged: bool, state: JointState) -> None:
         """Brake every joint whoever claims it, or give the joints back."""
@@ -150,59 +140,57 @@ class RobotHardware:
         self.restart(state)
 
     @property
-    def bounds(self) -> Mapping[str, DriveBounds]:
-        """What bounds drives below their limits now, by joint."""
-        found = self._limiter.bounds
-        return {self.joint_names[i]: bounds for i, bounds in found.items()}
+    def drive_limits(self) -> Mapping[str, DriveLimits]:
+        """The limits of drives below those of their joints now, by joint."""
+        found = self._limiter.drive_limits
+        return {self.joint_names[i]: limits for i, limits in found.items()}
 
-    def bind(self, joint: str, bounds: DriveBounds | None) -> None:
-        """Bound the drive of ``joint`` below its limits; None lifts the bounds."""
+    def set_drive_limits(self, joint: str, limits: DriveLimits | None) -> None:
+        """Limit the drive of ``joint`` below the joint's limits; None lifts that."""
         i = self.index[joint]
-        self._limiter.bind(i, bounds)
+        self._limiter.set_drive_limits(i, limits)
         servo = self._servos.get(i)
-        if bounds is None and servo is not None:
-            self._load[i] = 0.0
+        if limits is None and servo is not None:
+            self._gravity_effort[i] = 0.0
             if isinstance(servo, PositionServo):
                 servo.speed = math.inf
 
     def efforts(self, state: JointState) -> list[float]:
         """Return what the drives apply during the next step [N·m | N]."""
         effort = self.command.copy()
-        if self._carrying:
-            self._carry(effort, state)
+        if self._compensated:
+            self._add_gravity_compensation(effort, state)
         if self._servos:
-            self._serve(effort, state)
+            self._run_servos(effort, state)
         self._steps += 1
-        self._limiter.saturate(effort, state, self._load)
+        self._limiter.saturate(effort, state, self._gravity_effort)
         return effort
 
-    def _engage(self, name: str, position: float) -> None:
-        """Put the joint into the hands that its claim and its interface call for."""
+    def _select_servo(self, name: str, position: float) -> None:
+        """Give the joint the servo, or brake, that its claim and interface call for."""
         i, interface = self.index[name], self.interfaces[name]
+        drive = self._drives[name]
         self._servos.pop(i, None)
-        self._masses, self._weights = [], []
-        self._load[i] = 0.0
+        self._masses, self._compensation = [], []
+        self._gravity_effort[i] = 0.0
         if name not in self._claimed or self._is_stopped:
             self._servos[i] = Brake()
         elif interface is Interface.POSITION:
             self._servos[i] = PositionServo(
-                position,
-                self.limits[name],
-                self._soft[name],
-                is_stiff=name in self._with_rotor,
+                position, drive.hard, drive.soft, is_stiff=drive.armature > 0.0
             )
         elif interface is Interface.VELOCITY:
-            self._servos[i] = VelocityServo(self.limits[name], self._soft[name])
+            self._servos[i] = VelocityServo(drive.hard, drive.soft)
 
-    def _carry(self, effort: list[float], state: JointState) -> None:
-        """Add the weight to the efforts of the drives that carry it themselves."""
-        if not self._weights or self._steps % POSE_PERIOD == 0:
+    def _add_gravity_compensation(self, effort: list[float], state: JointState) -> None:
+        """Add gravity compensation to the efforts of the drives that have it."""
+        if not self._compensation or self._steps % POSE_PERIOD == 0:
             gravity = self._gravity(state)
-            self._weights = [(i, gravity[i]) for i in self._carrying]
-            for i, weight in self._weights:
-                self._load[i] = weight
-        for i, weight in self._weights:
-            effort[i] += weight
+            self._compensation = [(i, gravity[i]) for i in self._compensated]
+            for i, compensation in self._compensation:
+                self._gravity_effort[i] = compensation
+        for i, compensation in self._compensation:
+            effort[i] += compensation
 
     def _gravity(self, state: JointState) -> list[float]:
         """Return the effort that balances gravity [N·m | N], shape (n_joints,)."""
@@ -213,8 +201,8 @@ class RobotHardware:
             ordered[i] = load
         return ordered
 
-    def _serve(self, effort: list[float], state: JointState) -> None:
-        """Give the joints with servos the accelerations that their servos ask for.
+    def _run_servos(self, effort: list[float], state: JointState) -> None:
+        """Set the efforts that accelerate the joints as their servos want.
 
         All at once, by the mass matrix: in some poses (straight up) an arm's joints
         are so coupled that servos which each see their own inertia alone would shake.
@@ -228,12 +216,12 @@ class RobotHardware:
         for (i, servo), most in zip(self._servos.items(), self._fastest, strict=True):
             a = servo.acceleration(command[i], position[i], velocity[i], dt)
             wanted.append(-most if a < -most else min(a, most))
-        for i, bounds in self._limiter.bounds.items():
-            bounded = self._servos.get(i)
-            if bounded is not None:
-                self._load[i] = gravity[i]
-            if isinstance(bounded, PositionServo):
-                _, bounded.speed = bounds.at(state.position[i])
+        for i, limits in self._limiter.drive_limits.items():
+            limited = self._servos.get(i)
+            if limited is not None:
+                self._gravity_effort[i] = gravity[i]
+            if isinstance(limited, PositionServo):
+                _, limited.speed = limits.at(state.position[i])
         for i, masses in self._masses:
             effort[i] = gravity[i] + sum(map(mul, masses, wanted))
 

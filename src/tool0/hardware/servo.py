@@ -1,8 +1,8 @@
 """Position and velocity interfaces, and the brake: servos on top of effort.
 
 Gazebo's position interface teleports the joint unless gains are given; ours never
-does.  Effort is gravity's load plus a PD law on the joint's own inertia, so that every
-joint answers alike whatever hangs on it, plus a slow integral against payloads.
+does.  Effort is gravity compensation plus a PD law on the joint's own inertia, so that
+every joint answers alike whatever hangs on it, plus a slow integral against payloads.
 """
 
 from __future__ import annotations

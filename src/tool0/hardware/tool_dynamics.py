@@ -1,4 +1,4 @@
-"""What the links beyond a flange do to it: Newton and Euler for a part of the robot.
+"""The wrench of a tool on the flange that carries it, by Newton and Euler.
 
 From the acceleration that a step of the physics really made follows what acted on the
 rigid bodies beyond the flange; what is neither weight nor contact came through it.
@@ -17,7 +17,8 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from tool0.description.model import JointType, RobotModel, Vector3
+from tool0.description.model import JointType, RobotModel
+from tool0.description.transform import Vector3
 from tool0.hardware.bodies import (
     BodyInertia,
     Matrix,
@@ -41,14 +42,14 @@ _WORLD: Frame = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 _ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
-class _Motion(NamedTuple):
+class _BodyMotion(NamedTuple):
     """How a body moves, in the axes of the root."""
 
-    turning: Vector3
+    angular_velocity: Vector3
     """[rad/s]"""
-    spinning_up: Vector3
+    angular_acceleration: Vector3
     """[rad/s²]"""
-    speeding_up: Vector3
+    acceleration: Vector3
     """Of its origin, against free fall [m/s²]: at rest it points up."""
 
 
@@ -79,16 +80,16 @@ class ToolDynamics:
         bodies = moving_bodies(model)
         self._dynamics = JointDynamics(model)
         gx, gy, gz = gravity
-        self._still = _Motion(_ZERO, _ZERO, (-gx, -gy, -gz))
+        self._world_motion = _BodyMotion(_ZERO, _ZERO, (-gx, -gy, -gz))
         self._parent = [body.parent for body in bodies]
         self._prismatic = [b.joint.type is JointType.PRISMATIC for b in bodies]
         # The frames are turned so that each joint acts along its own z.
         turns = [turn_z_to(body.joint.axis) for body in bodies]
         turns.append(np.eye(3))  # the last, -1, is the world's
-        self._carrier, frame = _carrier(model, bodies, link)
+        self._carrier, frame = _find_body(model, bodies, link)
         self._flange = _as_frame(turns[self._carrier].T, frame)
         self._parts = [
-            _part(i, inertia, turns[i])
+            _as_part(i, inertia, turns[i])
             for i, body in enumerate(bodies)
             if (inertia := self._inertia(model, body)).mass > 0.0
         ]
@@ -96,7 +97,7 @@ class ToolDynamics:
             still = BodyInertia.total(
                 _inertias(model, fixed_to_world(model), self.links)
             )
-            self._parts.append(_part(-1, still, turns[-1]))
+            self._parts.append(_as_part(-1, still, turns[-1]))
 
     def wrench(
         self,
@@ -120,13 +121,13 @@ class ToolDynamics:
         px, py, pz = flange[9:]
         fx = fy = fz = tx = ty = tz = 0.0
         for i, mass, center, tensor in self._parts:
-            frame, (turning, spinning_up, speeding_up) = frames[i], motions[i]
-            rx, ry, rz = _turned(frame, center)
-            ax, ay, az = _at(turning, spinning_up, speeding_up, (rx, ry, rz))
+            frame, motion = frames[i], motions[i]
+            rx, ry, rz = _rotate(frame, center)
+            ax, ay, az = _acceleration_at(motion, (rx, ry, rz))
             ax, ay, az = -mass * ax, -mass * ay, -mass * az
-            nx, ny, nz = _turned(
-                frame, _euler(tensor, _back(frame, turning), _back(frame, spinning_up))
-            )
+            w = _rotate_back(frame, motion.angular_velocity)
+            dw = _rotate_back(frame, motion.angular_acceleration)
+            nx, ny, nz = _rotate(frame, _inertial_torque(tensor, w, dw))
             rx, ry, rz = rx + frame[9] - px, ry + frame[10] - py, rz + frame[11] - pz
             fx, fy, fz = fx + ax, fy + ay, fz + az
             tx += ry * az - rz * ay - nx
@@ -142,7 +143,8 @@ class ToolDynamics:
                 tx += sign * (ry * az - rz * ay + nx)
                 ty += sign * (rz * ax - rx * az + ny)
                 tz += sign * (rx * ay - ry * ax + nz)
-        return (*_back(flange, (fx, fy, fz)), *_back(flange, (tx, ty, tz)))
+        force, torque = (fx, fy, fz), (tx, ty, tz)
+        return (*_rotate_back(flange, force), *_rotate_back(flange, torque))
 
     def _inertia(self, model: RobotModel, body: MovingBody) -> BodyInertia:
         return BodyInertia.total(_inertias(model, body.links, self.links))
@@ -152,18 +154,20 @@ class ToolDynamics:
         frames: Sequence[Frame],
         velocity: Sequence[float],
         acceleration: Sequence[float],
-    ) -> list[_Motion]:
+    ) -> list[_BodyMotion]:
         """Return each body's motion, and last the world's."""
-        motions: list[_Motion] = []
-        still = self._still
+        motions: list[_BodyMotion] = []
+        still = self._world_motion
         for i, parent in enumerate(self._parent):
-            w, dw, a = motions[parent] if parent >= 0 else still
+            carrier = motions[parent] if parent >= 0 else still
+            w, dw, _ = carrier
             frame, before = frames[i], frames[parent]
             _, _, _, _, _, _, zx, zy, zz, x, y, z = frame
-            a = _at(w, dw, a, (x - before[9], y - before[10], z - before[11]))
+            lever = x - before[9], y - before[10], z - before[11]
+            a = _acceleration_at(carrier, lever)
             qd, qdd = velocity[i], acceleration[i]
             wx, wy, wz = w
-            # What the parent's turning makes of the joint's own motion.
+            # The rate at which the parent's rotation turns the joint's axis.
             cx, cy, cz = wy * zz - wz * zy, wz * zx - wx * zz, wx * zy - wy * zx
             if self._prismatic[i]:
                 ax, ay, az = a
@@ -180,15 +184,14 @@ class ToolDynamics:
                     ez + qd * cz + qdd * zz,
                 )
                 w = wx + qd * zx, wy + qd * zy, wz + qd * zz
-            motions.append(_Motion(w, dw, a))
+            motions.append(_BodyMotion(w, dw, a))
         motions.append(still)
         return motions
 
 
-def _at(turning: Vector3, spinning_up: Vector3, origin: Vector3, r: Vector3) -> Vector3:
-    """Return the acceleration at ``r`` from the origin of a body that turns so."""
-    wx, wy, wz = turning
-    ex, ey, ez = spinning_up
+def _acceleration_at(body: _BodyMotion, r: Vector3) -> Vector3:
+    """Return the acceleration of a body at ``r`` from its origin."""
+    (wx, wy, wz), (ex, ey, ez), origin = body
     ax, ay, az = origin
     x, y, z = r
     ux, uy, uz = wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
@@ -199,13 +202,11 @@ def _at(turning: Vector3, spinning_up: Vector3, origin: Vector3, r: Vector3) -> 
     )
 
 
-def _euler(
-    tensor: tuple[float, ...], turning: Vector3, spinning_up: Vector3
-) -> Vector3:
-    """Return what torque a body needs to turn so, by Euler; all in its axes."""
+def _inertial_torque(tensor: tuple[float, ...], w: Vector3, dw: Vector3) -> Vector3:
+    """Return the torque that accelerates a rotating body (Euler), all in its axes."""
     a, b, c, d, e, f, g, h, i = tensor
-    wx, wy, wz = turning
-    ex, ey, ez = spinning_up
+    wx, wy, wz = w
+    ex, ey, ez = dw
     hx, hy, hz = (
         a * wx + b * wy + c * wz,
         d * wx + e * wy + f * wz,
@@ -218,15 +219,15 @@ def _euler(
     )
 
 
-def _turned(frame: Frame, vector: Vector3) -> Vector3:
+def _rotate(frame: Frame, vector: Vector3) -> Vector3:
     """Return a vector that is given in ``frame`` in the axes around it."""
     x, y, z = vector
     a, b, c, d, e, f, g, h, i = frame[:9]
     return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
 
 
-def _back(frame: Frame, vector: Vector3) -> Vector3:
-    """Return a vector in the axes of ``frame``: what ``_turned`` undoes."""
+def _rotate_back(frame: Frame, vector: Vector3) -> Vector3:
+    """Return a vector in the axes of ``frame``: what ``_rotate`` undoes."""
     x, y, z = vector
     a, b, c, d, e, f, g, h, i = frame[:9]
     return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
@@ -234,18 +235,18 @@ def _back(frame: Frame, vector: Vector3) -> Vector3:
 
 def _compose(outer: Frame, inner: Frame) -> Frame:
     """Return the frame ``inner``, given in ``outer``, in what that is given in."""
-    x, y, z = _turned(outer, _three(inner[9:]))
+    x, y, z = _rotate(outer, _vector3(inner[9:]))
     return (
-        *_turned(outer, _three(inner[0:3])),
-        *_turned(outer, _three(inner[3:6])),
-        *_turned(outer, _three(inner[6:9])),
+        *_rotate(outer, _vector3(inner[0:3])),
+        *_rotate(outer, _vector3(inner[3:6])),
+        *_rotate(outer, _vector3(inner[6:9])),
         x + outer[9],
         y + outer[10],
         z + outer[11],
     )
 
 
-def _carrier(
+def _find_body(
     model: RobotModel, bodies: Sequence[MovingBody], link: str
 ) -> tuple[int, Matrix]:
     """Return the body that ``link`` is part of, -1 for the world, and its frame."""
@@ -267,9 +268,9 @@ def _inertias(
     ]
 
 
-def _part(body: int, inertia: BodyInertia, turn: Matrix) -> _Part:
+def _as_part(body: int, inertia: BodyInertia, turn: Matrix) -> _Part:
     tensor = (turn.T @ inertia.tensor @ turn).ravel().tolist()
-    center = _three((turn.T @ inertia.center).tolist())
+    center = _vector3((turn.T @ inertia.center).tolist())
     return _Part(body, inertia.mass, center, tuple(tensor))
 
 
@@ -279,6 +280,6 @@ def _as_frame(rotation: Matrix, frame: Matrix) -> Frame:
     return (*turned.T.ravel().tolist(), *origin.tolist())
 
 
-def _three(values: Sequence[float]) -> Vector3:
+def _vector3(values: Sequence[float]) -> Vector3:
     x, y, z = values
     return x, y, z

@@ -1,1 +1,1 @@
-"""Where an arm's joints must be for its tool to be somewhere, in closed form."""
+"""Kinematics of an arm: Jacobian, inverse kinematics, straight paths of its tool."""

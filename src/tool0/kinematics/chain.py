@@ -8,8 +8,8 @@ from typing import NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from tool0.description.kinematics import Transform, to_transform
 from tool0.description.model import FLANGE, Joint, JointType, RobotModel
+from tool0.description.transform import Transform, to_transform
 from tool0.errors import ControlError
 
 Array = NDArray[np.float64]
@@ -18,7 +18,7 @@ N_JOINTS = 6
 
 
 class Posture(NamedTuple):
-    """What postures do to the flange, in the frame of the link that carries the arm."""
+    """Kinematics of n joint configurations, in the link that carries the arm."""
 
     T_base_tip: Array
     """Shape (n, 4, 4)."""
@@ -61,20 +61,12 @@ class ArmChain:
         self._steps = np.array(steps)
         self._last = fixed_transform(model, link, tip).matrix
         self._axes = np.array([joint.axis for joint in joints])
-        x, y, z = self._axes.T
-        zero = np.zeros(N_JOINTS)
-        rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
-        self._crosses = np.array(rows).transpose(2, 0, 1)
+        self._crosses = np.array([cross_matrix(*axis) for axis in self._axes])
         self._squares = self._crosses @ self._crosses
 
     def forward(self, q: Array) -> Posture:
         """Return where the flange is at positions ``q`` [rad], shape (n, 6)."""
-        sin, one_less_cos = (
-            np.sin(q)[..., None, None],
-            (1.0 - np.cos(q))[..., None, None],
-        )
-        # Rodrigues' formula
-        turns = np.eye(3) + sin * self._crosses + one_less_cos * self._squares
+        turns = rodrigues(self._crosses, self._squares, q)
         axes = np.empty((len(q), N_JOINTS, 3))
         points = np.empty_like(axes)
         R = np.broadcast_to(np.eye(3), (len(q), 3, 3))
@@ -92,11 +84,31 @@ class ArmChain:
         return Posture(T, axes, points)
 
 
-def find_chains(model: RobotModel) -> dict[str, ArmChain]:
-    """Return the arms of a robot by name: what stands before ``tool0``, or ``arm``.
+def cross_matrix(x: float, y: float, z: float) -> Array:
+    """Return the matrix K of a vector, such that K @ v is its cross product with v."""
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
-    An arm is six joints that turn, one after another, and a link below them whose name
-    ends in ``tool0``; whatever is fixed may be between them.
+
+def rodrigues(K: Array, K_squared: Array, angle: Array) -> Array:
+    """Return rotations about unit axes by Rodrigues' formula, shape (…, 3, 3).
+
+    Args:
+        K: Cross-product matrices of the axes, shape (3, 3) or as the result.
+        K_squared: K @ K.
+        angle: [rad], shape (…).
+    """
+    sin, versine = np.sin(angle), 1.0 - np.cos(angle)
+    rotation: Array = (
+        np.eye(3) + sin[..., None, None] * K + versine[..., None, None] * K_squared
+    )
+    return rotation
+
+
+def find_chains(model: RobotModel) -> dict[str, ArmChain]:
+    """Return the arms of a robot by name: the prefix of ``tool0``, or ``arm``.
+
+    An arm is six turning joints in a row, and a link below them with a name that ends
+    in ``tool0``; fixed joints may be between them.
     """
     chains: dict[str, ArmChain] = {}
     for flange in model.flanges:

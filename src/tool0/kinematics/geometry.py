@@ -1,11 +1,11 @@
-"""Arms built like a UR: all postures for a pose, in closed form.
+"""Closed-form inverse kinematics of arms built like a UR: all postures for a pose.
 
 Such an arm has an upright first axis, three parallel axes that make an arm in a plane,
 a fifth axis in that plane and a sixth across it; the last two meet in the *centre of
-the wrist*.  The lengths are read from the joints' axes, so that any arm of this build
-will do.  The steps are those of K. P. Hawkins, Analytic Inverse Kinematics for the
-Universal Robots UR-5/UR-10 Arms (2013), http://hdl.handle.net/1853/50782, written with
-vectors in place of Denavit-Hartenberg parameters.
+the wrist*.  The lengths are read from the joints' axes, so that any arm of this
+geometry works.  The steps are those of K. P. Hawkins, Analytic Inverse Kinematics for
+the Universal Robots UR-5/UR-10 Arms (2013), http://hdl.handle.net/1853/50782, written
+with vectors in place of Denavit-Hartenberg parameters.
 
 Coordinates: z is the first axis, y the second; the plane of the arm is z and x, and
 angles in it count from z towards x, as the joints turn.
@@ -22,21 +22,21 @@ from tool0.kinematics.chain import ArmChain, Array
 
 N_BRANCHES = 8
 ROUNDING = 1e-6
-"""So much beyond the reach counts as within, as a part of its square."""
+"""Tolerance at the border of the reach, relative to its square."""
 INEXACT = 20.0
-"""The same for each radian that an arm differs from the ideal build: what is found so
-is refined, and dropped if it does not reach the pose."""
+"""The same for each radian that an arm deviates from the ideal geometry: such solutions
+are refined, and dropped if they do not reach the pose."""
 SINGULAR = 1e-5
-"""Below this sine the fifth joint leaves open how the fourth and the sixth share."""
+"""Below this sine of the fifth joint only the sum of the fourth and sixth matters."""
 MAX_INEXACT = 0.1
-"""How far an arm may be from the ideal build [rad]: solutions are refined."""
+"""Largest deviation from the ideal geometry [rad]: solutions are refined."""
 
 
 class Signs(NamedTuple):
-    """What tells the branches apart: each is zero where two of them meet."""
+    """Functions of a posture that are zero where two branches meet."""
 
     shoulder: Array
-    """How far the wrist's centre is before the shoulder [m]; negative behind it."""
+    """Distance of the wrist's centre in front of the shoulder [m]; negative behind."""
     elbow: Array
     """Sine of the angle from the upper arm to the forearm."""
     wrist: Array
@@ -51,7 +51,7 @@ class ArmGeometry:
         """Read the lengths from the axes, with all joints at 0.
 
         Raises:
-            ControlError: If the arm is not built so.
+            ControlError: If the arm has another geometry.
         """
         T, axes, points = (item[0] for item in chain.forward(np.zeros((1, 6))))
         z = axes[0]
@@ -85,12 +85,12 @@ class ArmGeometry:
         self._T_tip_wrist = np.linalg.inv(T) @ frame
         self._slack = ROUNDING
         self.inexact = self._check(chain)
-        """How far it is from the ideal build [rad], roughly."""
+        """Rough deviation from the ideal geometry [rad]."""
         self._slack += INEXACT * self.inexact
 
     @property
     def reach(self) -> float:
-        """From shoulder to wrist's centre at most, seen across the plane [m]."""
+        """Largest distance from shoulder to wrist's centre, in the arm's plane [m]."""
         return self.upper_arm + self.forearm + abs(self.wrist)
 
     def wrist_centre(self, T_base_tip: Array) -> Array:
@@ -104,8 +104,8 @@ class ArmGeometry:
 
         Args:
             T_base_tip: Where the flange is to be, shape (n, 4, 4).
-            sixth: Where the sixth joint is to be where that is left open [rad], shape
-                (n,).  If given, all solutions are of that kind.
+            sixth: Position of the sixth joint [rad], shape (n,), for singular poses,
+                which leave it open.  If given, all solutions have it.
 
         Returns:
             Positions [rad], any number of turns, shape (n, 8, 6).
@@ -172,21 +172,21 @@ class ArmGeometry:
         return bend
 
     def _root(self, square: Array, scale: Array | float) -> Array:
-        """Return the root; NaN if ``square`` is below 0 by more than the arm is off."""
+        """Return the root; NaN if ``square`` is below 0 by more than the tolerance."""
         within = square > -self._slack * scale
         root: Array = np.sqrt(np.where(within, np.abs(square), np.nan))
         return root
 
     def _check(self, chain: ArmChain) -> float:
-        """Return how well known postures are found again [rad], or ControlError."""
+        """Return the error of known postures [rad], or raise ControlError."""
         known = np.array(
             [[0.3, -1.1, 1.3, -0.7, -1.2, 0.4], [-2.0, -2.2, -1.2, 2.5, 0.9, -2.5]]
         )
         known[:, 1:4] -= [self._upper_angle - np.pi / 2, 0.0, 0.0]
         with np.errstate(all="ignore"):
             found = self.solve(chain.forward(known).T_base_tip)
-            away = np.abs(wrapped(found - known[:, None])).max(axis=2)
-        worst = np.nan_to_num(away, nan=np.inf).min(axis=1).max()
+            error = np.abs(wrapped(found - known[:, None])).max(axis=2)
+        worst = np.nan_to_num(error, nan=np.inf).min(axis=1).max()
         if not worst < MAX_INEXACT:
             raise ControlError(
                 f"the arm that ends at '{chain.tip}' is not built like a UR (axes 2, 3 "
@@ -227,8 +227,8 @@ def _nearest(point: Array, along: Array, other: Array, other_along: Array) -> Ar
     square = float(n @ n)
     if square < 0.5:  # nearly parallel: no wrist; the check finds that
         return point
-    way = float(np.cross(other - point, other_along) @ n) / square
-    nearest: Array = point + along * way
+    distance = float(np.cross(other - point, other_along) @ n) / square
+    nearest: Array = point + along * distance
     return nearest
 
 

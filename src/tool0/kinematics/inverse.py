@@ -1,29 +1,89 @@
-"""Postures of an arm for a pose: every branch, within the limits, nearest first."""
+"""Inverse kinematics of an arm: every branch within the limits, nearest first."""
 
 from __future__ import annotations
 
 import math
-from typing import final
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Literal, final
 
 import numpy as np
 
 from tool0.description.model import JointType
 from tool0.errors import ControlError, UnreachableError
-from tool0.kinematics.branch import Branch, Solution
 from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
-from tool0.kinematics.speeds import largest_velocity
 
 PRECISION = 1e-9
-"""How exactly a solution reaches its pose [m, rad]."""
+"""Largest error of a solution [m, rad]."""
 EXACT = 1e-6
-"""Below this the closed form is as good as any refinement [rad]."""
+"""Below this deviation the closed form needs no refinement [rad]."""
 _SAME = 1e-6
-"""Postures nearer to each other than this are one [rad]."""
+"""Postures nearer to each other than this are the same [rad]."""
 _LIMIT_ROUNDING = 1e-9
-"""How far beyond a limit a position may be, which is put back then [rad]."""
+"""Excess over a limit that is clipped [rad]."""
 _STEPS = 12
 _DAMPING = 1e-12
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Branch:
+    """Which of the eight postures that reach one pose; None for either.
+
+    Left, up and no flip is how a UR usually stands.  Where two branches meet the arm
+    is singular.
+    """
+
+    shoulder: Literal["left", "right"] | None = None
+    """On which side of the line from the base to the wrist's centre the upper arm is,
+    as seen from behind the base."""
+    elbow: Literal["up", "down"] | None = None
+    """Whether the elbow is above the line from the shoulder to the fourth joint; the
+    other way round where that joint and the wrist's centre are on different sides of
+    the base's axis, so that the word changes in singular postures alone."""
+    wrist: Literal["flip", "no_flip"] | None = None
+    """The sign of the fifth joint's sine, from where the sixth axis is parallel to the
+    second: negative for "no_flip"."""
+
+    def __post_init__(self) -> None:
+        for name, values in _BRANCHES.items():
+            value = getattr(self, name)
+            if value is not None and value not in values:
+                raise ControlError(
+                    f"{name} must be {values[0]!r} or {values[1]!r}, got {value!r}"
+                )
+
+    def includes(self, other: Branch) -> bool:
+        """Return whether ``other`` is the same in all that is given here."""
+        return all(
+            getattr(self, name) in (None, getattr(other, name)) for name in _BRANCHES
+        )
+
+    def __str__(self) -> str:
+        """Return what is given, in words."""
+        words = (getattr(self, item.name) for item in fields(self))
+        return ", ".join(word for word in words if word is not None) or "any"
+
+
+_BRANCHES = {
+    "shoulder": ("left", "right"),
+    "elbow": ("up", "down"),
+    "wrist": ("flip", "no_flip"),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solution:
+    """A posture that reaches the pose."""
+
+    positions: Mapping[str, float]
+    """Joint → position [rad], from the base on."""
+    branch: Branch
+    distance: float
+    """Distance from ``near``: each joint's turn divided by its largest velocity, as the
+    root of the sum of squares [s]."""
 
 
 @final
@@ -37,7 +97,7 @@ class InverseKinematics:
         endless = [joint.type is JointType.CONTINUOUS for joint in chain.joints]
         self._lower = np.where(endless, -np.inf, [item.lower for item in limits])
         self._upper = np.where(endless, np.inf, [item.upper for item in limits])
-        self._fastest = np.array([largest_velocity(joint) for joint in chain.joints])
+        self._fastest = np.array([joint.max_velocity for joint in chain.joints])
 
     def solutions(
         self, T_base_tip: Array, near: Array, branch: Branch | None = None
@@ -46,12 +106,12 @@ class InverseKinematics:
 
         Args:
             T_base_tip: Where the flange is to be, shape (4, 4).
-            near: The positions to be near to [rad], shape (6,).  Each joint makes the
-                whole turns that bring it nearest.
+            near: The positions to compare with [rad], shape (6,).  Each joint takes
+                the number of whole turns that is nearest.
             branch: Only postures of this kind.
 
         Raises:
-            UnreachableError: If there is none; it says why.
+            UnreachableError: If there is none, with the reason.
         """
         if not isinstance(branch, Branch | None):
             raise ControlError(
@@ -170,20 +230,20 @@ class InverseKinematics:
         x, y, z = geometry.wrist_centre(T_base_tip[None])[0]
         beside = math.hypot(x, y)
         inside = math.sqrt(max(0.0, beside**2 - geometry.lateral**2))
-        way = math.hypot(inside, z)
+        distance = math.hypot(inside, z)
         wrist = "the centre of the wrist (where the last two axes meet) would be"
         if beside < abs(geometry.lateral):
             return (
                 f"out of reach: {wrist} {beside:.3f} m from the axis of the base, and "
                 f"cannot come nearer than {abs(geometry.lateral):.3f} m"
             )
-        if way > geometry.reach:
+        if distance > geometry.reach:
             return (
-                f"out of reach: {wrist} {way:.3f} m from the shoulder, and the arm "
-                f"reaches {geometry.reach:.3f} m"
+                f"out of reach: {wrist} {distance:.3f} m from the shoulder, and the "
+                f"arm reaches {geometry.reach:.3f} m"
             )
         return (
-            f"out of reach with this orientation: {wrist} {way:.3f} m from the "
+            f"out of reach with this orientation: {wrist} {distance:.3f} m from the "
             "shoulder, and the elbow can neither stretch nor bend that far; turn the "
             "tool, or move it"
         )
@@ -199,18 +259,18 @@ class InverseKinematics:
                 f"'{joint.name}' would be at {where} rad, outside "
                 f"[{joint.limits.lower:.3f}, {joint.limits.upper:.3f}]"
             )
-        return "the joints' limits are in the way: " + "; ".join(bad)
+        return "joint limits exclude every posture: " + "; ".join(bad)
 
 
 def _twist(T: Array, T_wanted: Array) -> Array:
-    """Return what leads from ``T`` to ``T_wanted``, for small ways, shape (n, 6)."""
+    """Return the twist from ``T`` to ``T_wanted``, for small ones, shape (n, 6)."""
     R = T_wanted[..., :3, :3] @ T[:, :3, :3].swapaxes(1, 2)
     turn = np.stack(
         [R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]],
         axis=1,
     )
-    # Where the angle is beyond a right one its sine would shrink again: say far.
+    # Beyond 90 degrees the sine shrinks again: use a large value there.
     far = np.trace(R, axis1=1, axis2=2) < 1.0
     turn[far] = np.where(turn[far] >= 0.0, 2.0, -2.0)
-    way = T_wanted[..., :3, 3] - T[:, :3, 3]
-    return np.concatenate([way, turn / 2], axis=1)
+    linear = T_wanted[..., :3, 3] - T[:, :3, 3]
+    return np.concatenate([linear, turn / 2], axis=1)

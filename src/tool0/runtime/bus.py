@@ -4,65 +4,26 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import final
 
 from tool0.control.goal import Goal
-from tool0.control.intent import Intent
-from tool0.control.manager import ControllerStatus
-from tool0.description.scene import SceneObject
-from tool0.hardware.engine import ObjectState
+from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 EVENTS_KEPT = 1000
 """Events that a subscriber may fall behind before it loses the oldest."""
 
-SNAPSHOTS_KEPT = 64
-"""Snapshots that a subscriber to all of them may fall behind: half a second's."""
+SNAPSHOTS_KEPT = 256
+"""Snapshots that a subscriber may fall behind: half a second's at 500 Hz."""
 
-SNAPSHOT_PERIOD = 0.008
-"""Simulated time between snapshots [s]: 125 Hz, the rate of the UR's own reports.
+HISTORY_LENGTH = 64
+"""Snapshots of the history: half a second's at the default rate.
 
-Commands and short runs publish many at one instant, which must not push out of the
-history what came before: there it is the shortest time between two of them."""
+Commands, short runs and faster subscribers publish many at almost one instant; the
+history leaves those out, so that they do not push out what came before."""
+
 _ROUNDING = 1e-6  # [s]
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Snapshot:
-    """The whole robot at one instant.
-
-    ``position``, ``velocity`` and ``effort`` have shape (n_joints,), ordered as
-    ``joint_names``: [rad | m], [rad/s | m/s], [N·m | N].
-    """
-
-    time: float
-    """Simulated time [s]."""
-    tick: int
-    joint_names: tuple[str, ...]
-    position: tuple[float, ...]
-    velocity: tuple[float, ...]
-    effort: tuple[float, ...]
-    controllers: tuple[ControllerStatus, ...]
-    is_paused: bool
-    is_stopped: bool
-    """Whether the emergency stop is engaged."""
-    real_time_factor: float
-    """Simulated per wall second, over about the last second."""
-    overruns: int
-    """Ticks that began more than one control period late, since the start."""
-    fault: str | None = None
-    """Why the simulation stands still, until it is reset."""
-    speed: float | None = None
-    """Simulated seconds per wall second that were asked for; None runs only when
-    asked to, as fast as possible."""
-    intents: Mapping[str, Intent] = field(default_factory=dict)
-    """What each running controller wants of its joints, of those that want anything."""
-    scene: tuple[SceneObject, ...] = ()
-    """What is around the robot: the same tuple until something comes or goes."""
-    objects: tuple[ObjectState, ...] = ()
-    """Where it is and how it moves, in the order of ``scene``."""
 
 
 @final
@@ -103,8 +64,16 @@ Event = GoalFinished | Overran | Faulted | WasReset
 class Subscription:
     """What one reader has not yet seen."""
 
-    def __init__(self, bus: Bus) -> None:
+    def __init__(
+        self,
+        bus: Bus,
+        period: float = SNAPSHOT_PERIOD,
+        when_closed: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.period = period
+        """Simulated time between the snapshots it asks for [s]."""
         self._bus = bus
+        self._when_closed = when_closed
         self._seen: Snapshot | None = None
         self.events: deque[Event] = deque(maxlen=EVENTS_KEPT)
 
@@ -125,8 +94,16 @@ class Subscription:
             self._seen = following
         return following
 
+    def pending(self) -> list[Snapshot]:
+        """Return all snapshots after the last one, without waiting, oldest first."""
+        found = self._bus.since(self._seen)
+        if found:
+            self._seen = found[-1]
+        return found
+
     def close(self) -> None:
         self._bus.forget(self)
+        self._when_closed()
 
 
 @final
@@ -137,7 +114,7 @@ class Bus:
         self._changed = threading.Condition()
         self._latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
-        self._history: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
+        self._history: deque[Snapshot] = deque(maxlen=HISTORY_LENGTH)
         self._subscriptions: tuple[Subscription, ...] = ()
 
     @property
@@ -150,11 +127,25 @@ class Bus:
             kept, latest = tuple(self._history), self._latest
         return kept if latest is None or kept[-1] is latest else (*kept, latest)
 
-    def subscribe(self) -> Subscription:
-        subscription = Subscription(self)
+    def subscribe(
+        self,
+        period: float = SNAPSHOT_PERIOD,
+        when_closed: Callable[[], None] = lambda: None,
+    ) -> Subscription:
+        subscription = Subscription(self, period, when_closed)
         with self._changed:
             self._subscriptions = (*self._subscriptions, subscription)
         return subscription
+
+    @property
+    def has_subscribers(self) -> bool:
+        return bool(self._subscriptions)
+
+    @property
+    def shortest_period(self) -> float:
+        """The shortest snapshot period that a subscriber asks for [s]."""
+        periods = (subscription.period for subscription in self._subscriptions)
+        return min(periods, default=SNAPSHOT_PERIOD)
 
     def forget(self, subscription: Subscription) -> None:
         with self._changed:
@@ -183,21 +174,31 @@ class Bus:
             self._changed.wait_for(lambda: self._latest is not seen, timeout)
             return None if self._latest is seen else self._latest
 
+    def since(self, seen: Snapshot | None) -> list[Snapshot]:
+        """Return the snapshots after ``seen``, oldest first; the newest to begin with.
+
+        All that are kept, if ``seen`` was dropped since.
+        """
+        with self._changed:
+            if seen is None:
+                return [] if self._latest is None else [self._latest]
+            found: list[Snapshot] = []
+            for snapshot in reversed(self._recent):
+                if snapshot is seen:
+                    break
+                found.append(snapshot)
+        found.reverse()
+        return found
+
     def following(
         self, seen: Snapshot | None, timeout: float | None
     ) -> Snapshot | None:
         """Return the snapshot after ``seen``, or None after ``timeout`` [s].
 
-        It is the oldest there is if that has been forgotten, and the newest to begin
+        The oldest that is kept, if ``seen`` was dropped since; the newest to begin
         with.
         """
         newest = self.newer_than(seen, timeout)
         if newest is None or seen is None:
             return newest
-        with self._changed:
-            found = newest
-            for snapshot in reversed(self._recent):
-                if snapshot is seen:
-                    break
-                found = snapshot
-            return found
+        return self.since(seen)[0]

@@ -1,4 +1,4 @@
-"""Engine, drives and controllers as one machine: a tick, and an answer per command."""
+"""Engine, drives and controllers as one machine: the tick, and what changes it."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from tool0.control.goal import Goal
 from tool0.control.gripper_action import GripperActionController
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import RobotModel
+from tool0.description.positions import joint_positions
 from tool0.description.scene import Scene
-from tool0.errors import ConfigError, ControlError
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.errors import ConfigError, ControlError, did_you_mean
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.engine import Engine
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.runtime import commands as ask
-from tool0.runtime.initial_pose import joint_positions
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
-from tool0.runtime.surroundings import Surroundings
+from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque_sensor import ForceTorqueSensor
 from tool0.sensing.grasp_assist import GraspAssist
 
 
 @final
 class Core:
-    """What the loop drives.  Only the thread that owns the tick may touch it."""
+    """What the loop ticks.  Only the thread of the tick may use it."""
 
     def __init__(
         self,
@@ -59,7 +59,7 @@ class Core:
         self.engine = engine
         self.hardware = hardware
         self.manager = manager
-        self.surroundings = Surroundings(model, engine, scene or Scene())
+        self.surroundings = SceneObjects(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
@@ -92,78 +92,183 @@ class Core:
         self.state, self._before = state, before
         self.ticks += 1
         for sensor in self._sensors:
-            sensor.tick(before, state, engine.contacts)
+            sensor.tick(before, state, engine.world.contacts)
 
-    def apply(self, command: ask.CoreCommand) -> Any:  # the answer is the command's
-        """Carry out ``command`` now, between two ticks, and return its answer."""
-        match command:
-            case ask.LoadController(name, config):
-                return self.manager.load(name, config)
-            case ask.UnloadController(name):
-                return self.manager.unload(name)
-            case ask.SwitchControllers():
-                return self.manager.switch(
-                    command.start, command.stop, command.strictness, self.state
+    # ---- controllers ----------------------------------------------------------------
+
+    def follow(
+        self,
+        controller: str,
+        goal: TrajectoryGoal,
+        bounds: Mapping[str, DriveLimits] | None = None,
+    ) -> Goal:
+        """Start a trajectory goal, as ROS's action does.
+
+        Args:
+            controller: A running JointTrajectoryController.
+            goal: The trajectory with its tolerances.
+            bounds: Joint → limits of its drive until the joint's next goal.
+        """
+        trajectory = self._drivable(controller, JointTrajectoryController)
+        accepted = trajectory.follow(goal, self.time)
+        self._set_drive_limits(controller, goal.joint_names, bounds)
+        return self._started(accepted)
+
+    def command_trajectory(self, controller: str, goal: TrajectoryGoal) -> None:
+        """Follow a trajectory without a goal, as ROS's topic does."""
+        trajectory = self._drivable(controller, JointTrajectoryController)
+        trajectory.command(goal, self.time)
+        self._set_drive_limits(controller, goal.joint_names)
+        self._note_commanded(controller)
+
+    def move_joints(
+        self, positions: Mapping[str, float], speed: float, controller: str | None
+    ) -> tuple[Goal, ...]:
+        """Start smooth motions of every controller concerned at one instant, or none.
+
+        Args:
+            positions: Joint → target [rad | m].
+            speed: Fraction of each joint's largest velocity.
+            controller: The controller of the joints; None for those that claim them.
+        """
+        moves: Mapping[str, Mapping[str, float]]
+        if controller is None:
+            moves = joints_by_controller(self.manager, positions)
+        else:
+            moves = {controller: positions}
+        planned = []
+        for name, targets in moves.items():
+            trajectory = self._drivable(name, JointTrajectoryController)
+            plan = planned_motion(trajectory, targets, speed=speed, now=self.time)
+            planned.append((trajectory, plan))
+        for name, targets in moves.items():
+            self._set_drive_limits(name, targets)
+        return tuple(
+            self._started(trajectory.follow_plan(plan, self.time))
+            for trajectory, plan in planned
+        )
+
+    def move_joints_within(
+        self, positions: Mapping[str, float], duration: float, controller: str | None
+    ) -> Goal:
+        """Start a motion of one controller that takes ``duration`` simulated seconds.
+
+        It is a cubic that ends at rest; the controller's other joints keep their
+        setpoints.
+
+        Args:
+            positions: Joint → target [rad | m].
+            duration: [s]
+            controller: The controller of the joints; None for the one that claims them.
+        """
+        name = controller
+        if name is None:
+            moves = joints_by_controller(self.manager, positions)
+            if len(moves) != 1:
+                raise ControlError(
+                    f"no single controller claims {', '.join(positions)}; "
+                    "move them one after another"
                 )
-            case ask.FollowTrajectory():
-                name = command.controller
-                trajectory = self._drivable(name, JointTrajectoryController)
-                goal = trajectory.follow(command.goal, self.time)
-                self._bind(name, command.goal.joint_names, command.bounds)
-                return self._watch(goal)
-            case ask.CommandTrajectory():
-                name = command.controller
-                trajectory = self._drivable(name, JointTrajectoryController)
-                trajectory.command(command.goal, self.time)
-                self._bind(name, command.goal.joint_names)
-                self._note_commanded(name)
-            case ask.MoveJoints():
-                return self._move_joints(command)
-            case ask.SteerJoints():
-                self._steer_joints(command)
-            case ask.CommandGripper():
-                name = command.controller
-                gripper = self._drivable(name, GripperActionController)
-                position, effort = command.position, command.max_effort
-                bounds, joint = command.bounds, gripper.spec.joint.name
-                goal = gripper.command(position, effort, self.time, bounds)
-                self._bind(name, (joint,), {joint: bounds})
-                return self._watch(goal)
-            case ask.CommandJoints():
-                name = command.controller
-                forward = self._drivable(name, ForwardCommandController)
-                forward.command(command.values)
-                self._bind(name)
-                self.manager.release_brakes(name, self.state)
-                self._note_commanded(name)
-            case ask.CancelGoal(goal):
-                self._cancel(goal)
-            case ask.QueryState():
-                return self._running(
-                    command.controller, JointTrajectoryController
-                ).query_state(command.time)
-            case ask.ReadController(name):
-                return self._running(name, JointTrajectoryController).state()
-            case ask.ReadSpec(name):
-                return self.manager.spec(name)
-            case ask.ReadContacts():
-                return self.engine.contacts()
-            case ask.StartSensor(sensor):
-                sensor.restart(self._before, self.state, self.engine.contacts)
-                self._sensors = (*self._sensors, sensor)
-            case ask.StopSensor(sensor):
-                self._sensors = tuple(s for s in self._sensors if s is not sensor)
-            case ask.SpawnObject(item):
-                self.surroundings.spawn(item)
-            case ask.DeleteObject(name):
-                self.surroundings.delete(name)
-            case ask.PlaceObject(state):
-                self.surroundings.place(state)
-            case ask.Reset():
-                self._reset(command.position, command.keep_time)
-            case ask.EmergencyStop(engaged):
-                self._emergency_stop(engaged)
-        return None
+            name = next(iter(moves))
+        trajectory = self._drivable(name, JointTrajectoryController)
+        joints = trajectory.spec.joints
+        for joint in positions:
+            if joint not in joints:
+                raise ControlError(
+                    f"joint '{joint}' is not one of '{name}'"
+                    + did_you_mean(joint, joints)
+                )
+        held = trajectory.query_state(self.time).positions
+        point = TrajectoryPoint(
+            [positions.get(j, q) for j, q in zip(joints, held, strict=True)],
+            [0.0] * len(joints),
+            time_from_start=duration,
+        )
+        return self.follow(name, TrajectoryGoal(points=[point], joint_names=joints))
+
+    def steer(
+        self, controller: str, positions: Mapping[str, float], speed: float
+    ) -> None:
+        """Replace a controller's motion by a smooth one, without a goal."""
+        trajectory = self._drivable(controller, JointTrajectoryController)
+        plan = planned_motion(trajectory, positions, speed=speed, now=self.time)
+        trajectory.command_plan(plan, self.time)
+        self._set_drive_limits(controller, positions)
+        self._note_commanded(controller)
+
+    def command_gripper(
+        self,
+        controller: str,
+        position: float,
+        max_effort: float | None = None,
+        bounds: DriveLimits | None = None,
+    ) -> Goal:
+        """Start a gripper goal in joint units: [rad | m] and [N·m | N]."""
+        gripper = self._drivable(controller, GripperActionController)
+        goal = gripper.command(position, max_effort, self.time, bounds)
+        joint = gripper.spec.joint.name
+        self._set_drive_limits(controller, (joint,), {joint: bounds})
+        return self._started(goal)
+
+    def command_joints(self, controller: str, values: tuple[float, ...]) -> None:
+        """Set the setpoints of a forwarding controller, in its joints' order."""
+        forward = self._drivable(controller, ForwardCommandController)
+        forward.command(values)
+        self._set_drive_limits(controller)
+        self.manager.release_brakes(controller, self.state)
+        self._note_commanded(controller)
+
+    def cancel(self, goal: Goal) -> None:
+        """Stop the motion of an active goal; one that has ended is left alone."""
+        if goal.status.is_terminal:
+            return
+        controller = self.manager.running(goal.controller)
+        if isinstance(controller, JointTrajectoryController | GripperActionController):
+            controller.cancel(goal, self.time)
+
+    def trajectory_controller(self, name: str) -> JointTrajectoryController:
+        """Return a running trajectory controller, or raise ControlError."""
+        controller: JointTrajectoryController
+        controller = self._running(name, JointTrajectoryController)
+        return controller
+
+    # ---- sensors, time, safety ------------------------------------------------------
+
+    def start_sensor(self, sensor: ForceTorqueSensor) -> None:
+        """Sample once now, and then in the tick."""
+        sensor.restart(self._before, self.state, self.engine.world.contacts)
+        self._sensors = (*self._sensors, sensor)
+
+    def stop_sensor(self, sensor: ForceTorqueSensor) -> None:
+        """Sample no more; a sensor that is not running is left alone."""
+        self._sensors = tuple(s for s in self._sensors if s is not sensor)
+
+    def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
+        """Return to the initial pose changed by ``position``, objects to their start.
+
+        Args:
+            position: Joint → position [rad | m].
+            keep_time: Whether simulated time continues, as after ROS's reset_world.
+        """
+        start = joint_positions(self._model, position, self._initial)
+        self._start = start
+        self.ticks = self.ticks if keep_time else 0
+        self.engine.reset(start, self.time)
+        self.state = self._before = self.engine.read()
+        self._commanded.clear()
+        if self.grasp_assist is not None:
+            self.grasp_assist.forget()
+        self.hardware.restart(self.state)
+        self.manager.restart(self.state)
+        for sensor in self._sensors:
+            sensor.restart(self._before, self.state, self.engine.world.contacts)
+
+    def engage_emergency_stop(self, engaged: bool) -> None:
+        """Brake every joint, or release the brakes; controllers then hold still."""
+        if engaged == self.hardware.is_stopped:
+            return
+        self.hardware.emergency_stop(engaged, self.state)
+        self.manager.restart(self.state)
 
     def drift(self) -> float:
         """Return how far uncommanded joints are from where they started, at most.
@@ -198,90 +303,32 @@ class Core:
             )
         return self._running(name, kind)
 
-    def _move_joints(self, command: ask.MoveJoints) -> tuple[Goal, ...]:
-        """Start all motions at one instant, or none."""
-        moves: Mapping[str, Mapping[str, float]]
-        if command.controller is None:
-            moves = joints_by_controller(self.manager, command.positions)
-        else:
-            moves = {command.controller: command.positions}
-        planned = []
-        for name, positions in moves.items():
-            trajectory = self._drivable(name, JointTrajectoryController)
-            plan = planned_motion(
-                trajectory, positions, speed=command.speed, now=self.time
-            )
-            planned.append((trajectory, plan))
-        for name, positions in moves.items():
-            self._bind(name, positions)
-        return tuple(
-            self._watch(trajectory.follow_plan(plan, self.time))
-            for trajectory, plan in planned
-        )
-
-    def _steer_joints(self, command: ask.SteerJoints) -> None:
-        name = command.controller
-        trajectory = self._drivable(name, JointTrajectoryController)
-        plan = planned_motion(
-            trajectory, command.positions, speed=command.speed, now=self.time
-        )
-        trajectory.command_plan(plan, self.time)
-        self._bind(name, command.positions)
-        self._note_commanded(name)
-
-    def _bind(
+    def _set_drive_limits(
         self,
         controller: str,
         joints: Collection[str] | None = None,
-        bounds: Mapping[str, DriveBounds | None] | None = None,
+        bounds: Mapping[str, DriveLimits | None] | None = None,
     ) -> None:
-        """Bound the drives that a goal moves as it says, and lift what others said.
+        """Limit the drives that a goal moves, and lift the limits of earlier goals.
 
         Args:
-            controller: Which took the goal.
-            joints: Those of its joints that the goal names; None for all.
-            bounds: Joint → what bounds its drive.
+            controller: The controller that accepted the goal.
+            joints: The joints that the goal names; None for all of the controller.
+            bounds: Joint → limits of its drive.
         """
         for _, claimed in self.manager.status(controller).claimed:
             for joint in claimed:
                 if joints is None or joint in joints:
-                    self.hardware.bind(joint, (bounds or {}).get(joint))
+                    self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))
 
     def _note_commanded(self, controller: str) -> None:
         for _, joints in self.manager.status(controller).claimed:
             self._commanded.update(joints)
 
-    def _watch(self, goal: Goal) -> Goal:
+    def _started(self, goal: Goal) -> Goal:
         self._note_commanded(goal.controller)
         self.when_goal_starts(goal)
         return goal
-
-    def _cancel(self, goal: Goal) -> None:
-        if goal.status.is_terminal:
-            return
-        controller = self.manager.running(goal.controller)
-        if isinstance(controller, JointTrajectoryController | GripperActionController):
-            controller.cancel(goal, self.time)
-
-    def _reset(self, position: Mapping[str, float], keep_time: bool) -> None:
-        start = joint_positions(self._model, position, self._initial)
-        self._start = start
-        self.ticks = self.ticks if keep_time else 0
-        self.engine.reset(start, self.time)
-        self.state = self._before = self.engine.read()
-        self._commanded.clear()
-        if self.grasp_assist is not None:
-            self.grasp_assist.forget()
-        self.hardware.restart(self.state)
-        self.manager.restart(self.state)
-        for sensor in self._sensors:
-            sensor.restart(self._before, self.state, self.engine.contacts)
-
-    def _emergency_stop(self, engaged: bool) -> None:
-        if engaged == self.hardware.is_stopped:
-            return
-        self.hardware.emergency_stop(engaged, self.state)
-        self.manager.restart(self.state)
 
 
 def _whole_multiple(period: float, dt: float) -> int:

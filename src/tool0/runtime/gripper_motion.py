@@ -1,4 +1,4 @@
-"""The way of a gripper's pads from one opening to another, as a trajectory."""
+"""Motion of a gripper's pads from one opening to another, as a trajectory."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
 
 RAMP = 0.005
-"""Way over which the pads speed up and slow down, each [m]: a guess, no datasheet
-tells; it keeps the fingers from overshooting at full speed."""
+"""Distance over which the pads speed up and slow down, each [m]: a guess, for lack
+of a datasheet; it keeps the fingers from overshooting at full speed."""
 SPACING = 0.005
-"""Way between the points of a planned motion [m]."""
+"""Distance between the points of a planned motion [m]."""
 
 
 def opening_motion(
@@ -29,23 +29,25 @@ def opening_motion(
     """
     widest = geometry.max_opening
     start = min(start, widest)
-    way = end - start
-    ramp = min(RAMP, abs(way) / 2.0)
-    speed *= math.sqrt(ramp / RAMP)  # a short way ends before full speed
-    n_points = max(2, math.ceil(abs(way) / SPACING))
+    distance = abs(end - start)
+    ramp = min(RAMP, distance / 2.0)
+    speed *= math.sqrt(ramp / RAMP)  # a short motion ends before full speed
+    n_points = max(2, math.ceil(distance / SPACING))
     points = []
     for k in range(1, n_points + 1):
-        done = abs(way) * k / n_points
-        at, rate = _ramped(done, abs(way), ramp, speed)
-        reached = start + math.copysign(done, way)
+        done = distance * k / n_points
+        at, rate = _ramped(done, distance, ramp, speed)
+        reached = start + math.copysign(done, end - start)
         q = geometry.position(min(max(0.0, reached), widest))  # rounding
-        qd = -math.copysign(rate, way) / geometry.lever(q)
+        qd = -math.copysign(rate, end - start) / geometry.lever(q)
         points.append(TrajectoryPoint([q], [qd], time_from_start=max(at, 1e-3 * k)))
     return points
 
 
-def _ramped(done: float, way: float, ramp: float, speed: float) -> tuple[float, float]:
-    """Return when [s] ``done`` of ``way`` [m] is behind, and how fast then [m/s].
+def _ramped(
+    done: float, distance: float, ramp: float, speed: float
+) -> tuple[float, float]:
+    """Return when [s] ``done`` of ``distance`` [m] is travelled, and the speed then.
 
     Constant acceleration over ``ramp`` at both ends, reaching ``speed`` between.
     """
@@ -54,8 +56,8 @@ def _ramped(done: float, way: float, ramp: float, speed: float) -> tuple[float, 
     ramp_time = 2.0 * ramp / speed
     if done < ramp:
         return ramp_time * math.sqrt(done / ramp), speed * math.sqrt(done / ramp)
-    cruise_time = ramp_time + (min(done, way - ramp) - ramp) / speed
-    left = way - done
+    cruise_time = ramp_time + (min(done, distance - ramp) - ramp) / speed
+    left = distance - done
     if left >= ramp:
         return cruise_time, speed
     slow = math.sqrt(max(0.0, left / ramp))

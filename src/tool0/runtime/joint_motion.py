@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from tool0.control.angles import shortest_turn
 from tool0.control.goal_check import ROUNDING
-from tool0.control.segment import Motion, MotionPlan
+from tool0.control.segment import Motion, MotionPlan, shortest_turn
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
 from tool0.errors import ControlError
-from tool0.kinematics.speeds import largest_velocity
 
 if TYPE_CHECKING:
     import ruckig
@@ -20,7 +18,7 @@ if TYPE_CHECKING:
 SLOWEST = 0.01
 """Smallest part of the joints' largest velocities that may be asked for."""
 TIME_TO_FULL_SPEED = 0.4
-"""[s], at the largest acceleration.  A guess, as no datasheet of the UR tells one: the
+"""[s], at the largest acceleration.  A guess, for lack of a datasheet: the
 shoulder of a UR5 gets 7.9 rad/s², which its drive can give to the outstretched arm."""
 TIME_TO_FULL_ACCELERATION = 0.1
 """[s], at the largest jerk; a guess: shorter makes the arm ring, longer feels slow."""
@@ -38,8 +36,8 @@ def plan_motion(
 ) -> MotionPlan:
     """Return a motion to rest at ``targets`` that is the shortest within the limits.
 
-    The joints arrive together.  A joint is told where its jerk changes, so that the
-    quintics which a trajectory controller lays between are the planned motion itself.
+    The joints arrive together.  Each joint has points where its jerk changes, so
+    that the quintics of a trajectory controller between them are the planned motion.
     One that moves too fast to stop before its limit brakes harder than the others.
 
     Args:
@@ -66,7 +64,7 @@ def plan_motion(
 
 
 def require_speed(speed: float) -> None:
-    """Raise ControlError if joints cannot be told to move at ``speed``."""
+    """Raise ControlError unless ``speed`` is within SLOWEST … 1."""
     if not SLOWEST <= speed <= 1.0:
         raise ControlError(
             f"speed must be in [{SLOWEST}, 1], got {speed}: it is a part of the "
@@ -75,7 +73,7 @@ def require_speed(speed: float) -> None:
 
 
 def import_planner() -> None:
-    """Import what plans, which takes some milliseconds, before a tick needs it."""
+    """Import the planner, which takes some milliseconds, before a tick needs it."""
     import ruckig  # noqa: F401
 
 
@@ -115,7 +113,7 @@ def _solve(
 ) -> ruckig.Trajectory:
     import ruckig  # without annotations: its values are Any
 
-    velocities = [largest_velocity(joint) for joint in joints]
+    velocities = [joint.max_velocity for joint in joints]
     wanted = ruckig.InputParameter(len(joints))
     wanted.current_position = list(start.positions)
     wanted.current_velocity = list(start.velocities)

@@ -78,7 +78,7 @@ def planned_motion(
                 f"position {position} for joint '{name}'; it must be finite"
             )
     targets = []
-    going_to = controller.intent().target()
+    going_to = controller.setpoint().target()
     for joint, end in zip(spec.joint_models, going_to, strict=True):
         if joint.name in positions:
             position = positions[joint.name]

@@ -1,4 +1,4 @@
-"""Straight motion of a tool: the postures on its line, and when to take them."""
+"""Straight motion of a tool: joint positions along a line, and their timing."""
 
 from __future__ import annotations
 
@@ -14,30 +14,33 @@ from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import Array
 from tool0.kinematics.geometry import wrapped
 from tool0.kinematics.inverse import InverseKinematics
-from tool0.kinematics.line import Line
-from tool0.kinematics.speeds import largest_velocity
+from tool0.kinematics.line import (
+    MIN_PATH_SPEED,
+    LinePath,
+    PathSegment,
+    PathTiming,
+)
 from tool0.runtime.joint_motion import (
     TIME_TO_FULL_ACCELERATION,
     TIME_TO_FULL_SPEED,
 )
-from tool0.runtime.line_timing import SLOWEST, Stretch, Timing
 
 STEP = 0.002
-"""Way between the postures that are looked at [m]."""
+"""Distance between the poses that are solved [m]."""
 STEP_ANGLE = 0.01
 """The same where the tool turns [rad]."""
-LEAP = 0.3
-"""A joint that turns so much in a step [rad] jumps: at 2 mm a step, that is 150 rad/m,
+MAX_JOINT_STEP = 0.3
+"""A joint that turns more in a step [rad] jumps: at 2 mm a step, that is 150 rad/m,
 so that a line at 20 mm/s would take the joint to its largest velocity."""
 PERIOD = 0.008
 """Time between points at least [s]: the rate of a UR's own interface, 125 Hz."""
-FEWEST = 300
-"""So many points are made unless PERIOD allows fewer; more where the line is long."""
+MIN_POINTS = 300
+"""Least number of points unless PERIOD allows fewer; more where the line is long."""
 _LEVEL = 0.7
-"""Ratio between the speeds that stretches of a line may have."""
+"""Ratio between the speeds that segments of a line may have."""
 _SHARE = 0.5
-"""Part of a joint's acceleration for each of the two that add up: of the motion along
-the line, and of the bend of the joints' way at steady speed."""
+"""Part of a joint's acceleration for each of the two that add up: by the acceleration
+along the line, and by the curvature of the joint path at steady speed."""
 _DIFFERENCE = 1e-5
 _REMEDY = "choose another line, begin in another branch, or use move_to"
 
@@ -63,12 +66,12 @@ class LinearLimits:
 
 @final
 class LinearMotion:
-    """A line that was checked: every point of it is reached, without a jump."""
+    """A checked line: the arm reaches every point of it, and no joint jumps."""
 
     def __init__(
         self,
         kinematics: InverseKinematics,
-        line: Line,
+        line: LinePath,
         start: Array,
         limits: LinearLimits,
     ) -> None:
@@ -77,11 +80,11 @@ class LinearMotion:
         Args:
             kinematics: The arm's.
             line: Where its tool is to move.
-            start: The posture at the start [rad], shape (6,).
+            start: Joint positions at the start [rad], shape (6,).
             limits: How fast the tool may move.
 
         Raises:
-            UnreachableError: If it cannot follow; it says why, and where on the line.
+            UnreachableError: If the arm cannot follow it, with reason and place.
         """
         self._kinematics = kinematics
         self._line = line
@@ -90,15 +93,15 @@ class LinearMotion:
         if steps < 1e-6:
             raise ControlError("the tool is there already: the line has no length")
         self._s = np.linspace(0.0, 1.0, max(math.ceil(steps), 8) + 1)
-        self._q = self._followed(start)
-        self._timing = Timing(self._stretches())
+        self._q = self._follow(start)
+        self._timing = PathTiming(self._segments())
         self.duration = self._timing.duration
         """[s]"""
 
     def points(self) -> list[TrajectoryPoint]:
         """Return the motion as points with velocities and accelerations."""
         line, T = self._line, self.duration
-        fine = max(2 * line.length / STEP, 2 * line.angle / STEP_ANGLE, FEWEST)
+        fine = max(2 * line.length / STEP, 2 * line.angle / STEP_ANGLE, MIN_POINTS)
         n = math.ceil(min(T / PERIOD, fine))
         times = T * np.arange(1, n + 1) / n
         s, sd, sdd = self._timing.at(times).T
@@ -107,15 +110,15 @@ class LinearMotion:
         q = self._kinematics.refined(guess, line.tip(s))
         if len(q) != len(guess):
             raise UnreachableError("lost the line between two of its points")
-        rate, bend = self._rates(s, q)
+        rate, curvature = self._rates(s, q)
         qd = rate * sd[:, None]
-        qdd = rate * sdd[:, None] + bend * sd[:, None] ** 2
+        qdd = rate * sdd[:, None] + curvature * sd[:, None] ** 2
         qd[-1] = qdd[-1] = 0.0
         rows = zip(q.tolist(), qd.tolist(), qdd.tolist(), times.tolist(), strict=True)
         return [TrajectoryPoint(*row) for row in rows]
 
-    def _followed(self, start: Array) -> Array:
-        """Return a posture for every place, each the nearest to the one before."""
+    def _follow(self, start: Array) -> Array:
+        """Return joint positions at every s, each nearest to the ones before."""
         kinematics, line = self._kinematics, self._line
         poses = line.tip(self._s)
         every = kinematics.geometry.solve(poses)
@@ -125,10 +128,10 @@ class LinearMotion:
             turns = wrapped(every[k] - q)
             sizes = np.abs(turns).max(axis=1)
             if np.isnan(sizes).all():
-                raise self._lost(k, poses[k], q)
+                raise self._no_solution(k, poses[k], q)
             nearest = int(np.nanargmin(sizes))
-            if sizes[nearest] > LEAP:
-                raise self._leap(k, turns[nearest], q)
+            if sizes[nearest] > MAX_JOINT_STEP:
+                raise self._joint_jump(k, turns[nearest], q)
             found[k] = q = q + turns[nearest]
         refined = kinematics.refined(found, poses)
         if len(refined) != len(found):
@@ -138,7 +141,7 @@ class LinearMotion:
         self._check_limits(refined)
         return refined
 
-    def _lost(self, k: int, pose: Array, q: Array) -> UnreachableError:
+    def _no_solution(self, k: int, pose: Array, q: Array) -> UnreachableError:
         place = self._line.at(float(self._s[k]))
         try:
             self._kinematics.solutions(pose, q)
@@ -146,7 +149,7 @@ class LinearMotion:
             return UnreachableError(f"the line cannot be followed: {error}; {place}")
         return UnreachableError(f"the line cannot be followed {place}")
 
-    def _leap(self, k: int, turns: Array, q: Array) -> UnreachableError:
+    def _joint_jump(self, k: int, turns: Array, q: Array) -> UnreachableError:
         branch = self._kinematics.branch(q)
         joint = self._kinematics.chain.joints[int(np.abs(turns).argmax())]
         return UnreachableError(
@@ -167,12 +170,12 @@ class LinearMotion:
                     f"{self._line.at(float(self._s[first]))}"
                 )
 
-    def _stretches(self) -> list[Stretch]:
+    def _segments(self) -> list[PathSegment]:
         """Return what tool and joints allow along the line."""
-        rate, bend = self._rates(self._s, self._q)
-        rate, bend = np.abs(rate), np.abs(bend)
+        rate, curvature = self._rates(self._s, self._q)
+        rate, curvature = np.abs(rate), np.abs(curvature)
         fastest = np.array(
-            [largest_velocity(joint) for joint in self._kinematics.chain.joints]
+            [joint.max_velocity for joint in self._kinematics.chain.joints]
         )
         strongest = fastest / TIME_TO_FULL_SPEED
         line, limits = self._line, self._limits
@@ -183,30 +186,30 @@ class LinearMotion:
                 float(np.divide(limits.angular_speed, line.angle)),
             )
             by_speed = (fastest / rate).min(axis=1)
-            by_bend = np.sqrt(_SHARE * strongest / bend).min(axis=1)
+            by_curvature = np.sqrt(_SHARE * strongest / curvature).min(axis=1)
             by_acceleration = (_SHARE * strongest / rate).min(axis=1)
-        caps = np.minimum(by_speed, by_bend)
+        caps = np.minimum(by_speed, by_curvature)
         slowest = int(caps.argmin())
-        if caps[slowest] < SLOWEST:
+        if caps[slowest] < MIN_PATH_SPEED:
             where = line.at(float(self._s[slowest]))
             raise UnreachableError(f"the line passes a singularity {where}; {_REMEDY}")
-        # Few stretches, each as fast as its slowest place: a change of speed takes way.
+        # Few segments, each as fast as its slowest point: speed changes take length.
         between = np.minimum(caps[:-1], caps[1:]) / top
         levels = np.ceil(np.log(np.minimum(between, 1.0)) / np.log(_LEVEL) - 1e-9)
         borders = [0, *(np.flatnonzero(np.diff(levels)) + 1), len(levels)]
-        stretches = []
+        segments = []
         for first, last in itertools.pairwise(borders):
             within = float(by_acceleration[first : last + 1].min())
             acceleration = min(top / ramp, within)
-            stretches.append(
-                Stretch(
+            segments.append(
+                PathSegment(
                     end=float(self._s[last]),
                     speed=top * _LEVEL ** float(levels[first]),
                     acceleration=acceleration,
                     jerk=acceleration / TIME_TO_FULL_ACCELERATION,
                 )
             )
-        return stretches
+        return segments
 
     def _rates(self, s: Array, q: Array) -> tuple[Array, Array]:
         """Return dq/ds and d²q/ds², shape (n, 6) each."""

@@ -1,40 +1,42 @@
 """The loop: drain the mailbox, tick, publish; in its own thread or in the caller's.
 
-Whoever holds the lock owns the tick.  In real time a thread of the loop's own holds it
-for life; otherwise the thread that asks for progress takes it for as long as it asks.
+The mailbox is the one way in: operations from any thread, each carried out between
+two ticks by the thread that owns the tick.  In real time that is a thread of the
+loop's own; otherwise the thread that asks for progress, for as long as it asks.
 """
 
 from __future__ import annotations
 
 import logging
 import math
+import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
-from typing import Any, final
+from typing import Any, NamedTuple, TypeVar, final
 
 from tool0.control.goal import Goal
 from tool0.errors import ControlError, EngineError
-from tool0.runtime import commands as ask
-from tool0.runtime.bus import (
-    SNAPSHOT_PERIOD,
-    Bus,
-    Faulted,
-    GoalFinished,
-    Overran,
-    Snapshot,
-    WasReset,
-)
+from tool0.runtime.bus import Bus, Faulted, GoalFinished, Overran, WasReset
 from tool0.runtime.clock import Pacer, SpeedMeter
 from tool0.runtime.core import Core
-from tool0.runtime.mailbox import Mailbox
 from tool0.sensing.grasp_assist import GraspAssist
+from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 logger = logging.getLogger(__name__)
 
-_PATIENCE = 0.05  # [wall s] between looks at whether the loop still lives
+_POLL_PERIOD = 0.05  # [wall s] between checks whether the loop still runs
+
+
+R = TypeVar("R")
+
+
+class _Operation(NamedTuple):
+    run: Callable[[], Any]
+    future: Future[Any]
+    publishes: bool
 
 
 @final
@@ -44,7 +46,6 @@ class Loop:
     def __init__(
         self,
         core: Core,
-        mailbox: Mailbox,
         bus: Bus,
         *,
         paused: bool = False,
@@ -54,25 +55,27 @@ class Loop:
 
         Args:
             core: What to step.
-            mailbox: Where commands come from.
             bus: Where snapshots go.
             paused: Whether to begin paused.
             speed: Simulated seconds per wall second; None runs only when asked, as
                 fast as possible.
         """
         self._core = core
-        self._mailbox = mailbox
+        self._mailbox: queue.SimpleQueue[_Operation] = queue.SimpleQueue()
         self._bus = bus
         self._is_paused = paused
         self._speed = None if speed is None else _checked_speed(speed)
         self._pacer = Pacer(core.control_period, speed or 1.0)
         self._meter = SpeedMeter()
-        self._overruns_told = 0
-        self._snapshot_ticks = max(1, round(SNAPSHOT_PERIOD / core.control_period))
+        self._overruns_announced = 0
+        self._default_snapshot_ticks = max(
+            1, round(SNAPSHOT_PERIOD / core.control_period)
+        )
+        self._snapshot_ticks = self._default_snapshot_ticks
         self._owner = threading.RLock()
         self._closing = False
         self._fault: Exception | None = None
-        self._look_at_state()
+        self._update_running()
         self.steps = 0
         """Ticks since the start; unlike time, no reset sets it back."""
         self.max_drift = 0.0
@@ -108,11 +111,20 @@ class Loop:
     def is_closed(self) -> bool:
         return self._closing
 
-    def call(self, command: ask.Command) -> Any:  # the answer is the command's
-        """Post ``command`` and return its answer, or raise what it raises."""
+    def call(self, operation: Callable[[], R], *, publishes: bool = True) -> R:
+        """Carry out ``operation`` between two ticks, and return what it returns.
+
+        Args:
+            operation: Runs in the thread of the tick.
+            publishes: Whether a snapshot follows.
+
+        Raises:
+            ControlError: If the simulation is closed.
+        """
         if self._closing:
             raise ControlError("the simulation is closed")
-        future = self._mailbox.post(command)
+        future: Future[R] = Future()
+        self._mailbox.put(_Operation(operation, future, publishes))
         while True:
             if self._thread is None and self._owner.acquire(blocking=False):
                 try:
@@ -120,7 +132,7 @@ class Loop:
                 finally:
                     self._owner.release()
             try:
-                return future.result(_PATIENCE)
+                return future.result(_POLL_PERIOD)
             except FutureTimeoutError:
                 if self._closing:
                     raise ControlError("the simulation was closed") from None
@@ -141,7 +153,7 @@ class Loop:
                 raise ControlError("the simulation is paused; resume it, or step it")
             if self._thread is not None or not self._owner.acquire(blocking=False):
                 left = (end - self.steps) * self._core.control_period
-                time.sleep(min(_PATIENCE, max(left / (self._speed or 1.0), 0.0005)))
+                time.sleep(min(_POLL_PERIOD, max(left / (self._speed or 1.0), 0.0005)))
                 continue
             try:
                 while self.steps < end and self._is_running and not until():
@@ -158,15 +170,61 @@ class Loop:
             EngineError: If the physics failed: the goal would never end.
         """
         end = time.monotonic() + (math.inf if timeout is None else timeout)
-        while not goal.wait(min(_PATIENCE, max(0.0, end - time.monotonic()))):
+        while not goal.wait(min(_POLL_PERIOD, max(0.0, end - time.monotonic()))):
             self.check()
             if not time.monotonic() < end:
                 return
 
+    def set_paused(self, paused: bool) -> None:
+        """Hold simulated time, or let it run.  In the thread of the tick."""
+        self._is_paused = paused
+        self._update_running()
+        self._restart_clock()
+
+    def set_speed(self, factor: float) -> None:
+        """Run at ``factor`` times real time.  In the thread of the tick."""
+        if self._speed is None:
+            raise ControlError("this simulation does not run in real time")
+        self._speed = _checked_speed(factor)
+        self._restart_clock()
+
+    def step(self, ticks: int) -> None:
+        """Run ``ticks`` control periods while paused.  In the thread of the tick."""
+        if not self._is_paused:
+            raise ControlError("pause the simulation before stepping it")
+        self.check()
+        for _ in range(ticks):
+            self._drain()
+            if self._closing or self._fault is not None:
+                break
+            self._tick()
+        self.check()
+
+    def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
+        """Reset the core and clear a fault.  In the thread of the tick."""
+        self._core.reset(position, keep_time)
+        self._fault = None
+        self._update_running()
+        self._restart_clock()
+        self._bus.announce(WasReset(self._core.time))
+
+    def publish_every(self, period: float) -> float:
+        """Publish snapshots at least every ``period`` [s] from now on.
+
+        In the thread of the tick.  Returns the period that applies: the longest one
+        that divides the default period and the control period divides.
+        """
+        wanted = max(1, math.floor(period / self._core.control_period + 1e-9))
+        default = self._default_snapshot_ticks
+        self._snapshot_ticks = max(
+            n for n in range(1, default + 1) if default % n == 0 and n <= wanted
+        )
+        return self._snapshot_ticks * self._core.control_period
+
     def close(self) -> None:
         """End the loop, and answer what is still in the mailbox; then the engine."""
         self._closing = True
-        self._look_at_state()
+        self._update_running()
         if self._thread is not None:
             self._thread.join()
         with self._owner:
@@ -174,7 +232,7 @@ class Loop:
             self._core.manager.stop_all(self._core.state)
             self._core.engine.close()
 
-    def _look_at_state(self) -> None:
+    def _update_running(self) -> None:
         """Note whether ticks may follow each other; the tick itself asks only that."""
         self._is_running = not (
             self._is_paused or self._closing or self._fault is not None
@@ -189,17 +247,17 @@ class Loop:
         with self._owner:
             while not self._closing:
                 if not self._is_running:
-                    self._answer(self._mailbox.take(timeout=_PATIENCE))
+                    self._answer(self._next_operation(_POLL_PERIOD))
                     continue
                 if (wait := self._pacer.wait_time()) > 0.0:
-                    self._answer(self._mailbox.take(timeout=min(wait, _PATIENCE)))
+                    self._answer(self._next_operation(min(wait, _POLL_PERIOD)))
                     continue
                 self._pacer.tick()
                 self._cycle()
 
     def _cycle(self) -> None:
-        """Drain; then tick, unless a letter said to stand still."""
-        if self._mailbox:
+        """Drain; then tick, unless an operation paused the simulation."""
+        if not self._mailbox.empty():
             self._drain()
             if not self._is_running:
                 return
@@ -213,99 +271,60 @@ class Loop:
         except Exception as error:  # a bug in a controller must not lose the robot
             if not isinstance(error, EngineError):
                 logger.exception("the control tick failed")
-            self._stand_still(error)
+            self._fail(error)
         self.steps += 1
         if core.ticks % self._snapshot_ticks == 0:
             self._publish()
-            if core.grasp_assist is not None:
+            if (
+                core.grasp_assist is not None
+                and core.ticks % self._default_snapshot_ticks == 0
+            ):
                 self._assist(core.grasp_assist)
 
     def _assist(self, grasp_assist: GraspAssist) -> None:
-        """Let what is held be attached, and what is not be detached."""
+        """Let grasp assist attach what is held and detach what is not."""
         snapshot = self._bus.latest
         if snapshot is None or self._fault is not None:
             return
         try:
             grasp_assist.look(snapshot)
-        except Exception as error:  # whatever the engine says of it
-            self._stand_still(error)
+        except Exception as error:  # of any engine
+            self._fail(error)
 
-    def _stand_still(self, error: Exception) -> None:
+    def _fail(self, error: Exception) -> None:
+        """Stop ticking until a reset, and announce why."""
         self._fault = error
-        self._look_at_state()
+        self._update_running()
         self._bus.announce(Faulted(str(error), self._core.time))
         self._publish()
 
-    def _drain(self) -> None:
-        while (letter := self._mailbox.take()) is not None:
-            self._answer(letter)
+    def _next_operation(self, timeout: float) -> _Operation | None:
+        try:
+            return self._mailbox.get(timeout=timeout)
+        except queue.Empty:
+            return None
 
-    def _answer(self, letter: tuple[ask.Command, Future[Any]] | None) -> None:
-        if letter is None:
+    def _drain(self) -> None:
+        while not self._mailbox.empty():
+            self._answer(self._mailbox.get())
+
+    def _answer(self, operation: _Operation | None) -> None:
+        if operation is None:
             return
-        command, future = letter
+        run, future, publishes = operation
         if not future.set_running_or_notify_cancel():
             return
         if self._closing:
             future.set_exception(ControlError("the simulation was closed"))
             return
         try:
-            answer = self._apply(command)
-        except Exception as error:  # the asker's affair, whatever it is
+            answer = run()
+            if publishes:
+                self._publish()
+        except Exception as error:  # concerns only the caller
             future.set_exception(error)
         else:
             future.set_result(answer)
-
-    def _apply(self, command: ask.Command) -> Any:  # the answer is the command's
-        match command:
-            case ask.SetPaused(paused):
-                self._is_paused = paused
-                self._look_at_state()
-                self._restart_clock()
-            case ask.SetSpeed(factor):
-                self._set_speed(factor)
-            case ask.Step(ticks):
-                self._step(ticks)
-            case ask.Reset():
-                self._core.apply(command)
-                self._fault = None
-                self._look_at_state()
-                self._restart_clock()
-                self._bus.announce(WasReset(self._core.time))
-            case (
-                ask.QueryState()
-                | ask.ReadController()
-                | ask.ReadSpec()
-                | ask.ReadContacts()
-                | ask.StartSensor()
-                | ask.StopSensor()
-            ):  # nothing to publish: who reads after each snapshot must not cause one
-                return self._core.apply(command)
-            case _:
-                answer = self._core.apply(command)
-                self._publish()
-                return answer
-        self._publish()
-        return None
-
-    def _set_speed(self, factor: float) -> None:
-        if self._speed is None:
-            raise ControlError("this simulation does not run in real time")
-        self._speed = _checked_speed(factor)
-        self._restart_clock()
-
-    def _step(self, ticks: int) -> None:
-        if not self._is_paused:
-            raise ControlError("pause the simulation before stepping it")
-        if not 0 < ticks <= 1_000_000:
-            raise ControlError(f"ticks must be in 1 … 1000000, got {ticks}")
-        self.check()
-        for _ in range(ticks):
-            self._drain()
-            if self._closing or self._fault is not None:
-                break
-            self._tick()
-        self.check()
 
     def _restart_clock(self) -> None:
         overruns = self._pacer.overruns
@@ -319,7 +338,7 @@ class Loop:
         core = self._core
         self.max_drift = max(self.max_drift, core.drift())
         if self._meter.measure(core.time):
-            self._tell_overruns()
+            self._announce_overruns()
         state = core.state
         self._bus.publish(
             Snapshot(
@@ -336,16 +355,16 @@ class Loop:
                 overruns=self._pacer.overruns,
                 fault=None if self._fault is None else str(self._fault),
                 speed=self._speed,
-                intents=core.manager.intents(),
+                controller_setpoints=core.manager.setpoints(),
                 scene=core.surroundings.objects,
-                objects=core.engine.object_states(),
+                objects=core.engine.world.object_states(),
             )
         )
 
-    def _tell_overruns(self) -> None:
-        count = self._pacer.overruns - self._overruns_told
+    def _announce_overruns(self) -> None:
+        count = self._pacer.overruns - self._overruns_announced
         if count and self.is_realtime:
-            self._overruns_told = self._pacer.overruns
+            self._overruns_announced = self._pacer.overruns
             self._bus.announce(Overran(count, self._core.time))
             logger.warning("%d ticks began late in the last second", count)
 

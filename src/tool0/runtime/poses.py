@@ -1,58 +1,86 @@
-"""The named poses of a robot: those that came with it, and those a person saved."""
+"""The named poses of a robot: built-in ones, and those that a user saved to a file."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import final
+from pathlib import Path
+from typing import TYPE_CHECKING, final
+from urllib.parse import quote
 
 from tool0.description.catalogue import RobotDescription, named_poses
-from tool0.errors import ControlError, did_you_mean
-from tool0.runtime.saved_poses import LONGEST_NAME, SavedPoses, poses_file
+from tool0.errors import ConfigError, ControlError, SourceLocation, did_you_mean
+from tool0.user_data import data_folder, locked
+
+if TYPE_CHECKING:
+    import yaml
+
+LONGEST_NAME = 60
+"""Characters of a pose's name that fit on a button."""
+_HEADER = "# Poses saved with tool0: joint positions [rad | m].\n"
+
+Positions = Mapping[str, float]
+
+
+def poses_file(robot: str) -> Path:
+    """Return the file with the saved poses of the robot of that name."""
+    return data_folder() / "poses" / f"{quote(robot, safe=' ')}.yaml"
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NamedPose:
+    """A pose of some or all joints."""
+
     name: str
-    positions: Mapping[str, float]
-    """Joint → [rad | m]; it may leave joints out."""
+    positions: Positions
+    """Joint → [rad | m]."""
     saved: bool
-    """Whether a person saved it."""
+    """Whether a user saved it."""
 
 
 @final
 class PoseBook:
-    """A robot's poses.  Those that came with it cannot be changed."""
+    """The poses of a robot: built-in ones, and saved ones in a file of the user.
+
+    Several processes may change the file at once.  A change is written to a new file
+    that replaces the old one under a lock: no pose is lost, and no reader sees half a
+    file.  A file that cannot be parsed is never replaced.
+    """
 
     def __init__(self, description: RobotDescription) -> None:
-        self._saved = SavedPoses(poses_file(description.model.name))
+        self.file = poses_file(description.model.name)
         self.own: Mapping[str, NamedPose] = {
             name: NamedPose(name=name, positions=positions, saved=False)
             for name, positions in named_poses(description).items()
         }
-        """Those that came with it."""
+        """The built-in poses, which cannot be changed."""
+        self._version: tuple[int, int, int] | None = None
+        self._saved: Mapping[str, Positions] = {}
 
     def all(self) -> Mapping[str, NamedPose]:
-        """Return every pose, those that came with the robot first.
-
-        A saved one that is called like one of those, by an older release, is hidden.
+        """Return every pose, the built-in ones first; they hide saved namesakes.
 
         Raises:
-            ConfigError: If the file of saved poses cannot be read.
+            ConfigError: If the file of saved poses cannot be read or parsed.
         """
         saved = {
             name: NamedPose(name=name, positions=positions, saved=True)
-            for name, positions in self._saved.read().items()
+            for name, positions in self._read().items()
+            if name not in self.own
         }
-        return {**self.own, **{k: v for k, v in saved.items() if k not in self.own}}
+        return {**self.own, **saved}
 
     def find(self, name: str) -> NamedPose:
-        """Return one pose; the saved ones are not read for one of the robot's own.
+        """Return one pose; a built-in one needs no file.
 
         Raises:
-            ControlError: If there is none of that name.
-            ConfigError: If the file of saved poses cannot be read.
+            ControlError: If there is no such pose.
+            ConfigError: If the file of saved poses cannot be read or parsed.
         """
         if name in self.own:
             return self.own[name]
@@ -61,12 +89,12 @@ class PoseBook:
             raise ControlError(f"unknown pose '{name}'{did_you_mean(name, set(poses))}")
         return poses[name]
 
-    def save(self, name: str, positions: Mapping[str, float]) -> None:
-        """Keep a pose, in the place of a saved one that is called so.
+    def save(self, name: str, positions: Positions) -> None:
+        """Save a pose, and replace a saved one of that name.
 
         Raises:
-            ControlError: If the name is one of the robot's own, or none for a pose.
-            ConfigError: If the file of saved poses cannot be read or written.
+            ControlError: If the name is a built-in pose's, or not printable.
+            ConfigError: If the file of saved poses cannot be read, parsed or written.
         """
         self._refuse_own(name, "choose another name")
         is_sound = 1 <= len(name) <= LONGEST_NAME and name.isprintable()
@@ -75,19 +103,130 @@ class PoseBook:
                 f"a pose cannot be called {name!r}; give 1 to {LONGEST_NAME} printable "
                 "characters, with no space at either end"
             )
-        self._saved.save(name, positions)
+        with self._changing() as poses:
+            poses[name] = dict(positions)
 
     def delete(self, name: str) -> None:
-        """Forget a saved pose.
+        """Delete a saved pose.
 
         Raises:
-            ControlError: If there is none of that name, or it is the robot's own.
-            ConfigError: If the file of saved poses cannot be read or written.
+            ControlError: If there is no such pose, or it is built in.
+            ConfigError: If the file of saved poses cannot be read, parsed or written.
         """
         self._refuse_own(name, "only saved poses can be deleted")
         self.find(name)
-        self._saved.delete(name)
+        with self._changing() as poses:
+            poses.pop(name, None)
 
     def _refuse_own(self, name: str, remedy: str) -> None:
         if name in self.own:
-            raise ControlError(f"pose '{name}' came with the robot; {remedy}")
+            raise ControlError(f"pose '{name}' is built in; {remedy}")
+
+    def _read(self) -> Mapping[str, Positions]:
+        try:
+            status = self.file.stat()
+            version = (status.st_mtime_ns, status.st_size, status.st_ino)
+            if version != self._version:
+                self._saved = _parse(self.file.read_bytes(), self.file)
+                self._version = version
+        except FileNotFoundError:
+            return {}
+        except OSError as error:
+            raise self._failure("read", error) from None
+        return self._saved
+
+    @contextmanager
+    def _changing(self) -> Iterator[dict[str, Positions]]:
+        try:
+            self.file.parent.mkdir(parents=True, exist_ok=True)
+            with locked(self.file.with_suffix(".lock")):
+                poses = dict(self._read())
+                yield poses
+                _replace(self.file, poses)
+        except OSError as error:
+            raise self._failure("write", error) from None
+
+    def _failure(self, verb: str, error: OSError) -> ConfigError:
+        return ConfigError(
+            f"cannot {verb} the saved poses: {error.strerror}",
+            SourceLocation(self.file),
+        )
+
+
+def _replace(file: Path, poses: Mapping[str, Positions]) -> None:
+    import yaml
+
+    plain = {name: dict(positions) for name, positions in poses.items()}
+    text = _HEADER + yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
+    descriptor, name = tempfile.mkstemp(dir=file.parent, prefix=".new-")
+    new = Path(name)
+    try:
+        with os.fdopen(descriptor, "wb") as handle:
+            handle.write(text.encode())
+            handle.flush()
+            os.fsync(handle.fileno())
+        new.replace(file)
+    except BaseException:
+        new.unlink(missing_ok=True)
+        raise
+
+
+def _parse(text: bytes, file: Path) -> dict[str, Positions]:
+    """Return the poses in a file that a user may have edited, or raise ConfigError.
+
+    Names are taken as written: a pose may be called ``on`` or ``1``, or have a slash
+    in its name (so ``yaml_tree``, which reads parameters of ROS, is of no use).
+    """
+    import yaml
+
+    try:
+        node = yaml.compose(text.decode(), Loader=yaml.SafeLoader)
+    except yaml.MarkedYAMLError as error:
+        line = None if error.problem_mark is None else error.problem_mark.line + 1
+        raise ConfigError(
+            f"not YAML: {error.problem or error}", SourceLocation(file, line)
+        ) from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ConfigError(f"not YAML: {error}", SourceLocation(file)) from None
+    if node is None:
+        return {}
+    return {
+        name: {
+            joint: _number(value, f"joint '{joint}' of pose '{name}'", file)
+            for joint, value in _pairs(pose, f"pose '{name}'", file)
+        }
+        for name, pose in _pairs(node, "the file", file)
+    }
+
+
+def _pairs(node: yaml.Node, what: str, file: Path) -> Iterator[tuple[str, yaml.Node]]:
+    import yaml
+
+    if not isinstance(node, yaml.MappingNode):
+        raise ConfigError(f"{what} must be a mapping", _where(node, file))
+    seen: set[str] = set()
+    for key, value in node.value:
+        if not isinstance(key, yaml.ScalarNode) or not key.value:
+            raise ConfigError(f"{what} has a key that is no name", _where(key, file))
+        if key.value in seen:
+            raise ConfigError(
+                f"{what} has '{key.value}' twice; remove one", _where(key, file)
+            )
+        seen.add(key.value)
+        yield key.value, value
+
+
+def _number(node: yaml.Node, what: str, file: Path) -> float:
+    try:
+        number = float(str(node.value))
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise ConfigError(
+            f"{what} must be a finite number, got {node.value!r}", _where(node, file)
+        )
+    return number
+
+
+def _where(node: yaml.Node, file: Path) -> SourceLocation:
+    return SourceLocation(file, node.start_mark.line + 1)

@@ -12,10 +12,10 @@ from threading import Lock
 from typing import TYPE_CHECKING, final
 
 from tool0.description.camera import Camera
-from tool0.description.kinematics import Transform
 from tool0.description.model import RobotModel
+from tool0.description.transform import Transform
 from tool0.errors import RenderError, did_you_mean
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ThreadPoolExecutor
@@ -45,7 +45,7 @@ class CameraImage:
 
 
 @final
-class Cameras(Mapping[str, "CameraHandle"]):
+class Cameras(Mapping[str, Camera]):
     """The cameras by name.  Any thread may use them."""
 
     def __init__(
@@ -67,22 +67,27 @@ class Cameras(Mapping[str, "CameraHandle"]):
         self._model = model
         self._ground = ground
         self._newest = newest
-        self._handles = {
-            name: CameraHandle(camera, self) for name, camera in cameras.items()
-        }
+        self._cameras = dict(cameras)
         self._lock = Lock()
         self._thread: ThreadPoolExecutor | None = None
         self._renderer: Renderer | None = None  # the thread's own
         self._is_closed = False
 
-    def __getitem__(self, name: str) -> CameraHandle:
-        return self._handles[name]
+    def __getitem__(self, name: str) -> Camera:
+        """Return a camera, or raise RenderError."""
+        if name not in self._cameras:
+            hint = did_you_mean(name, list(self._cameras))
+            raise RenderError(f"no camera '{name}'{hint}")
+        return self._cameras[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._cameras
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._handles)
+        return iter(self._cameras)
 
     def __len__(self) -> int:
-        return len(self._handles)
+        return len(self._cameras)
 
     def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
         """Return what ``camera`` sees; it need not be one of these.
@@ -141,7 +146,7 @@ class Cameras(Mapping[str, "CameraHandle"]):
         if old is not None and old.holds(camera.width, camera.height):
             return old
         self._end()
-        sizes = (camera, *(handle.camera for handle in self._handles.values()))
+        sizes = (camera, *self._cameras.values())
         self._renderer = Renderer(
             self._model,
             self._ground,
@@ -154,28 +159,3 @@ class Cameras(Mapping[str, "CameraHandle"]):
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class CameraHandle:
-    """One camera of a robot."""
-
-    camera: Camera
-    _cameras: Cameras
-
-    def image(self, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return what it sees now, or saw at ``snapshot``.
-
-        Raises:
-            RenderError: If there is no OpenGL here, or the robot is closed.
-            ModelError: If MuJoCo cannot have an object that Gazebo has.
-        """
-        return self._cameras.render(self.camera, snapshot)
-
-
-def find_camera(cameras: Mapping[str, CameraHandle], name: str) -> CameraHandle:
-    """Return the camera ``name``, or raise RenderError."""
-    if name not in cameras:
-        raise RenderError(f"no camera '{name}'{did_you_mean(name, list(cameras))}")
-    return cameras[name]

@@ -5,19 +5,44 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import final
 
-from tool0.description.model import RobotModel, Vector3
+from tool0.description.model import RobotModel
+from tool0.description.transform import Vector3
 from tool0.hardware.engine import Contact
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.low_pass import LowPass
 from tool0.hardware.tool_dynamics import ToolDynamics
-from tool0.sensing.wrench import WrenchReading
 
 Contacts = Callable[[], tuple[Contact, ...]]
 
 READINGS_KEPT = 4096
 """Samples that a reader may fall behind: four seconds at 1 kHz."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrenchReading:
+    """What the tool exerts on the flange, averaged over one step of the physics.
+
+    In the axes of ``frame``, at its origin, minus the reading at the last tare.
+    """
+
+    time: float
+    """Simulated time at the end of the step [s]."""
+    number: int
+    """Number of the sample since the sensor was started; a reset does not change it."""
+    frame: str
+    """The link."""
+    force: Vector3
+    """Filtered [N]."""
+    torque: Vector3
+    """Filtered [N·m]."""
+    raw_force: Vector3
+    """[N]"""
+    raw_torque: Vector3
+    """[N·m]"""
 
 
 @final

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, final
 
 from tool0.description.model import ParallelGripper
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 GripperMotion = Literal[
     "moving", "at_target", "holding_inside", "holding_outside", "idle"
@@ -173,9 +173,8 @@ def wanted_openings(
     snapshot: Snapshot, gripper: ParallelGripper
 ) -> tuple[float, float] | None:
     """Return the openings wanted now and in the end [m]; None if none are."""
-    for intent in snapshot.intents.values():
-        wanted = intent.wanted(gripper.joint)
-        if wanted is not None:
-            desired, target = wanted
-            return gripper.opening(desired), gripper.opening(target)
-    return None
+    wanted = snapshot.desired_and_target(gripper.joint)
+    if wanted is None:
+        return None
+    desired, target = wanted
+    return gripper.opening(desired), gripper.opening(target)

@@ -1,8 +1,8 @@
-"""The cheat that holds what a gripper grips: ``--grasp-assist``, off unless asked for.
+"""Grasp assist: fixes gripped objects to the gripper.  Off by default.
 
-No hand does so.  It is for who wants to work on what comes after a grasp, on whatever
-friction and force: what both pads touch, once the gripper holds, is fixed to the
-gripper's base until the gripper is told to open, or its pads move.
+No real gripper does so.  It is for users who study what follows a grasp, with any
+friction and force.  What both pads touch, once the gripper holds, is fixed to the
+gripper's base until the gripper is commanded to open, or its pads move.
 """
 
 from __future__ import annotations
@@ -13,27 +13,27 @@ from typing import NamedTuple, final
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.errors import ConfigError
 from tool0.hardware.engine import Engine
-from tool0.runtime.bus import Snapshot
 from tool0.sensing.grasp import TOLERANCE, GraspDetector, wanted_openings
 from tool0.sensing.pads import pad_links
+from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 
 WARNING = (
-    "grasp assist is on: a cheat, which fixes to the gripper what it grips; "
-    "what is held says nothing about the grip"
+    "grasp assist is on: objects are fixed to the gripper that holds them, "
+    "which no real gripper does"
 )
 PADS_MOVED = 0.002
-"""Way of the pads from which what they held is let go [m]: more than a stronger grip
-squeezes them together."""
+"""Motion of the pads that releases the object [m]: more than a stronger grip squeezes
+them together."""
 
 
 @final
 class GraspAssist:
-    """Attaches and detaches.  Only the thread that owns the tick may touch it."""
+    """Attaches and detaches.  Only the thread that owns the tick may use it."""
 
     def __init__(self, model: RobotModel, engine: Engine) -> None:
-        """Hold nothing yet, and log that this is a cheat.
+        """Hold nothing yet, and log the warning.
 
         Raises:
             ConfigError: If there is no gripper.
@@ -42,34 +42,36 @@ class GraspAssist:
         if not model.grippers:
             raise ConfigError("grasp assist needs a gripper, and this robot has none")
         logger.warning(WARNING)
-        self._engine = engine
-        self._hands = [_Hand(model, gripper) for gripper in model.grippers]
+        self._world = engine.world
+        self._grippers = [
+            _AssistedGripper(model, gripper) for gripper in model.grippers
+        ]
 
     def look(self, snapshot: Snapshot) -> None:
         """Attach what is held at ``snapshot``, the newest, and detach what is not."""
-        for hand in self._hands:
-            self._look(hand, snapshot)
+        for assisted in self._grippers:
+            self._look(assisted, snapshot)
 
     def forget(self) -> None:
-        """Know that a reset has detached everything and moved the pads."""
-        for hand in self._hands:
-            hand.forget()
+        """Forget what is held: a reset has detached everything."""
+        for assisted in self._grippers:
+            assisted.forget()
 
-    def _look(self, hand: _Hand, snapshot: Snapshot) -> None:
-        state = hand.detector.observe(snapshot)
-        if hand.held is not None:
-            if hand.lets_go(snapshot, state.opening):
-                self._engine.detach(hand.held.name)
-                hand.held = None
+    def _look(self, assisted: _AssistedGripper, snapshot: Snapshot) -> None:
+        state = assisted.detector.observe(snapshot)
+        if assisted.held is not None:
+            if assisted.lets_go(snapshot, state.opening):
+                self._world.detach(assisted.held.name)
+                assisted.held = None
         elif state.motion == "holding_inside":
-            name = self._between(hand.pads, snapshot)
+            name = self._between(assisted.pads, snapshot)
             if name is not None:
-                self._engine.attach(name, hand.base)
-                hand.held = _Held(name, state.opening)
+                self._world.attach(name, assisted.base)
+                assisted.held = _Held(name, state.opening)
 
     def _between(self, pads: tuple[str, str], snapshot: Snapshot) -> str | None:
         """Return the object that both pads press on, if there is one that can move."""
-        contacts = self._engine.contacts()
+        contacts = self._world.contacts()
         pressed = [
             {
                 c.second if c.first == pad else c.first
@@ -79,7 +81,11 @@ class GraspAssist:
             for pad in pads
         ]
         # What another gripper hands over is attached once that has let go.
-        taken = {hand.held.name for hand in self._hands if hand.held is not None}
+        taken = {
+            assisted.held.name
+            for assisted in self._grippers
+            if assisted.held is not None
+        }
         for item in snapshot.scene:
             if item.mass is None or item.name in taken:
                 continue
@@ -95,7 +101,7 @@ class _Held(NamedTuple):
 
 
 @final
-class _Hand:
+class _AssistedGripper:
     """One gripper, and what is attached to it."""
 
     def __init__(self, model: RobotModel, gripper: ParallelGripper) -> None:
@@ -105,7 +111,7 @@ class _Hand:
         self.forget()
 
     def forget(self) -> None:
-        """Hold nothing, and know nothing of what was before."""
+        """Hold nothing, without a history."""
         self.detector = GraspDetector(self.gripper)
         self.held: _Held | None = None
 

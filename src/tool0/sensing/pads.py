@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from tool0.description.kinematics import Transform, transforms
+from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.transform import Transform, from_matrix
 from tool0.errors import ControlError
-from tool0.kinematics.pose_matrix import as_transform
-from tool0.runtime.initial_pose import joint_positions
 
 
 def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
-    """Return the links of ``gripper`` whose surface is made for gripping.
+    """Return the links of ``gripper`` with a ``<gazebo>`` surface, its pads.
 
     Raises:
         ControlError: If there are not two of them.
@@ -46,15 +45,11 @@ def grasp_frame(
         ModelError: If there is no such link, or ``opening`` is out of reach.
         ControlError: If the gripper has no two pads.
     """
-    names = [joint.name for joint in model.movable_joints]
-    positions = joint_positions(
-        model, {gripper.joint: gripper.position(opening)}, [0.0] * len(names)
-    )
-    found = transforms(model, dict(zip(names, positions, strict=True)))
+    found = link_poses(model, {gripper.joint: gripper.position(opening)})
     base = model.joint(gripper.joint).parent
-    back = found[model.link(relative_to).name].inverse()
+    T_tool_root = found[model.link(relative_to).name].inverse()
     p_base, p_first, p_second = (
-        np.array((back @ found[link]).position)
+        np.array((T_tool_root @ found[link]).position)
         for link in (base, *pad_links(model, gripper))
     )
     middle = (p_first + p_second) / 2.0
@@ -64,4 +59,4 @@ def grasp_frame(
     z /= np.linalg.norm(z)
     frame = np.eye(4)
     frame[:3] = np.column_stack([np.cross(y, z), y, z, middle])
-    return as_transform(frame)
+    return from_matrix(frame)

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, final
 
 from tool0.errors import ConfigError, RenderError
-from tool0.runtime.writable import require_writable
+from tool0.user_data import require_writable
 
 if TYPE_CHECKING:
     import numpy as np

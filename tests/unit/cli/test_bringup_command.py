@@ -11,9 +11,9 @@ from served import serving, use_folder
 
 import tool0
 from tool0.cli import FAILED, OK, main
-from tool0.cli.bringup_text import finite, greeting
-from tool0.cli.options import SimulationOptions
-from tool0.interfaces.socket.address import Claim
+from tool0.cli.options import BringupOptions, RunOptions
+from tool0.cli.text import finite, greeting
+from tool0.api.address import Claim
 
 pytestmark = pytest.mark.slow
 
@@ -57,11 +57,11 @@ def test_json_summary_is_all_that_is_printed(
     assert summary["joints"].keys() >= {"elbow_joint", "finger_joint"}
 
 
-def test_greeting_tells_how_to_move_it_with_lines_that_work(
+def test_the_commands_in_the_greeting_work(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with tool0.bringup(speed=20.0) as robot, serving(robot, "left"):
-        text = greeting(robot, SimulationOptions(name="left"))
+        text = greeting(robot, BringupOptions(run=RunOptions(name="left")))
         lines = [line for line in text.splitlines() if line.startswith("  tool0 ")]
         commands = [line.split()[1:] for line in lines]
         assert [line[0] for line in commands] == [
@@ -74,7 +74,9 @@ def test_greeting_tells_how_to_move_it_with_lines_that_work(
             assert main(line) == OK, capsys.readouterr()
 
 
-def test_text_tells_what_came_up(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_greeting_names_robot_and_controllers(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert run(FAST) == OK
     out, error = capsys.readouterr()
     assert "ur5 + 2f85 is up in mujoco: 7 driven joints" in out
@@ -84,22 +86,16 @@ def test_text_tells_what_came_up(capsys: pytest.CaptureFixture[str]) -> None:
     assert error == ""
 
 
-def test_summary_none_prints_none(capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_is_left_behind(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
     assert run(f"{FAST} --summary none") == OK
     assert "simulated" not in capsys.readouterr().out
-
-
-def test_nothing_is_left_behind(folder: Path) -> None:
-    assert run(FAST) == OK
     assert list(folder.iterdir()) == []
-    assert run(f"{FAST} --no-remote") == OK
-
-
-def test_the_signals_are_given_back() -> None:
-    before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
-    assert run(FAST) == OK
     after = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
     assert before == after
+    assert run(f"{FAST} --no-remote") == OK
 
 
 @pytest.mark.parametrize("duration", ["0", "0.0004", "0.0015", "0.25"])
@@ -139,7 +135,7 @@ def test_another_process_drives_it(
     assert position["elbow_joint"] == pytest.approx(1.4, abs=0.03)
 
 
-def test_a_name_in_use_is_told_before_anything_starts(
+def test_a_name_in_use_is_refused_before_anything_starts(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     claim = Claim("tool0")
@@ -149,7 +145,7 @@ def test_a_name_in_use_is_told_before_anything_starts(
     claim.close()
 
 
-def test_a_warning_about_a_person_s_file_names_the_line(
+def test_a_warning_about_a_file_names_the_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "mine.yaml"
@@ -177,7 +173,9 @@ def test_a_warning_about_a_person_s_file_names_the_line(
         ("--initial-pose nowhere", "nowhere"),
         ("--initial-pose elbow_joint=99", "99"),
         ("--duration -1", "--duration"),
-        ("--name ../up", "cannot be named"),
+        ("--name ../up", "'../up'"),
+        ("--ros1 --ns 1st", "'1st'"),
+        ("--world my.world", "'world'"),
     ],
 )
 def test_a_mistake_is_one_line_and_leaves_nothing(
@@ -206,17 +204,6 @@ def test_without_a_gazebo_it_names_the_command(
     assert "tool0 gazebo install" in error
 
 
-def test_json_gets_null_for_what_is_not_a_number() -> None:
+def test_json_has_null_for_nan_and_infinity() -> None:
     value = {"a": [1.0, float("nan")], "b": (float("inf"), "x"), "c": 3}
     assert finite(value) == {"a": [1.0, None], "b": [None, "x"], "c": 3}
-
-
-def test_a_wrong_namespace_is_told_before_any_physics(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def too_late(**_: object) -> None:
-        raise AssertionError("the robot is made before its names are looked at")
-
-    monkeypatch.setattr("tool0.runtime.bringup.bringup", too_late)
-    assert run(f"{FAST} --ros1 --ns 1st") == FAILED
-    assert "'1st' is no namespace of ROS" in capsys.readouterr().err

@@ -130,8 +130,9 @@ def test_prefix_and_bare_arm(capsys: pytest.CaptureFixture[str]) -> None:
         ("tree --arm ur55", "'ur5'"),
         ("tree --gripper 2f58", "'2f85'"),
         ("tree --robot nowhere.urdf", "nowhere.urdf"),
-        ("tree --robot x.urdf --args novalue", "write name:=value"),
-        ("tree --output /nowhere/at/all", "cannot write '/nowhere/at/all'"),
+        ("tree --robot x.urdf --args novalue", "'novalue'"),
+        ("tree --robot x.urdf --safety-limits", "safety_limits"),
+        ("tree --output /nowhere/at/all", "/nowhere/at/all"),
     ],
 )
 def test_a_mistake_is_one_line(

@@ -91,12 +91,7 @@ def test_a_chosen_port_is_warned_of_and_needs_the_token() -> None:
         assert "whoever knows its address with the token" in end(program)
 
 
-def test_headless_serves_no_panel(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bringup", "--headless", "--no-realtime", "--duration", "0"]) == OK
-    assert "Panel" not in capsys.readouterr().out
-
-
-def test_headless_loads_no_web_server() -> None:
+def test_headless_serves_no_panel_and_loads_no_web_server() -> None:
     code = (
         "import sys; from tool0.cli import main; "
         "main('bringup --headless --no-realtime --duration 0 --summary none'.split());"
@@ -106,6 +101,7 @@ def test_headless_loads_no_web_server() -> None:
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"
+    assert "Panel" not in done.stdout
 
 
 def test_with_a_json_summary_the_address_goes_to_standard_error(

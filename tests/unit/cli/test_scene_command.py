@@ -10,7 +10,7 @@ import pytest
 from fake_robot import FakeRobot
 
 from tool0.cli import FAILED, OK, main
-from tool0.description.model import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 
 
 @pytest.fixture(autouse=True)

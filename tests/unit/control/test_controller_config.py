@@ -7,7 +7,7 @@ from toy_robot import ARM, JOINTS
 from tool0.control.config import ControllerConfig, joint_limit_parameters
 from tool0.control.controller_types import TYPES, parameters_of, readers_of
 from tool0.control.gripper_action import GripperActionSpec
-from tool0.control.joint_trajectory_spec import JointTrajectorySpec
+from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.control.parameters import RobotJoints
 from tool0.control.pid import Gains
 from tool0.description.model import Interface, Joint, JointLimits, JointType

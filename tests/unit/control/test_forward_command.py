@@ -35,19 +35,16 @@ def test_a_single_joint_takes_a_single_number(interface: Interface) -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "text"),
-    [
-        ([1.0], r"Dimension of command \(1\) does not match number of joints \(2\)"),
-        ([1.0, 2.0, 3.0], r"command \(3\)"),
-        ([1.0, math.nan], "nan for joint 'hip'"),
-    ],
+    ("values", "shown"),
+    [([1.0], "(1)"), ([1.0, 2.0, 3.0], "(3)"), ([1.0, math.nan], "'hip'")],
 )
-def test_a_bad_command_changes_nothing(values: list[float], text: str) -> None:
+def test_a_bad_command_changes_nothing(values: list[float], shown: str) -> None:
     robot = ToyRobot(GROUP.format("effort", "Effort"))
     controller = robot.start("c")
     controller.command([3.0, 4.0])
-    with pytest.raises(ControlError, match=text):
+    with pytest.raises(ControlError) as error:
         controller.command(values)
+    assert shown in str(error.value)
     robot.tick()
     assert robot.hardware.command == [0.0, 4.0, 0.0, 3.0]
 
@@ -78,23 +75,21 @@ def test_a_continuous_joint_goes_the_shortest_way_to_a_position() -> None:
     assert robot.position[3] == pytest.approx(5.0 - math.tau, abs=1e-3)
 
 
-def test_a_velocity_is_followed_by_effort() -> None:
+@pytest.mark.parametrize(
+    ("interface", "kind"),
+    [(Interface.EFFORT, "Velocity"), (Interface.VELOCITY, "Position")],
+)
+def test_other_quantities_are_followed_by_a_pid(
+    interface: Interface, kind: str
+) -> None:
+    package = interface.name.lower()
     robot = ToyRobot(
-        "c: {type: effort_controllers/JointVelocityController, joint: hip, pid: {p: 9}}"
-    )
-    controller = robot.start("c")
-    controller.command(0.7)
-    robot.run(3.0)
-    assert robot.velocity[1] == pytest.approx(0.7)
-
-
-def test_a_position_is_followed_by_velocity() -> None:
-    robot = ToyRobot(
-        "c: {type: velocity_controllers/JointPositionController, joint: hip,"
+        f"c: {{type: {package}_controllers/Joint{kind}Controller, joint: hip,"
         " pid: {p: 9}}",
-        Interface.VELOCITY,
+        interface,
     )
     controller = robot.start("c")
     controller.command(0.7)
     robot.run(3.0)
-    assert robot.position[1] == pytest.approx(0.7)
+    followed = robot.velocity if kind == "Velocity" else robot.position
+    assert followed[1] == pytest.approx(0.7)

@@ -52,15 +52,16 @@ def test_extra_joints_follow_and_keep_their_values_even_as_integers() -> None:
 
 
 def test_the_publish_rate_is_required() -> None:
-    with pytest.raises(ConfigError, match="lacks 'publish_rate'"):
+    with pytest.raises(ConfigError) as error:
         controller("joints: [hip]")
+    assert "'publish_rate'" in str(error.value)
 
 
 def test_an_unknown_joint_is_an_error_with_the_nearest() -> None:
-    with pytest.raises(
-        ConfigError, match="unknown joint 'wheal'; did you mean 'wheel'"
-    ):
+    with pytest.raises(ConfigError) as error:
         controller("publish_rate: 1, joints: [wheal]")
+    assert "'wheel'" in str(error.value)
+    assert error.value.location.line == 1
 
 
 @pytest.mark.parametrize("rate", [125.0, 100.0, 30.0, 1000.0])

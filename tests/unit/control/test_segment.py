@@ -4,7 +4,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tool0.control.segment import Motion, Sample, Segment, hold, stop_ramp
+from tool0.control.segment import (
+    Motion,
+    Sample,
+    Segment,
+    shortest_turn,
+    stop_ramp,
+    wrap_offset,
+)
 from tool0.errors import GoalRejectedError
 
 values = st.floats(-5.0, 5.0)
@@ -80,7 +87,6 @@ def test_rests_outside_its_time() -> None:
 def test_no_duration_keeps_the_start() -> None:
     segment = Segment(1.0, Motion(4.0, 1.0, 2.0), 1.0, Motion(5.0, 0.0, 0.0))
     assert segment.sample(1.0) == Sample(4.0, 1.0, 2.0)
-    assert hold(1.0, 0.5).sample(7.0) == Sample(0.5, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("end", [0.5, math.nan])
@@ -93,9 +99,8 @@ def test_cannot_end_before_its_start(end: float) -> None:
 def test_a_stop_ramp_ends_at_rest_five_eighths_of_the_way(
     position: float, velocity: float, duration: float
 ) -> None:
-    ramp = stop_ramp(3.0, Sample(position, velocity, 9.0), duration)
-    first, last = ramp.sample(3.0), ramp.sample(ramp.end)
-    assert (first.position, first.velocity) == (position, velocity)
+    first, last = stop_ramp(3.0, Sample(position, velocity, 9.0), duration)
+    assert first == (position, velocity, 0.0)
     assert last.velocity == pytest.approx(0.0, abs=1e-8)
     assert last.position == pytest.approx(position + 0.625 * velocity * duration)
 
@@ -104,3 +109,25 @@ def test_overflowing_segments_are_unbounded() -> None:
     assert Segment(0.0, Motion(0.0), 1.0, Motion(1.0)).is_bounded(10.0)
     huge = Segment(0.0, Motion(0.0, 1e300), 1e-3, Motion(0.0, -1e300))
     assert not huge.is_bounded(1e9)
+
+
+@given(st.floats(-20.0, 20.0), st.floats(-20.0, 20.0))
+def test_unwrapping_adds_whole_turns_and_ends_within_half_a_turn(
+    previous: float, following: float
+) -> None:
+    offset = wrap_offset(previous, following)
+    assert abs(offset / math.tau - round(offset / math.tau)) < 1e-9
+    assert abs(following + offset - previous) <= math.pi + 1e-9
+
+
+@given(st.floats(-20.0, 20.0), st.floats(-20.0, 20.0))
+def test_the_shortest_turn_arrives_and_is_short(start: float, end: float) -> None:
+    turn = shortest_turn(start, end)
+    assert -math.pi < turn <= math.pi
+    assert math.cos(start + turn - end) == pytest.approx(1.0)
+
+
+def test_half_a_turn_goes_the_way_of_the_numbers() -> None:
+    assert wrap_offset(0.0, math.pi) == 0.0
+    assert wrap_offset(0.0, -math.pi) == 0.0
+    assert wrap_offset(0.0, math.pi - 1e-12) == pytest.approx(0.0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tool0.control.config import ControllerConfig
-from tool0.control.hardware_port import HardwarePort
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.model import Interface, Joint, JointLimits, JointType
 from tool0.hardware.joint_state import JointState
@@ -53,8 +52,9 @@ class ToyRobot:
 
     def __init__(self, yaml: str, interface: Interface = Interface.EFFORT) -> None:
         self.hardware = ToyHardware(interface)
-        port: HardwarePort = self.hardware
-        self.manager = ControllerManager(port, ControllerConfig.from_text(yaml), JOINTS)
+        self.manager = ControllerManager(
+            self.hardware, ControllerConfig.from_text(yaml), JOINTS
+        )
         self.ticks = 0
         self.position = [0.0] * len(JOINTS)
         self.velocity = [0.0] * len(JOINTS)

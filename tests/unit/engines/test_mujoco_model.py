@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tool0.description.catalogue import arms, assemble, grippers, load_robot
-from tool0.description.kinematics import transforms
+from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import (
     Collision,
     Inertial,
@@ -19,11 +19,10 @@ from tool0.description.model import (
     JointLimits,
     JointType,
     Link,
-    Mesh,
     RobotModel,
-    Sphere,
     Transmission,
 )
+from tool0.description.shapes import Mesh, Sphere
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.model import to_mjcf
 from tool0.errors import ModelError, SourceLocation
@@ -72,7 +71,7 @@ def test_every_link_is_where_our_kinematics_puts_it(
     robot: RobotModel, seed: int
 ) -> None:
     engine, position = placed(robot, seed)
-    for link, pose in transforms(robot, position).items():
+    for link, pose in link_poses(robot, position).items():
         site = engine.data.site(link)
         np.testing.assert_allclose(site.xpos, pose.position, atol=1e-9)
         np.testing.assert_allclose(
@@ -85,7 +84,7 @@ def test_merged_links_keep_mass_and_centre_of_mass(
     robot: RobotModel, seed: int
 ) -> None:
     engine, position = placed(robot, seed)
-    frames = transforms(robot, position)
+    frames = link_poses(robot, position)
     moving = {joint.child for joint in robot.movable_joints}
     mass, moment = 0.0, np.zeros(3)
     for link in robot.links:
@@ -140,8 +139,10 @@ def test_a_moving_link_without_mass_is_refused_by_name(skew_model: RobotModel) -
         links=links,
         locations={"link:rod": SourceLocation(Path("cell.urdf"), 7)},
     )
-    with pytest.raises(ModelError, match=r"cell\.urdf:7: link 'rod' .*'slide'.* mass"):
+    with pytest.raises(ModelError) as error:
         MujocoEngine(model)
+    assert error.value.location == model.locations["link:rod"]
+    assert "'rod'" in str(error.value)
 
 
 def test_floating_joints_are_refused_by_name(skew_model: RobotModel) -> None:
@@ -149,8 +150,9 @@ def test_floating_joints_are_refused_by_name(skew_model: RobotModel) -> None:
         replace(joint, type=JointType.FLOATING) if joint.name == "slide" else joint
         for joint in skew_model.joints
     )
-    with pytest.raises(ModelError, match=r"'slide' is floating"):
+    with pytest.raises(ModelError) as error:
         MujocoEngine(replace(skew_model, joints=joints, transmissions=()))
+    assert "'slide'" in str(error.value)
 
 
 def with_mesh(model: RobotModel, path: Path) -> RobotModel:
@@ -167,8 +169,9 @@ def test_a_mesh_of_a_kind_that_mujoco_lacks_is_refused_by_name(
 ) -> None:
     path = tmp_path / "rod.dae"
     path.write_text("<COLLADA/>")
-    with pytest.raises(ModelError, match=r"rod\.dae; convert it to STL or OBJ"):
+    with pytest.raises(ModelError) as error:
         MujocoEngine(with_mesh(skew_model, path))
+    assert str(path) in str(error.value)
 
 
 def test_a_corrupt_mesh_is_refused_by_name(
@@ -178,8 +181,9 @@ def test_a_corrupt_mesh_is_refused_by_name(
     path.write_bytes(b"this is no mesh" * 20)
     model = with_mesh(skew_model, path)
     for attempt in (MujocoEngine, to_mjcf):
-        with pytest.raises(ModelError, match=r"rod\.stl"):
+        with pytest.raises(ModelError) as error:
             attempt(model)
+        assert path.name in str(error.value)
 
 
 def test_a_robot_may_have_no_motor_and_even_no_joint() -> None:

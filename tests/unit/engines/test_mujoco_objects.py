@@ -9,49 +9,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from objects_rig import EDGE, REST, cube, engine_with, item, run
 
 from tool0.description.catalogue import assemble, named_poses
-from tool0.description.model import (
-    Box,
-    Cylinder,
-    Geometry,
-    Mesh,
-    Pose,
-    RobotModel,
-    Sphere,
-)
+from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
+from tool0.description.transform import Pose
+from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import DivergenceError, ModelError
 
-REST = [0.0, 0.0, 0.0, 0.2]  # the skew robot's joints
-FAR = 5.0  # [m] from the robot, which lies about
-EDGE = 0.04  # [m]
 TETRAHEDRON = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
 FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
-
-
-def item(
-    name: str,
-    geometry: Geometry,
-    z: float,
-    *,
-    x: float = FAR,
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    mass: float | None = 0.1,
-    friction: float = 1.0,
-) -> SceneObject:
-    return SceneObject(
-        name=name,
-        geometry=geometry,
-        pose=Pose(xyz=(x, 0.0, z), rpy=rpy),
-        mass=mass,
-        friction=friction,
-    )
-
-
-def cube(name: str = "cube", z: float = EDGE / 2) -> SceneObject:
-    return item(name, Box(size=(EDGE, EDGE, EDGE)), z)
 
 
 def stl(path: Path) -> Mesh:
@@ -64,22 +35,6 @@ def stl(path: Path) -> Mesh:
     return Mesh(uri=path.name, path=path, scale=(0.1, 0.1, 0.1))
 
 
-def engine_with(model: RobotModel, *objects: SceneObject) -> MujocoEngine:
-    engine = MujocoEngine(model, scene=Scene(objects))
-    engine.reset(REST)
-    return engine
-
-
-def let_pass(engine: MujocoEngine, duration: float) -> None:
-    for _ in range(round(duration / engine.dt)):
-        engine.step()
-        engine.read()  # raises if anything diverged
-
-
-def test_without_objects_there_are_no_poses(skew_model: RobotModel) -> None:
-    assert engine_with(skew_model).object_states() == ()
-
-
 def test_poses_come_in_the_order_of_the_scene_and_of_objects_as_placed(
     skew_model: RobotModel, tmp_path: Path
 ) -> None:
@@ -90,7 +45,7 @@ def test_poses_come_in_the_order_of_the_scene_and_of_objects_as_placed(
         item("ball", Sphere(radius=0.1), 2.0, rpy=turned),
         item("post", Cylinder(radius=0.1, length=1.0), 3.0, x=7.0, mass=None),
     )
-    poses = engine_with(skew_model, *objects).object_states()
+    poses = engine_with(skew_model, *objects).world.object_states()
     assert [pose.name for pose in poses] == ["part", "table", "ball", "post"]
     assert [pose.position for pose in poses] == [o.pose.xyz for o in objects]
     half = np.divide(turned, 2.0)
@@ -139,7 +94,7 @@ def test_the_joints_of_the_robot_stay_the_first(tmp_path: Path) -> None:
     "resting",
     [
         (cube(),),
-        (cube("low"), cube("high", 1.5 * EDGE)),
+        (cube("low"), cube("high", z=1.5 * EDGE)),
         (item("can", Cylinder(radius=0.03, length=0.1), 0.05),),
         (item("log", Cylinder(radius=0.03, length=0.1), 0.03, rpy=(1.5708, 0, 0)),),
         (item("ball", Sphere(radius=0.02), 0.02),),
@@ -152,9 +107,9 @@ def test_what_lies_stays(
     skew_model: RobotModel, resting: tuple[SceneObject, ...]
 ) -> None:
     engine = engine_with(skew_model, *resting)
-    before = engine.object_states()
-    let_pass(engine, 5.0)
-    for start, end in zip(before, engine.object_states(), strict=True):
+    before = engine.world.object_states()
+    run(engine, 5.0)
+    for start, end in zip(before, engine.world.object_states(), strict=True):
         np.testing.assert_allclose(end.position, start.position, atol=1e-4)
         np.testing.assert_allclose(end.quat_wxyz, start.quat_wxyz, atol=1e-3)
 
@@ -164,8 +119,8 @@ def test_a_mesh_rests_on_its_face_and_has_its_own_origin(
 ) -> None:
     part = item("part", stl(tmp_path / "part.stl"), 0.0)
     engine = engine_with(skew_model, part)
-    let_pass(engine, 2.0)
-    (pose,) = engine.object_states()
+    run(engine, 2.0)
+    (pose,) = engine.world.object_states()
     np.testing.assert_allclose(pose.position, part.pose.xyz, atol=1e-4)
     # A tetrahedron's inertia about its centre, from its mass and legs.
     np.testing.assert_allclose(engine.model.body("part").mass, 0.1, rtol=1e-9)
@@ -176,18 +131,18 @@ def test_a_mesh_rests_on_its_face_and_has_its_own_origin(
 
 def test_a_reset_puts_everything_back_to_the_bit(skew_model: RobotModel) -> None:
     still = item("shelf", Box(size=(0.5, 0.5, 0.02)), 0.3, mass=None)
-    engine = engine_with(skew_model, cube(z=0.5), still, cube("low", 0.02))
-    before = engine.object_states()
+    engine = engine_with(skew_model, cube(z=0.5), still, cube("low", z=0.02))
+    before = engine.world.object_states()
 
     def fall() -> object:
-        let_pass(engine, 0.7)
-        return engine.object_states(), engine.read()
+        run(engine, 0.7)
+        return engine.world.object_states(), engine.read()
 
     after = fall()
-    assert engine.object_states()[0] != before[0]
-    assert engine.object_states()[1] == before[1]
+    assert engine.world.object_states()[0] != before[0]
+    assert engine.world.object_states()[1] == before[1]
     engine.reset(REST)
-    assert engine.object_states() == before
+    assert engine.world.object_states() == before
     assert fall() == after
 
 
@@ -217,8 +172,8 @@ def test_the_smaller_friction_counts(
         friction=cube_mu,
     )
     engine = engine_with(skew_model, slope, box)
-    let_pass(engine, 0.5)
-    way = math.dist(engine.object_states()[1].position, (x, y, z))
+    run(engine, 0.5)
+    way = math.dist(engine.world.object_states()[1].position, (x, y, z))
     if slides:  # with the acceleration that Coulomb's law gives
         pull = 9.81 * (math.sin(tilt) - 0.2 * math.cos(tilt))
         assert way == pytest.approx(pull * 0.5**2 / 2, rel=0.03)
@@ -244,23 +199,26 @@ def test_a_broken_mesh_is_an_error_that_names_the_object(
     path = tmp_path / "broken.stl"
     path.write_bytes(content)
     mesh = Mesh(uri="broken.stl", path=path)
-    with pytest.raises(ModelError, match="object 'part'"):
+    with pytest.raises(ModelError) as error:
         engine_with(skew_model, cube(), item("part", mesh, 1.0))
+    assert "'part'" in str(error.value)
 
 
 def test_a_mesh_that_mujoco_cannot_read_is_an_error_that_names_the_object(
     skew_model: RobotModel, tmp_path: Path
 ) -> None:
     mesh = Mesh(uri="part.dae", path=tmp_path / "part.dae")
-    with pytest.raises(ModelError, match=r"object 'part': .*convert it"):
+    with pytest.raises(ModelError) as error:
         engine_with(skew_model, item("part", mesh, 1.0))
+    assert "'part'" in str(error.value)
 
 
 def test_an_object_that_diverges_is_named(skew_model: RobotModel) -> None:
-    engine = engine_with(skew_model, cube(), cube("other", 1.0))
+    engine = engine_with(skew_model, cube(), cube("other", z=1.0))
     engine.step()
     engine.data.qvel[-1] = math.nan
-    with pytest.raises(DivergenceError, match=r"state of object 'other' .* 0\.001 s"):
+    with pytest.raises(DivergenceError) as error:
         engine.read()
+    assert (error.value.joint, error.value.time) == ("other", 0.001)
     engine.reset(REST)
     engine.read()

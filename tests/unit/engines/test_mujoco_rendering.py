@@ -15,24 +15,18 @@ from numpy.typing import NDArray
 from promised import require_gl
 
 from tool0.description.camera import Camera, looking
-from tool0.description.kinematics import Transform, link_pose, to_transform
+from tool0.description.forward_kinematics import link_pose
 from tool0.description.model import (
-    Box,
     Collision,
-    Cylinder,
     Joint,
     JointType,
     Link,
-    Mesh,
-    Pose,
     RobotModel,
-    Sphere,
     Visual,
 )
-from tool0.description.motion import to_pose
 from tool0.description.scene import SceneObject
-from tool0.engines.mujoco.drawable import drawable
-from tool0.engines.mujoco.rendering import Renderer
+from tool0.engines.mujoco.gl import PACKAGES as GL_PACKAGES
+from tool0.engines.mujoco.rendering import Renderer, with_readable_visuals
 from tool0.errors import RenderError
 from tool0.hardware.engine import ObjectState
 
@@ -198,13 +192,13 @@ def test_collision_shapes_stand_in_for_meshes_that_mujoco_cannot_read(
     )
     joint = Joint(name="wrist", type=JointType.FIXED, parent="arm", child="hand")
     model = RobotModel(name="r", root="arm", links=links, joints=(joint,))
-    found = drawable(model)
+    found = with_readable_visuals(model)
     assert [visual.geometry for link in found.links for visual in link.visuals] == [
         disc,
         ball,
     ]
-    assert "instead of hand.dae, which MuJoCo cannot read" in caplog.text
-    assert drawable(found) is found
+    assert "hand.dae" in caplog.text
+    assert with_readable_visuals(found) is found
 
 
 def test_without_opengl_it_is_told_what_to_install(
@@ -218,8 +212,9 @@ def test_without_opengl_it_is_told_what_to_install(
         raise OSError(name)
 
     monkeypatch.setattr("ctypes.CDLL", no_library)
-    with pytest.raises(RenderError, match=r"apt-get install libegl1 .*dri.*libosmesa6"):
+    with pytest.raises(RenderError) as error:
         Renderer(skew_model, None, 8, 8)
+    assert GL_PACKAGES in str(error.value)
 
 
 @pytest.mark.parametrize("word", ["disable", "vulkan"])
@@ -227,8 +222,9 @@ def test_a_mujoco_gl_that_draws_nothing_is_named(
     skew_model: RobotModel, monkeypatch: pytest.MonkeyPatch, word: str
 ) -> None:
     monkeypatch.setenv("MUJOCO_GL", word)
-    with pytest.raises(RenderError, match=f"MUJOCO_GL is '{word}'"):
+    with pytest.raises(RenderError) as error:
         Renderer(skew_model, None, 8, 8)
+    assert f"'{word}'" in str(error.value)
 
 
 @pytest.mark.parametrize("command", ["bringup --headless", "describe mjcf"])
@@ -244,5 +240,5 @@ def test_a_wrong_mujoco_gl_is_no_traceback(command: str) -> None:
     )
     assert ended.returncode == 2
     (line,) = ended.stderr.splitlines()
-    assert line.startswith("tool0: error: MuJoCo cannot be imported: ")
-    assert line.endswith("unset MUJOCO_GL, which is 'nonsense'")
+    assert line.startswith("tool0: error: ")
+    assert "MUJOCO_GL, which is 'nonsense'" in line

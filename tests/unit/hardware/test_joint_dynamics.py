@@ -48,8 +48,8 @@ def test_gravity_may_point_anywhere(
     engine.model.opt.gravity[:] = gravity
     pose = random_pose(np.random.default_rng(2))
     engine.reset(pose)
-    assert engine.gravity == gravity
-    dynamics = JointDynamics(skew_model, engine.gravity)
+    assert engine.world.gravity == gravity
+    dynamics = JointDynamics(skew_model, engine.world.gravity)
     expected = MASTERS.T @ engine.data.qfrc_bias
     np.testing.assert_allclose(dynamics.static_effort(pose)[:3], expected, atol=1e-9)
     matrix = JointDynamics(skew_model).mass_matrix(pose)

@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 
 from tool0.description.catalogue import assemble
 from tool0.description.model import JointLimits, SafetyController
-from tool0.hardware.drive_bounds import DriveBounds
+from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.limits import (
     STOP_TOLERANCE,
-    DriveLimits,
     EffortLimiter,
+    EffortLimits,
     velocity_window,
 )
 
@@ -23,7 +23,7 @@ finite = st.floats(-100.0, 100.0)
 
 
 def saturate(effort: float, position: float, velocity: float, **drive: object) -> float:
-    limiter = EffortLimiter([0], [DriveLimits(hard=HARD, **drive)], 0.001)  # type: ignore[arg-type]
+    limiter = EffortLimiter({0: EffortLimits(hard=HARD, **drive)}, 0.001)  # type: ignore[arg-type]
     efforts = [effort]
     limiter.saturate(efforts, JointState(0.0, [position], [velocity], [0.0]), [0.0])
     return efforts[0]
@@ -58,8 +58,8 @@ def test_effort_ends_where_ros_control_ends_it(
 
 
 @pytest.mark.parametrize("armature", [0.0, 0.01])
-def test_bounds_bind_and_are_lifted(armature: float) -> None:
-    limiter = EffortLimiter([0], [DriveLimits(hard=HARD, armature=armature)], 0.001)
+def test_drive_limits_hold_and_are_lifted(armature: float) -> None:
+    limiter = EffortLimiter({0: EffortLimits(hard=HARD, armature=armature)}, 0.001)
     still = JointState(0.0, [0.0], [0.0], [0.0])
 
     def given() -> float:
@@ -68,14 +68,14 @@ def test_bounds_bind_and_are_lifted(armature: float) -> None:
         return efforts[0]
 
     for effort, expected in ((3.0, 3.0), (30.0, 10.0)):
-        limiter.bind(0, DriveBounds(gripper=GRIPPER, effort=effort))
+        limiter.set_drive_limits(0, DriveLimits(gripper=GRIPPER, effort=effort))
         assert given() == expected
-        assert list(limiter.bounds) == [0]
-    limiter.bind(0, None)
+        assert list(limiter.drive_limits) == [0]
+    limiter.set_drive_limits(0, None)
     assert given() == 10.0
-    limiter.bind(0, DriveBounds(gripper=GRIPPER, effort=1.0))
+    limiter.set_drive_limits(0, DriveLimits(gripper=GRIPPER, effort=1.0))
     limiter.restart()
-    assert (given(), dict(limiter.bounds)) == (10.0, {})
+    assert (given(), dict(limiter.drive_limits)) == (10.0, {})
 
 
 def test_soft_limits_brake_before_the_stop() -> None:

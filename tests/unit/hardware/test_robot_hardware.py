@@ -84,5 +84,6 @@ def test_the_emergency_stop_holds_claimed_joints_too(skew_model: RobotModel) -> 
 
 
 def test_limits_for_a_joint_without_drive_are_refused(skew_model: RobotModel) -> None:
-    with pytest.raises(ModelError, match="'slidde'; did you mean 'slide'"):
+    with pytest.raises(ModelError) as error:
         RobotHardware(skew_model, [], 0.001, {"slidde": JointLimits()})
+    assert "'slide'" in str(error.value)

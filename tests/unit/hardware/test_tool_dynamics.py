@@ -86,5 +86,6 @@ def test_contacts_count_where_they_cross_the_cut(skew_model: RobotModel) -> None
 
 
 def test_an_unknown_link_is_refused(skew_model: RobotModel) -> None:
-    with pytest.raises(ModelError, match="did you mean 'cap'"):
+    with pytest.raises(ModelError) as error:
         ToolDynamics(skew_model, "cab")
+    assert "'cap'" in str(error.value)

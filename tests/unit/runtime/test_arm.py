@@ -11,10 +11,9 @@ from arm_rig import old_urdf
 from ur5_rig import ARM, ARM_JOINTS, CONTROLLERS, HOME
 
 import tool0
-from tool0.description.kinematics import Transform, to_transform
-from tool0.description.model import Pose
+from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ControlError, ModelError, UnreachableError
-from tool0.kinematics.branch import Branch
+from tool0.kinematics.inverse import Branch
 from tool0.runtime import arm as module
 from tool0.runtime.linear_motion import LinearMotion
 

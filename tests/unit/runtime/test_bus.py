@@ -2,14 +2,8 @@ from __future__ import annotations
 
 import threading
 
-from tool0.runtime.bus import (
-    EVENTS_KEPT,
-    SNAPSHOTS_KEPT,
-    Bus,
-    Overran,
-    Snapshot,
-    WasReset,
-)
+from tool0.runtime.bus import EVENTS_KEPT, SNAPSHOTS_KEPT, Bus, Overran, WasReset
+from tool0.sensing.snapshot import Snapshot
 
 
 def snapshot(tick: int) -> Snapshot:

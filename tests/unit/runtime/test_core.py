@@ -14,8 +14,8 @@ from tool0.errors import (
     ControlError,
     LimitsError,
 )
-from tool0.hardware.drive_bounds import DriveBounds
-from tool0.runtime import commands as ask
+from tool0.hardware.drive_limits import DriveLimits
+from tool0.installation.ros1.apt import commands as ask
 from tool0.runtime.core import Core
 
 
@@ -93,9 +93,9 @@ LIFTING = {
 }
 
 
-def bound(core: Core, effort: float) -> DriveBounds:
+def bound(core: Core, effort: float) -> DriveLimits:
     """Send a goal that bounds the drive of ``lift``, and return how."""
-    bounds = DriveBounds(gripper=HAND, effort=effort)
+    bounds = DriveLimits(gripper=HAND, effort=effort)
     core.apply(dataclasses.replace(follow([0.0, 0.0], 0.5), bounds={"lift": bounds}))
     return bounds
 
@@ -118,9 +118,9 @@ def test_whatever_else_moves_the_joint_lifts_the_bounds(
     core = build_core()
     bounds = bound(core, 1.0)
     ticks(core, 10)
-    assert core.hardware.bounds == {"lift": bounds}
+    assert core.hardware.drive_limits == {"lift": bounds}
     core.apply(command)
-    assert core.hardware.bounds == {}
+    assert core.hardware.drive_limits == {}
 
 
 def test_a_goal_that_is_refused_leaves_the_bounds_alone() -> None:
@@ -128,14 +128,14 @@ def test_a_goal_that_is_refused_leaves_the_bounds_alone() -> None:
     bounds = bound(core, 1.0)
     with pytest.raises(ControlError):
         core.apply(follow([math.nan, 0.0], 0.5))
-    assert core.hardware.bounds == {"lift": bounds}
+    assert core.hardware.drive_limits == {"lift": bounds}
 
 
 def test_a_motion_of_other_joints_leaves_the_bounds_alone() -> None:
     core = build_core()
     bounds = bound(core, 1.0)
     core.apply(ask.MoveJoints(positions={"bend": 0.1}, speed=0.5))
-    assert core.hardware.bounds == {"lift": bounds}
+    assert core.hardware.drive_limits == {"lift": bounds}
 
 
 def test_a_command_for_another_kind_of_controller_says_which_it_needs() -> None:

@@ -105,7 +105,9 @@ def test_to_wait_has_an_end(robot: tool0.Robot) -> None:
 
 @pytest.mark.parametrize("timeout", [0.0104, 0.05])
 def test_to_wait_ends_whatever_the_control_period(timeout: float) -> None:
-    with tool0.bringup(realtime=False, control_period=0.02) as robot:
+    with tool0.bringup(
+        realtime=False, control=tool0.ControlConfig(control_period=0.02)
+    ) as robot:
         robot.gripper.move(opening=0.0, speed=0.02)
         with pytest.raises(GoalTimeoutError, match="still moves"):
             robot.gripper.wait(timeout)

@@ -31,7 +31,8 @@ PADS = ("left_inner_finger_pad", "right_inner_finger_pad")
 
 
 def bring_up(**options: object) -> tool0.Robot:
-    return tool0.bringup(gripper_model="linkage", realtime=False, **options)  # type: ignore[arg-type]
+    linkage = tool0.DescriptionConfig(gripper_model="linkage")
+    return tool0.bringup(description=linkage, realtime=False, **options)  # type: ignore[arg-type]
 
 
 def departure(robot: tool0.Robot) -> float:

@@ -7,13 +7,17 @@ import sys
 import numpy as np
 import pytest
 
-from tool0.control.playback import Piece, Track, sample_track, splice
-from tool0.control.segment import Motion, MotionPlan, Segment
-from tool0.control.tolerances import NO_TOLERANCES
+from tool0.control.segment import Motion, MotionPlan
+from tool0.control.spline import JointSpline, Knots, point_to_point
 from tool0.control.trajectory import JointsMotion
-from tool0.description.model import Joint, JointLimits, JointType
+from tool0.description.model import (
+    DEFAULT_SLIDE_VELOCITY,
+    DEFAULT_TURN_VELOCITY,
+    Joint,
+    JointLimits,
+    JointType,
+)
 from tool0.errors import ControlError
-from tool0.kinematics.speeds import UNLIMITED, UNLIMITED_TURN
 from tool0.runtime.joint_motion import (
     SPACING,
     TIME_TO_FULL_SPEED,
@@ -53,17 +57,15 @@ def moving(positions, velocities=None, accelerations=None) -> JointsMotion:
     )
 
 
-def as_played(start: JointsMotion, plan: MotionPlan) -> list[Track]:
-    """Return the tracks that a trajectory controller makes of the plan."""
-    tracks = []
+def as_played(start: JointsMotion, plan: MotionPlan) -> list[JointSpline]:
+    """Return the splines that a trajectory controller makes of the plan."""
+    splines = []
     first = zip(start.positions, start.velocities, start.accelerations, strict=True)
     for motion, path in zip(first, plan, strict=True):
-        before = Segment(-1.0, Motion(*motion), 0.0, Motion(*motion))
-        rest = splice(
-            (Piece(before),), 0.0, 0.0, path, goal=None, tolerances=NO_TOLERANCES
-        )
-        tracks.append(rest)
-    return tracks
+        before = point_to_point(-1.0, Motion(*motion), 1.0, Motion(*motion))
+        suspects = range(1, len(path))
+        splines.append(before.spliced(0.0, 0.0, Knots.of(path), suspects=suspects))
+    return splines
 
 
 def duration(plan: MotionPlan) -> float:
@@ -80,8 +82,8 @@ def sampled(start: JointsMotion, plan: MotionPlan, dt: float = 5e-4):
     """Return times, positions, velocities, accelerations; shape (n, n_joints)."""
     end = duration(plan)
     times = np.append(np.arange(0.0, end, dt), end)
-    tracks = as_played(start, plan)
-    samples = np.array([[sample_track(t, time) for t in tracks] for time in times])
+    splines = as_played(start, plan)
+    samples = np.array([[each.sample(time) for each in splines] for time in times])
     return times, samples[..., 0], samples[..., 1], samples[..., 2]
 
 
@@ -180,8 +182,8 @@ def test_a_continuous_joint_goes_the_shortest_way_round() -> None:
 @pytest.mark.parametrize(
     ("kind", "fastest"),
     [
-        (JointType.REVOLUTE, UNLIMITED_TURN),
-        (JointType.PRISMATIC, UNLIMITED[JointType.PRISMATIC]),
+        (JointType.REVOLUTE, DEFAULT_TURN_VELOCITY),
+        (JointType.PRISMATIC, DEFAULT_SLIDE_VELOCITY),
     ],
 )
 def test_joints_without_a_velocity_get_a_modest_one(
@@ -195,7 +197,7 @@ def test_joints_without_a_velocity_get_a_modest_one(
 
 @pytest.mark.parametrize("speed", [0.0, 0.009, 1.01, -1.0, math.nan, math.inf])
 def test_a_speed_out_of_range_is_refused(speed: float) -> None:
-    with pytest.raises(ControlError, match="speed must be in"):
+    with pytest.raises(ControlError):
         plan_motion(ARM, moving([0.0] * 4), [0.0] * 4, speed=speed)
 
 

@@ -12,18 +12,12 @@ from skew_rig import START, build_core, build_loop, follow
 
 from tool0.control.goal import GoalStatus
 from tool0.errors import ControlError, DivergenceError
-from tool0.runtime import commands as ask
-from tool0.runtime.bus import (
-    Bus,
-    Faulted,
-    GoalFinished,
-    Overran,
-    Snapshot,
-    WasReset,
-)
+from tool0.installation.ros1.apt import commands as ask
+from tool0.runtime.bus import Bus, Faulted, GoalFinished, Overran, WasReset
+from tool0.sensing.snapshot import Snapshot
 from tool0.runtime.clock import SpeedMeter
 from tool0.runtime.core import Core
-from tool0.runtime.handles import GoalHandle
+from tool0.api.controller import GoalHandle
 from tool0.runtime.loop import Loop
 from tool0.runtime.mailbox import Mailbox
 

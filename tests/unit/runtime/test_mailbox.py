@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import threading
 
-from tool0.runtime import commands as ask
+from tool0.installation.ros1.apt import commands as ask
 from tool0.runtime.mailbox import Mailbox
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import tool0
-from tool0.description.kinematics import Transform
+from tool0.description.transform import Transform
 from tool0.errors import (
     ClaimError,
     ConfigError,

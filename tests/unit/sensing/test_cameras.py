@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flat_options import configured
 from promised import require_gl
 
 import tool0
 from tool0.description.camera import Camera, looking
-from tool0.description.model import Box
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
 from tool0.errors import ConfigError, RenderError
 
 pytestmark = pytest.mark.slow
@@ -26,7 +27,7 @@ def drawing_threads() -> list[str]:
 
 
 def bring_up(**options: object) -> tool0.Robot:
-    return tool0.bringup(realtime=False, **options)  # type: ignore[arg-type]
+    return tool0.bringup(**configured(realtime=False, **options))
 
 
 def test_robots_have_cameras_by_name_and_draw_nothing_until_asked() -> None:
@@ -44,7 +45,7 @@ def test_own_cameras_join_or_replace_those_of_file_and_robot(tmp_path: Path) -> 
     path = tmp_path / "scene.yaml"
     path.write_text("cameras:\n- {name: side, width: 64}\n- {name: scene, width: 32}\n")
     own = Camera(name="side", width=128)
-    with bring_up(scene=path, cameras=[own]) as robot:
+    with bring_up(scene=path, cameras=(own,)) as robot:
         widths = {name: view.camera.width for name, view in robot.cameras.items()}
     assert widths == {"wrist": 640, "scene": 32, "side": 128}
     path.write_text("cameras:\n- {name: side}\n- {name: a, link: tolo0}\n")
@@ -77,7 +78,7 @@ def test_a_picture_is_of_the_snapshot_and_bears_its_time() -> None:
     small = Camera(
         name="side", pose=looking((2, 0.01, 0.5), (0, 0, 0)), width=64, height=48
     )
-    with bring_up(scene=Scene((cube,)), cameras=[small]) as robot:
+    with bring_up(scene=Scene((cube,)), cameras=(small,)) as robot:
         view = robot.camera("side")
         first, before = robot.snapshot, view.image()
         robot.scene.place("cube", (1.0, 0.0, 0.5))
@@ -112,7 +113,7 @@ def test_drawing_changes_nothing_in_the_simulation() -> None:
 def test_any_thread_may_look_and_one_draws_until_the_robot_closes() -> None:
     require_gl()
     tiny = Camera(name="tiny", width=8, height=8)
-    with bring_up(cameras=[tiny]) as robot:
+    with bring_up(cameras=(tiny,)) as robot:
         view = robot.camera("tiny")
         threads = [threading.Thread(target=view.image) for _ in range(4)]
         for thread in threads:

@@ -29,7 +29,9 @@ def robot() -> Iterator[tool0.Robot]:
 def test_the_usual_rate_is_a_whole_part_of_the_control_rate(
     control_period: float, rate: float
 ) -> None:
-    with tool0.bringup(realtime=False, control_period=control_period) as robot:
+    with tool0.bringup(
+        realtime=False, control=tool0.ControlConfig(control_period=control_period)
+    ) as robot:
         first = robot.force_torque.read()
         assert robot.force_torque.rate == pytest.approx(rate)
         robot.run(0.2)
@@ -39,7 +41,9 @@ def test_the_usual_rate_is_a_whole_part_of_the_control_rate(
 
 
 def test_the_rate_fits_the_ticks() -> None:
-    with tool0.bringup(realtime=False, control_period=0.004) as robot:
+    with tool0.bringup(
+        realtime=False, control=tool0.ControlConfig(control_period=0.004)
+    ) as robot:
         robot.force_torque.start(rate=250.0)
         with pytest.raises(
             ControlError, match=r"250 Hz; the nearest that is is 250 Hz"
@@ -49,7 +53,10 @@ def test_the_rate_fits_the_ticks() -> None:
 
 
 def test_a_sample_is_the_same_however_often_one_samples() -> None:
-    fast, slow = (tool0.bringup(realtime=False, control_period=0.002) for _ in range(2))
+    fast, slow = (
+        tool0.bringup(realtime=False, control=tool0.ControlConfig(control_period=0.002))
+        for _ in range(2)
+    )
     with fast, slow:
         fast.force_torque.start(rate=500.0)
         slow.force_torque.start(rate=50.0)

@@ -10,8 +10,9 @@ import pytest
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, POST, POST_GRIPPER
 
 import tool0
-from tool0.description.model import Box, Cylinder, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Cylinder
+from tool0.description.transform import Pose
 from tool0.sensing.grasp import WINDOW, GraspDetector, GraspState
 
 pytestmark = pytest.mark.slow
@@ -119,7 +120,7 @@ def test_it_is_told_while_a_slow_motion_still_goes_on(watching) -> None:
     watch = watching(box("box", (0.06, 0.06, 0.04)))
     watch.robot.controller(GRIPPER).move({"finger_joint": 0.8}, speed=0.05)
     assert watch.run(6.0) == ["moving", "holding_inside"]
-    finger = watch.robot.snapshot.intents[GRIPPER].state().desired.positions[0]
+    finger = watch.robot.snapshot.setpoints[GRIPPER].state().desired.positions[0]
     assert finger < 0.6, "the motion is under way"
 
 
@@ -195,7 +196,7 @@ def test_what_fingers_wrap_around_has_no_width(depth: float, wraps: bool) -> Non
         ),
     )
     with tool0.bringup(
-        gripper_model="linkage",
+        description=tool0.DescriptionConfig(gripper_model="linkage"),
         initial_pose="ready",
         scene=Scene((rod,)),
         realtime=False,

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import tool0
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 
 EDGE = 0.04  # [m]
+ASSISTED = tool0.SimulationConfig(grasp_assist=True)
 TWO_HANDS = """<robot name="hands" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <xacro:include filename="$(find tool0_description)/urdf/robotiq_2f_85_macro.xacro"/>
 <link name="wall"/>
@@ -51,7 +54,7 @@ def robot() -> Iterator[tool0.Robot]:
     z = BETWEEN_PADS[2]
     scene = Scene((block("post", z - EDGE, None), block("soap", z, 0.2)))
     with tool0.bringup(
-        realtime=False, scene=scene, initial_pose="ready", grasp_assist=True
+        realtime=False, scene=scene, initial_pose="ready", simulation=ASSISTED
     ) as robot:
         robot.gripper.move(opening=0.0, force=40.0)
         robot.run(1.0)
@@ -92,7 +95,10 @@ def test_it_takes_no_notice_of_what_is_taken_away(robot: tool0.Robot) -> None:
 def test_what_stands_fast_is_attached_to_nothing() -> None:
     post = block("soap", BETWEEN_PADS[2], None)
     with tool0.bringup(
-        realtime=False, scene=Scene((post,)), initial_pose="ready", grasp_assist=True
+        realtime=False,
+        scene=Scene((post,)),
+        initial_pose="ready",
+        simulation=ASSISTED,
     ) as robot:
         robot.gripper.move(opening=0.0, force=40.0)
         robot.run(1.0)
@@ -111,9 +117,8 @@ def test_what_one_gripper_holds_another_takes_over_when_it_lets_go(
         controllers_file=controllers,
         controllers=["lower", "upper"],
         initial_pose={"lower_finger_joint": 0.4, "upper_finger_joint": 0.4},
-        spawn_z=1.0,
+        simulation=replace(ASSISTED, spawn_z=1.0),
         realtime=False,
-        grasp_assist=True,
     ) as robot:
         shape = Box(size=(EDGE, EDGE, 2 * EDGE))
         robot.scene.add("rod", shape, xyz=(0.0, 0.0, 0.19), mass=0.1)

@@ -51,5 +51,6 @@ def test_a_gripper_without_pads() -> None:
         MODEL,
         links=tuple(dataclasses.replace(link, surface=None) for link in MODEL.links),
     )
-    with pytest.raises(ControlError, match="its pads; below 'robotiq_arg2f_base_link'"):
+    with pytest.raises(ControlError) as caught:
         pad_links(bare, bare.grippers[0])
+    assert "'robotiq_arg2f_base_link'" in str(caught.value)

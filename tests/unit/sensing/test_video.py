@@ -72,7 +72,7 @@ def test_what_was_written_before_an_error_is_a_whole_video(tmp_path: Path) -> No
     with pytest.raises(ZeroDivisionError):
         fail_halfway()
     assert len(read(path)) == 5
-    with pytest.raises(RenderError, match="closed already"):
+    with pytest.raises(RenderError):
         video.write(plain(COLORS[0]))
     video.close()
 
@@ -85,22 +85,23 @@ def test_a_video_without_pictures_is_closed_quietly(tmp_path: Path) -> None:
 def test_sizes_that_no_player_shows_are_refused(
     size: tuple[int, int], tmp_path: Path
 ) -> None:
-    with pytest.raises(ConfigError, match=f"must be even.*{size[0]} x {size[1]}"):
+    with pytest.raises(ConfigError) as caught:
         VideoWriter(tmp_path / "a.mp4", *size)
+    assert f"{size[0]} x {size[1]}" in str(caught.value)
     assert not any(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("fps", [0.0, -1.0, float("nan"), 2000.0])
 def test_impossible_rates_are_refused(fps: float, tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match="pictures a second"):
+    with pytest.raises(ConfigError):
         VideoWriter(tmp_path / "a.mp4", WIDTH, HEIGHT, fps)
 
 
 def test_pictures_of_another_shape_are_refused(tmp_path: Path) -> None:
     with VideoWriter(tmp_path / "a.mp4", WIDTH, HEIGHT, FPS) as video:
-        with pytest.raises(ConfigError, match=r"shape \(48, 64, 3\)"):
+        with pytest.raises(ConfigError):
             video.write(plain(COLORS[0])[:-2])
-        with pytest.raises(ConfigError, match=r"got .* float64"):
+        with pytest.raises(ConfigError):
             video.write(plain(COLORS[0]).astype(float))  # type: ignore[arg-type]
 
 
@@ -109,9 +110,9 @@ def test_a_place_that_cannot_be_written_is_told_at_once(
     name: str, tmp_path: Path
 ) -> None:
     path = tmp_path / name
-    with pytest.raises(ConfigError, match="cannot be written"):
+    with pytest.raises(ConfigError):
         require_encoder(path)
-    with pytest.raises(ConfigError, match="cannot be written"):
+    with pytest.raises(ConfigError):
         VideoWriter(path, WIDTH, HEIGHT)
 
 
@@ -124,8 +125,9 @@ def test_without_pyav_it_is_told_what_brings_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "av.codec", None)
-    with pytest.raises(RenderError, match=r"pip install 'tool0\[video\]'"):
+    with pytest.raises(RenderError) as caught:
         require_encoder(tmp_path / "a.mp4")
+    assert "tool0[video]" in str(caught.value)
     assert not any(tmp_path.iterdir())
 
 
@@ -137,7 +139,7 @@ def test_a_full_disk_is_told_whenever_it_is_full(
     before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limits[1]))
     try:
-        with pytest.raises(RenderError, match=r"cannot be written: .*too large"):
+        with pytest.raises(RenderError):
             write_noise(tmp_path / "a.mp4", n_pictures)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)

@@ -1,4 +1,4 @@
-"""Picks one after the other, from poses drawn by chance, and what came of them."""
+"""Several picks from random poses, and a report of them."""
 
 from __future__ import annotations
 
@@ -7,25 +7,62 @@ import math
 import random
 import time
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, final
 
-from tool0.cli.pick_demo.bin import Bin
-from tool0.cli.pick_demo.pick import pick_and_place
-from tool0.cli.pick_demo.picker import PickOptions
-from tool0.cli.pick_demo.report import DemoReport, PickReport
-from tool0.cli.pick_demo.witness import Witness
-from tool0.description.kinematics import to_transform
-from tool0.description.model import Pose
-from tool0.runtime.bus import Snapshot
+from tool0.cli.pick_demo.grasps import Bin
+from tool0.cli.pick_demo.monitor import GraspMonitor
+from tool0.cli.pick_demo.picker import PickOptions, PickReport, pick_and_place
+from tool0.description.transform import Pose, to_transform
+from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
-    from tool0.runtime.robot import Robot
+    from tool0.api.robot import Robot
 
-PATIENCE = 20.0
-"""Longest way back between two picks, simulated [s]."""
+RETURN_TIMEOUT = 20.0
+"""Longest motion back between two picks, simulated [s]."""
 SETTLE = 0.3
 """For an object to come to rest where it was put [s]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DemoReport:
+    """All picks of a demo, and under which conditions they were made."""
+
+    engine: str
+    gripper_model: str
+    grasp_assist: bool
+    """Whether objects were fixed to the gripper, which no real one does."""
+    picks: tuple[PickReport, ...]
+    sim_time: float
+    wall_time: float
+    video: str | None = None
+    """The file that was written."""
+
+    @property
+    def n_succeeded(self) -> int:
+        """How many ended in the bin."""
+        return sum(pick.success for pick in self.picks)
+
+    def to_json(self) -> dict[str, object]:
+        """Return plain values."""
+        return {**asdict(self), "succeeded": self.n_succeeded}
+
+    def to_text(self) -> str:
+        """Return what all came to, for people."""
+        lines = []
+        if self.grasp_assist:
+            lines.append("grasp assist was on: objects were fixed to the gripper")
+        if self.video is not None:
+            lines.append(f"video: {self.video}")
+        ratio = self.sim_time / self.wall_time if self.wall_time > 0.0 else 0.0
+        lines.append(
+            f"{self.n_succeeded} of {len(self.picks)} in the bin; {self.engine}, "
+            f"{self.gripper_model} gripper, {self.sim_time:.1f} s simulated in "
+            f"{self.wall_time:.1f} s ({ratio:.1f} x real time)"
+        )
+        return "\n".join(lines)
 
 
 @final
@@ -39,15 +76,15 @@ class Area:
     z: float
     """Of the table's top [m]."""
 
-    def draw(self, chance: random.Random, height: float) -> Pose:
-        """Return a pose of something so high [m] that stands there, turned anyhow."""
+    def draw(self, rng: random.Random, height: float) -> Pose:
+        """Return a random pose of an object of that height [m] that stands there."""
         return Pose(
             xyz=(
-                chance.uniform(*self.x),
-                chance.uniform(*self.y),
+                rng.uniform(*self.x),
+                rng.uniform(*self.y),
                 self.z + height / 2.0,
             ),
-            rpy=(0.0, 0.0, chance.uniform(-math.pi, math.pi)),
+            rpy=(0.0, 0.0, rng.uniform(-math.pi, math.pi)),
         )
 
 
@@ -57,9 +94,9 @@ TABLE = Area(x=(0.40, 0.65), y=(-0.10, 0.30), z=-0.02)
 
 def random_poses(area: Area, height: float, seed: int) -> Iterator[Pose]:
     """Yield poses without end, the same ones for the same seed."""
-    chance = random.Random(seed)
+    rng = random.Random(seed)
     while True:
-        yield area.draw(chance, height)
+        yield area.draw(rng, height)
 
 
 def run_trials(
@@ -81,7 +118,7 @@ def run_trials(
         into: Where it goes.
         poses: Where it is taken from; None leaves it where it is.
         n_picks: How many.
-        options: How.
+        options: Force and speeds.
         on_snapshot: Called with each snapshot, those between the picks too.
         on_pick: Called after each pick.
 
@@ -96,33 +133,35 @@ def run_trials(
     for number in range(n_picks):
         pose = next(poses)
         with contextlib.closing(
-            Witness(robot, robot.gripper, item, on_snapshot)
-        ) as witness:
+            GraspMonitor(robot, robot.gripper, item, on_snapshot)
+        ) as monitor:
             if number:
-                _go_back(robot, home, witness)
+                _go_back(robot, home, monitor)
             if pose is not None:
                 T_root_item = to_transform(pose)
                 robot.scene.place(item, T_root_item.position, T_root_item.quat_wxyz)
-                witness.wait(SETTLE)
+                monitor.wait(SETTLE)
         report = pick_and_place(robot, item, into, options, on_snapshot)
         on_pick(report)
         reports.append(report)
     return DemoReport(
         engine=robot.engine.name,
         gripper_model="linkage" if robot.description.model.loops else "mimic",
-        grasp_assist=robot.grasp_assist,
+        grasp_assist=robot.info.grasp_assist,
         picks=tuple(reports),
         sim_time=robot.time - sim_start,
         wall_time=time.perf_counter() - wall_start,
     )
 
 
-def _go_back(robot: Robot, home: Mapping[str, float], witness: Witness) -> None:
+def _go_back(robot: Robot, home: Mapping[str, float], monitor: GraspMonitor) -> None:
     """Let go, and bring the arm ``home``; after a failure it may be anywhere.
 
-    What it does not reach within ``PATIENCE`` the next pick has to do without.
+    If that takes longer than ``RETURN_TIMEOUT``, the next pick begins elsewhere.
     """
     opened = robot.gripper.move(opening=robot.gripper.geometry.max_opening)
-    witness.until(lambda: opened.result is not None, PATIENCE)
-    goals = robot.move_joints(home)
-    witness.until(lambda: all(goal.result is not None for goal in goals), PATIENCE)
+    monitor.until(lambda: opened.result is not None, RETURN_TIMEOUT)
+    moves = robot.move_joints(home)
+    monitor.until(
+        lambda: all(move.result is not None for move in moves), RETURN_TIMEOUT
+    )

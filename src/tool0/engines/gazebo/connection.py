@@ -1,4 +1,4 @@
-"""Our end of the bridge's socket: one request, one answer (see bridge/bridge.cc)."""
+"""The client of the bridge's socket: one request, one answer (see bridge/bridge.cc)."""
 
 from __future__ import annotations
 
@@ -19,15 +19,17 @@ from tool0.hardware.bodies import Matrix
 
 VERSION = 6
 """Of the packets; as ``kVersion`` in bridge.cc."""
-_LARGEST = 1 << 16
-_HURRY = 1e-4  # [s] between an answer and the next request, at full speed
-_LOOKS = 400  # for an answer to who is in a hurry; about 0.5 µs each
-_SELDOM = 511  # answers at most, between looks
-_PATIENCE = 1.5  # [s] for an answer: who hangs is told of within two seconds
-_LONG_PATIENCE = 12.0  # [s] for what makes the bridge itself wait, 10 s at most
+ANSWER_TIMEOUT = 1.5
+"""For an answer [s]: a hang is reported within two seconds."""
+SPAWN_TIMEOUT = 12.0
+"""For requests that make the bridge itself wait, which it does for 10 s at most [s]."""
+_MAX_PACKET = 1 << 16  # [bytes]
+_FULL_SPEED_GAP = 1e-4  # [s] between an answer and the next request, at full speed
+_SPIN_POLLS = 400  # for an answer, at full speed; about 0.5 µs each
+_MAX_SPIN_BACKOFF = 511  # answers without polling
 
 
-class Kind(IntEnum):
+class RequestKind(IntEnum):
     """The requests, as bridge.cc counts them."""
 
     STEP = 1
@@ -43,8 +45,8 @@ class Kind(IntEnum):
 
 
 @final
-class Listener:
-    """A socket on which the bridge of one gzserver is awaited."""
+class BridgeListener:
+    """A socket to which the bridge of one gzserver connects."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -64,11 +66,11 @@ class Listener:
 
         Args:
             dt: The step that it is to make [s].
-            check: Called while nobody comes; raises if nobody will.
+            check: Called while waiting; raises if the bridge will never connect.
             timeout: How long to wait [s].
 
         Raises:
-            EngineUnavailableError: If nobody comes, or a wrong bridge does.
+            EngineUnavailableError: If no bridge connects, or one of another version.
         """
         waited = 0.0
         self._socket.settimeout(0.1)
@@ -84,29 +86,29 @@ class Listener:
                         f"gzserver did not load the bridge within {timeout:g} s"
                     ) from None
         try:
-            return peer, _greet(peer, dt)
+            return peer, _handshake(peer, dt)
         except BaseException:
             peer.close()
             raise
 
     def close(self) -> None:
-        """Take no more callers; closing twice is allowed."""
+        """Stop listening; closing twice is allowed."""
         self._socket.close()
         self._path.unlink(missing_ok=True)
 
 
-def _greet(peer: socket.socket, dt: float) -> str:
-    peer.settimeout(_PATIENCE)
+def _handshake(peer: socket.socket, dt: float) -> str:
+    peer.settimeout(ANSWER_TIMEOUT)
     try:
-        hello = peer.recv(_LARGEST)
+        hello = peer.recv(_MAX_PACKET)
         version = struct.unpack_from("=I", hello)[0]
     except (OSError, struct.error) as error:
         raise EngineUnavailableError(
-            f"gzserver's bridge does not introduce itself: {error}"
+            f"the handshake with gzserver's bridge failed: {error}"
         ) from None
     if version != VERSION:
         raise EngineUnavailableError(
-            f"gzserver's bridge speaks version {version}, this tool0 {VERSION}; "
+            f"gzserver's bridge has version {version}, this tool0 needs {VERSION}; "
             "run `tool0 gazebo install` to compile the right one"
         )
     peer.send(struct.pack("=Id", VERSION, dt))
@@ -114,34 +116,37 @@ def _greet(peer: socket.socket, dt: float) -> str:
 
 
 @final
-class Connection:
-    """Asks the bridge.  Only the thread that owns the tick may use it."""
+class BridgeConnection:
+    """Sends requests to the bridge.  Only the thread that owns the tick may use it."""
 
     def __init__(
-        self, peer: socket.socket, when_lost: Callable[[str], EngineError]
+        self, peer: socket.socket, on_lost: Callable[[str], EngineError]
     ) -> None:
-        """Talk over ``peer``; ``when_lost`` ends the server and tells what it said.
+        """Use the socket ``peer``.
 
-        Who asks again after that is told the same again.
+        Args:
+            peer: Connected to the bridge.
+            on_lost: Ends the server when the connection is lost, and returns the error
+                that this request and all later ones raise.
         """
         self._peer = peer
-        self._when_lost = when_lost
+        self._on_lost = on_lost
         self._loss: EngineError | None = None
-        self._answer = bytearray(_LARGEST)
+        self._answer = bytearray(_MAX_PACKET)
         self._view = memoryview(self._answer)
         # In blocking mode, so that waiting takes one system call and not two.
         self._peer.settimeout(None)
-        self._set_patience(_PATIENCE)
+        self._set_timeout(ANSWER_TIMEOUT)
         poll = select.poll()
         poll.register(peer, select.POLLIN)
         self._poll = poll.poll
         self._answered = 0.0
-        self._is_hurried = False
-        self._vain = self._unlooked = 0
+        self._is_at_full_speed = False
+        self._backoff = self._skip_spins = 0
 
     def send(self, packet: bytes) -> None:
         """Send a request."""
-        self._is_hurried = perf_counter() - self._answered < _HURRY
+        self._is_at_full_speed = perf_counter() - self._answered < _FULL_SPEED_GAP
         try:
             self._peer.send(packet)
         except OSError:
@@ -153,12 +158,12 @@ class Connection:
         Raises:
             EngineError: If the bridge refuses, or there is no answer.
         """
-        if self._is_hurried:
-            self._look()
+        if self._is_at_full_speed:
+            self._spin()
         try:
             size = self._peer.recv_into(self._answer)
         except BlockingIOError:
-            self._fail(f"gzserver does not answer within {self._patience:g} s")
+            self._fail(f"gzserver does not answer within {self._timeout:g} s")
         except OSError:
             self._fail("gzserver is gone")
         if not size:
@@ -168,80 +173,58 @@ class Connection:
         self._answered = perf_counter()
         return self._view[4:size]
 
-    def _look(self) -> None:
-        """Wait for an answer awake, for who sleeps takes long to wake up.
+    def request(
+        self, kind: RequestKind, *parts: bytes, timeout: float = ANSWER_TIMEOUT
+    ) -> memoryview:
+        """Send a request of ``parts`` and return its answer.
 
-        Where processors are scarce that is in vain, and it looks seldom.
+        Raises:
+            EngineError: If the bridge refuses, or there is no answer in time.
         """
-        if self._unlooked:
-            self._unlooked -= 1
-            return
-        poll = self._poll
-        for _ in range(_LOOKS):
-            if poll(0):
-                self._vain = 0
-                return
-        self._unlooked = self._vain = min(2 * self._vain + 1, _SELDOM)
-
-    def ask(self, kind: Kind, *parts: bytes) -> memoryview:
-        """Send a request of ``parts`` and return its answer."""
+        if timeout != self._timeout:
+            self._set_timeout(timeout)
         self.send(struct.pack("=I", kind) + b"".join(parts))
-        return self.receive()
-
-    def spawn(
-        self, name: str, file: Path, pose: Matrix, *, is_object: bool = False
-    ) -> None:
-        """Add the model of a URDF or SDF file to the world.
-
-        Where an object is, how it moves, and where it goes at a reset are asked for
-        in the order in which objects came.
-
-        Raises:
-            EngineError: If Gazebo does not take it.
-        """
-        self._ask_patiently(
-            Kind.SPAWN,
-            text(name),
-            text(str(file)),
-            pose_bytes(pose),
-            struct.pack("=I", is_object),
-        )
-
-    def delete(self, name: str) -> None:
-        """Take the model called ``name`` out of the world.
-
-        Raises:
-            EngineError: If there is none.
-        """
-        self._ask_patiently(Kind.DELETE, text(name))
+        try:
+            return self.receive()
+        finally:
+            if self._timeout != ANSWER_TIMEOUT:
+                self._set_timeout(ANSWER_TIMEOUT)
 
     def close(self) -> None:
         """Hang up, which ends the server; closing twice is allowed."""
         self._peer.close()
 
-    def _ask_patiently(self, kind: Kind, *parts: bytes) -> None:
-        self._set_patience(_LONG_PATIENCE)
-        try:
-            self.ask(kind, *parts)
-        finally:
-            self._set_patience(_PATIENCE)
+    def _spin(self) -> None:
+        """Poll for the answer, since waking up from a blocking call takes long.
 
-    def _set_patience(self, seconds: float) -> None:
+        Where processors are scarce that is in vain: then it is done ever more rarely.
+        """
+        if self._skip_spins:
+            self._skip_spins -= 1
+            return
+        poll = self._poll
+        for _ in range(_SPIN_POLLS):
+            if poll(0):
+                self._backoff = 0
+                return
+        self._skip_spins = self._backoff = min(2 * self._backoff + 1, _MAX_SPIN_BACKOFF)
+
+    def _set_timeout(self, seconds: float) -> None:
         if self._peer.fileno() < 0:  # closed
             return
-        self._patience = seconds
+        self._timeout = seconds
         value = struct.pack("@ll", int(seconds), round(seconds % 1.0 * 1e6))
         for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):
             self._peer.setsockopt(socket.SOL_SOCKET, option, value)
 
     def _fail(self, why: str) -> NoReturn:
         if self._loss is None:
-            self._loss = self._when_lost(why)
+            self._loss = self._on_lost(why)
             self._peer.close()
         raise self._loss.with_traceback(None) from None
 
 
-def text(value: str) -> bytes:
+def pack_text(value: str) -> bytes:
     """Return ``value`` as the bridge reads it, or raise EngineError."""
     raw = value.encode()
     if b"\0" in raw:
@@ -249,14 +232,14 @@ def text(value: str) -> bytes:
     return raw + b"\0"
 
 
-def numbers(values: Sequence[float]) -> bytes:
+def pack_floats(values: Sequence[float]) -> bytes:
     """Return ``values`` as the bridge reads them."""
     return struct.pack(f"={len(values)}d", *values)
 
 
-def pose_bytes(pose: Matrix) -> bytes:
+def pack_pose(pose: Matrix) -> bytes:
     """Return the homogeneous matrix ``pose`` as position and quaternion w x y z."""
-    return numbers([*pose[:3, 3], *quat_wxyz(pose)])
+    return pack_floats([*pose[:3, 3], *quat_wxyz(pose)])
 
 
 def quat_wxyz(pose: Matrix) -> list[float]:

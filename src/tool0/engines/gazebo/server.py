@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final, final
 
-from tool0.engines.gazebo.window import Window, require_window
-from tool0.engines.gazebo.words import complaints, obituary, said
+from tool0.engines.gazebo.process_log import error_lines, exit_report, log_lines
+from tool0.engines.gazebo.window import ClientWindow, require_window
 from tool0.errors import EngineUnavailableError
 from tool0.installation.gazebo.installation import Installation
 from tool0.installation.gazebo.plugin import BridgeLibraries
@@ -26,7 +26,7 @@ _NEW_LOCK: Final = "lock.new"
 
 
 @final
-class Server:
+class GazeboServer:
     """One gzserver with its own folder, its own port and its own HOME.
 
     It ends with ``close``, and with this process however that ends: the leash that is
@@ -40,13 +40,13 @@ class Server:
         self._exits = contextlib.ExitStack()
         self.folder = self._exits.enter_context(_own_folder())
         self._log = self.folder / "gzserver.log"
-        self._heard = 0
+        self._lines_read = 0
         self._port = _free_port()
         self._lifeline, our_end = os.pipe()
         for end in (self._lifeline, our_end):
             self._exits.callback(os.close, end)
         self._server: subprocess.Popen[bytes] | None = None
-        self._window: Window | None = None
+        self._window: ClientWindow | None = None
 
     @property
     def socket_path(self) -> Path:
@@ -89,7 +89,7 @@ class Server:
         # Its own HOME is the person's: what they set up in the window stays.
         home = os.environ.get("HOME", str(self.folder))
         log = self.folder / "gzclient.log"
-        self._window = Window(
+        self._window = ClientWindow(
             lambda: self._run(client, ["--verbose"], log, {"HOME": home}), log
         )
 
@@ -97,14 +97,14 @@ class Server:
         """Raise EngineUnavailableError if the server has ended."""
         if self._server is None or self._server.poll() is not None:
             raise EngineUnavailableError(
-                obituary("gzserver did not start", self._server, self._log)
+                exit_report("gzserver did not start", self._server, self._log)
             )
 
-    def complaints(self) -> list[str]:
-        """Return the errors in what the server said since the last call."""
-        lines = said(self._log)
-        new, self._heard = lines[self._heard :], len(lines)
-        return complaints(new)
+    def new_errors(self) -> list[str]:
+        """Return the errors in the server's log since the last call."""
+        lines = log_lines(self._log)
+        new, self._lines_read = lines[self._lines_read :], len(lines)
+        return error_lines(new)
 
     def lost(self, why: str) -> EngineUnavailableError:
         """End what is left of the server, and return the error that says so."""
@@ -113,7 +113,7 @@ class Server:
                 self._server.wait(_GRACE)
         except subprocess.TimeoutExpired:
             pass
-        error = EngineUnavailableError(obituary(why, self._server, self._log))
+        error = EngineUnavailableError(exit_report(why, self._server, self._log))
         self.close()
         return error
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final, final
 
-from tool0.engines.gazebo.words import obituary
+from tool0.engines.gazebo.process_log import exit_report
 from tool0.errors import EngineUnavailableError
 from tool0.installation.gazebo.installation import Installation
 
@@ -37,7 +37,7 @@ def require_window(installation: Installation) -> Path:
 
 
 @final
-class Window:
+class ClientWindow:
     """A gzclient, started again if it crashes.
 
     gzclient 11 does so while it starts, by a segmentation fault, now and then: once in
@@ -68,7 +68,9 @@ class Window:
                 if self._is_closed or status in _BY_A_PERSON:
                     return
                 if status != -signal.SIGSEGV or not tries_left:
-                    why = obituary("Gazebo's window is gone", self.process, self._log)
+                    why = exit_report(
+                        "Gazebo's window is gone", self.process, self._log
+                    )
                     logger.warning("%s", why)
                     return
                 self.process = self._run()

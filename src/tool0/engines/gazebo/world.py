@@ -1,97 +1,297 @@
-"""The world around the robot: ours, or a person's own file."""
+"""The models in Gazebo's world: the robot, the scene's objects, a person's own."""
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
+import contextlib
+import logging
+import math
+import struct
+from collections.abc import Callable
 from pathlib import Path
+from typing import final
 
-from tool0.errors import DescriptionError, SourceLocation
+from tool0.description.model import RobotModel
+from tool0.description.scene import Scene, SceneObject
+from tool0.description.transform import Pose, Vector3, pose_matrix
+from tool0.engines.checks import check_attachable, check_new_name, check_placement
+from tool0.engines.gazebo.connection import (
+    ANSWER_TIMEOUT,
+    SPAWN_TIMEOUT,
+    BridgeConnection,
+    RequestKind,
+    pack_floats,
+    pack_pose,
+    pack_text,
+)
+from tool0.engines.gazebo.contacts import LinkNames, unpack_contacts
+from tool0.engines.gazebo.mimic import MimicConstraint
+from tool0.engines.gazebo.object_sdf import object_sdf
+from tool0.engines.gazebo.sdf_files import check_model
+from tool0.engines.gazebo.server import GazeboServer
+from tool0.errors import (
+    DescriptionError,
+    EngineError,
+    EngineUnavailableError,
+    SourceLocation,
+    did_you_mean,
+)
+from tool0.hardware.bodies import Matrix
+from tool0.hardware.engine import Contact, ObjectState
 
-EMPTY_WORLD = """\
-<?xml version="1.0"?>
-<sdf version="1.6">
-  <world name="tool0">
-    <physics name="ode" type="ode">
-      <real_time_update_rate>0</real_time_update_rate>
-      <ode>
-        <solver><type>world</type></solver>
-        <constraints>
-          <cfm>0.0</cfm>
-          <erp>0.2</erp>
-          <contact_max_correcting_vel>100.0</contact_max_correcting_vel>
-          <contact_surface_layer>0.001</contact_surface_layer>
-        </constraints>
-      </ode>
-    </physics>
-    <scene>
-      <ambient>0.4 0.4 0.4 1</ambient>
-      <background>0.7 0.7 0.7 1</background>
-      <shadows>true</shadows>
-    </scene>
-    <gui>
-      <camera name="user_camera"><pose>1.5 -1.3 1.0 0 0.36 2.34</pose></camera>
-    </gui>
-    <light name="sun" type="directional">
-      <cast_shadows>true</cast_shadows>
-      <pose>0 0 10 0 0 0</pose>
-      <diffuse>0.8 0.8 0.8 1</diffuse>
-      <specular>0.2 0.2 0.2 1</specular>
-      <direction>-0.5 0.1 -0.9</direction>
-    </light>
-    <model name="ground_plane">
-      <static>true</static>
-      <link name="link">
-        <collision name="collision">
-          <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
-          <surface><friction><ode><mu>100</mu><mu2>50</mu2></ode></friction></surface>
-        </collision>
-        <visual name="visual">
-          <cast_shadows>false</cast_shadows>
-          <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
-          <material>
-            <ambient>0.8 0.8 0.8 1</ambient>
-            <diffuse>0.8 0.8 0.8 1</diffuse>
-          </material>
-        </visual>
-      </link>
-    </model>
-  </world>
-</sdf>
-"""
-"""A world with a sun, and the ground at z = 0.
+logger = logging.getLogger(__name__)
 
-The figures of the solver are Gazebo's own defaults; its type is not: see ADR 6.
-"""
+_WORLD_REPLACED = "Falling back on"
+_INCOMPLETE_MODEL = "Loading model from factory message failed"
+_MESH_MISSING = "Unable to load mesh"
+"""In gzserver's log, which otherwise goes on as if nothing had happened."""
 
 
-def check_world(file: Path) -> None:
-    """Raise DescriptionError unless ``file`` is an SDF with a world in it."""
-    root = _root(file, "world")
-    if root.tag != "sdf" or root.find("world") is None:
-        raise DescriptionError(
-            f"<{root.tag}> is no world; a world is <sdf><world>…</world></sdf>",
-            SourceLocation(file, 1),
+@final
+class GazeboServerWorld:
+    """The world of one gzserver, through the bridge."""
+
+    def __init__(
+        self,
+        connection: BridgeConnection,
+        server: GazeboServer,
+        model: RobotModel,
+        *,
+        root: Matrix,
+        names: LinkNames,
+        finish_step: Callable[[], None],
+    ) -> None:
+        """Use a world in which nothing is yet; ``populate`` adds the robot.
+
+        Args:
+            connection: To the bridge.
+            server: The one that the bridge is in.
+            model: The robot.
+            root: The robot's root in the world, shape (4, 4): moved, not turned.
+            names: Of the robot's links.
+            finish_step: Receives the answer to a step that is under way: no request
+                may come before.
+        """
+        self._connection = connection
+        self._server = server
+        self._model = model
+        self._root = root
+        self._names = names
+        self._finish_step = finish_step
+        self._gravity: Vector3 = (0.0, 0.0, 0.0)
+        self._objects: dict[str, SceneObject] = {}  # as the bridge lists them
+        self._states: tuple[ObjectState, ...] = ()
+
+    @property
+    def gravity(self) -> Vector3:
+        """Of the world when the robot was spawned [m/s²]."""
+        return self._gravity
+
+    @property
+    def ground(self) -> float | None:
+        """Of the empty world; a person's world has what it has."""
+        return -float(self._root[2, 3]) if self._names.own_world else None
+
+    def populate(
+        self,
+        urdf: str,
+        gears: tuple[MimicConstraint, ...],
+        scene: Scene,
+        world_file: Path | None,
+    ) -> None:
+        """Spawn the robot and the scene, and bind the bridge to the robot.
+
+        Args:
+            urdf: The robot, for libsdformat.
+            gears: The constraints that the bridge holds.
+            scene: The objects around the robot.
+            world_file: The file of the world, for messages.
+
+        Raises:
+            DescriptionError: If Gazebo cannot read the world.
+            EngineError: If Gazebo refuses the robot or an object.
+        """
+        file = self._server.folder / "robot.urdf"
+        file.write_text(urdf)
+        self._spawn(self._model.name, file, self._root, world_file=world_file)
+        for item in scene.objects:
+            self.spawn(item)
+        armatures = self._model.transmission_by_joint
+        joints = [joint.name for joint in self._model.movable_joints]
+        answer = self._request(
+            RequestKind.BIND,
+            pack_text(self._model.name),
+            struct.pack("=I", len(joints)),
+            *(
+                pack_text(name)
+                + pack_floats([armatures[name].armature if name in armatures else 0.0])
+                for name in joints
+            ),
+            struct.pack("=I", len(gears)),
+            *(
+                struct.pack("=IId", gear.joint, gear.other, gear.multiplier)
+                for gear in gears
+            ),
+        )
+        x, y, z = struct.unpack("=3d", answer)
+        self._gravity = x, y, z
+
+    def start_poses(self) -> bytes:
+        """Return where a reset puts the objects, as the bridge reads it."""
+        return b"".join(
+            pack_pose(self._root @ pose_matrix(item.pose))
+            for item in self._objects.values()
         )
 
+    def object_states(self) -> tuple[ObjectState, ...]:
+        """Return the current state of each object.
 
-def check_model(file: Path) -> None:
-    """Raise DescriptionError unless ``file`` is a URDF or an SDF with a model."""
-    root = _root(file, "model")
-    if root.tag != "robot" and (root.tag != "sdf" or root.find("model") is None):
-        raise DescriptionError(
-            f"<{root.tag}> is no model; a model is <sdf><model>…</model></sdf>, "
-            "or a URDF's <robot>",
-            SourceLocation(file, 1),
+        If Gazebo is gone it is the last known one; the next step reports the loss.
+        """
+        if not self._objects:
+            return ()
+        with contextlib.suppress(EngineUnavailableError):
+            rows = struct.iter_unpack("=13d", self._request(RequestKind.OBJECTS))
+            self._states = tuple(
+                self._in_root(name, row)
+                for name, row in zip(self._objects, rows, strict=True)
+            )
+        return self._states
+
+    def spawn(self, item: SceneObject) -> None:
+        """Add an object at rest, or raise ModelError or EngineError."""
+        check_new_name(self._objects, item.name)
+        file = self._server.folder / f"{item.name}.sdf"
+        file.write_text(object_sdf(item))
+        pose = self._root @ pose_matrix(item.pose)
+        try:
+            self._spawn(item.name, file, pose, is_object=True)
+        except EngineUnavailableError:
+            raise
+        except EngineError as error:
+            raise EngineError(f"object '{item.name}': {error}") from error
+        self._objects[item.name] = item
+
+    def spawn_file(self, name: str, file: Path, pose: Pose) -> None:
+        """Add the model of a person's URDF or SDF file.
+
+        Args:
+            name: The model's name in the world.
+            file: The file.
+            pose: In the robot's root.
+
+        Raises:
+            DescriptionError: If the file is no XML with a model in it.
+            EngineError: If Gazebo refuses it, or can build only a part of it.
+        """
+        check_model(file)
+        self._spawn(name, file.resolve(), self._root @ pose_matrix(pose))
+
+    def delete(self, name: str) -> None:
+        """Remove any model but the robot, or raise EngineError."""
+        if name == self._model.name:
+            raise EngineError(f"'{name}' is the robot, which cannot be removed")
+        try:
+            self._delete(name)
+        except EngineUnavailableError:
+            raise
+        except EngineError as error:
+            hint = did_you_mean(name, set(self._objects))
+            raise EngineError(f"{error}{hint}") from None
+        self._objects.pop(name, None)
+
+    def place(self, state: ObjectState) -> None:
+        """Set an object's pose and velocity, or raise EngineError."""
+        check_placement(self._objects, state)
+        x, y, z = state.position
+        norm = math.hypot(*state.quat_wxyz)
+        self._request(
+            RequestKind.PLACE,
+            pack_text(state.name),
+            pack_floats((x, y, z + float(self._root[2, 3]))),
+            pack_floats([part / norm for part in state.quat_wxyz]),
+            pack_floats((*state.linear, *state.angular)),
         )
 
+    def contacts(self) -> tuple[Contact, ...]:
+        """Return the contacts of the last step, one item for each pair.
 
-def _root(file: Path, what: str) -> ET.Element:
-    try:
-        return ET.parse(file).getroot()
-    except OSError as error:
-        raise DescriptionError(
-            f"cannot read the {what} {file}: {error.strerror}"
-        ) from None
-    except ET.ParseError as error:
-        line = error.position[0]
-        raise DescriptionError(f"no XML: {error}", SourceLocation(file, line)) from None
+        Gazebo records them from the first call on, so that call returns none.
+        """
+        packed, n, left = b"", 0, 1
+        while left:  # as many as fit into an answer
+            answer = self._request(RequestKind.CONTACTS, struct.pack("=I", n))
+            n_here, left = struct.unpack_from("=2I", answer)
+            packed += answer[8:]
+            n += n_here
+        return unpack_contacts(packed, self._names, self._root)
+
+    def attach(self, name: str, link: str) -> None:
+        """Fix a movable object to a link, or raise ModelError or EngineError."""
+        self._model.link(link)
+        check_attachable(self._objects, name)
+        body = self._names.body_of_link[link]
+        self._request(
+            RequestKind.ATTACH, pack_text(name), pack_text(body), pack_text(link)
+        )
+
+    def detach(self, name: str) -> None:
+        """Release an object; one that is not attached is left alone."""
+        self._request(RequestKind.DETACH, pack_text(name))
+
+    def _request(
+        self, kind: RequestKind, *parts: bytes, timeout: float = ANSWER_TIMEOUT
+    ) -> memoryview:
+        self._finish_step()
+        return self._connection.request(kind, *parts, timeout=timeout)
+
+    def _spawn(
+        self,
+        name: str,
+        file: Path,
+        pose: Matrix,
+        *,
+        is_object: bool = False,
+        world_file: Path | None = None,
+    ) -> None:
+        """Add the model of a file, and check gzserver's log for what went wrong.
+
+        Objects are listed, placed and reset in the order in which they were spawned.
+        """
+        try:
+            self._request(
+                RequestKind.SPAWN,
+                pack_text(name),
+                pack_text(str(file)),
+                pack_pose(pose),
+                struct.pack("=I", is_object),
+                timeout=SPAWN_TIMEOUT,
+            )
+        except EngineUnavailableError:
+            raise
+        except EngineError as error:
+            raise EngineError(f"{error}{self._new_errors()}") from None
+        errors = self._new_errors()
+        if _WORLD_REPLACED in errors:  # before the first model, that is
+            where = SourceLocation(world_file)
+            raise DescriptionError(f"Gazebo cannot read this world:{errors}", where)
+        if _INCOMPLETE_MODEL in errors or (is_object and _MESH_MISSING in errors):
+            self._delete(name)
+            raise EngineError(f"Gazebo cannot build '{name}':{errors}")
+        if errors:
+            logger.warning("Gazebo reports errors:%s", errors)
+
+    def _delete(self, name: str) -> None:
+        self._request(RequestKind.DELETE, pack_text(name), timeout=SPAWN_TIMEOUT)
+
+    def _new_errors(self) -> str:
+        return "".join(f"\n  {line}" for line in self._server.new_errors())
+
+    def _in_root(self, name: str, row: tuple[float, ...]) -> ObjectState:
+        x, y, z, qw, qx, qy, qz, vx, vy, vz, wx, wy, wz = row
+        return ObjectState(
+            name,
+            (x, y, z - float(self._root[2, 3])),
+            (qw, qx, qy, qz),
+            (vx, vy, vz),
+            (wx, wy, wz),
+        )

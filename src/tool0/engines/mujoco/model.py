@@ -16,21 +16,18 @@ import mujoco
 import numpy as np
 
 from tool0.description.model import (
-    Box,
     Collision,
-    Cylinder,
-    Geometry,
     Joint,
     JointType,
     Link,
     LoopJoint,
-    Mesh,
     RobotModel,
-    Sphere,
     Surface,
     Visual,
 )
 from tool0.description.scene import GROUND
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.transform import pose_matrix
 from tool0.errors import ModelError
 from tool0.hardware.bodies import (
     Matrix,
@@ -38,7 +35,6 @@ from tool0.hardware.bodies import (
     check_masses,
     fixed_to_world,
     moving_bodies,
-    transform,
 )
 
 GRIP_SOLREF = (0.002, 1.0)
@@ -107,10 +103,10 @@ def build_spec(
         parent = spec.worldbody if body.parent < 0 else handles[body.parent]
         handles.append(_add_body(spec, parent, model, body, visuals))
     for joint in model.movable_joints:
-        _add_coupling(spec, joint)
+        _add_mimic(spec, joint)
     for loop in model.loops:
         _add_loop(spec, loop, bodies)
-    for first, second in _pairs_that_never_touch(model, bodies):
+    for first, second in _excluded_pairs(model, bodies):
         spec.add_exclude(bodyname1=first, bodyname2=second)
     return spec
 
@@ -141,7 +137,7 @@ def add_geom(spec: Any, handle: Any, shape: Collision | Visual, frame: Matrix) -
     Raises:
         ModelError: If MuJoCo has no such shape.
     """
-    placed = frame @ transform(shape.origin)
+    placed = frame @ pose_matrix(shape.origin)
     geom = handle.add_geom(pos=placed[:3, 3], quat=quat_wxyz(placed))
     geometry: Geometry = shape.geometry
     match geometry:
@@ -203,7 +199,7 @@ def _add_body(
     # One coefficient until mujoco 3.4; a polynomial in the speed since then.
     linear = np.ndim(hinge.damping) == 0
     hinge.damping = joint.damping if linear else [joint.damping, 0.0, 0.0]
-    _make_linkage(hinge, joint)
+    _set_spring_and_stop(hinge, joint)
     if transmission is not None:
         force = limits.effort
         spec.add_actuator(
@@ -218,7 +214,7 @@ def _add_body(
     return handle
 
 
-def _make_linkage(hinge: Any, joint: Joint) -> None:
+def _set_spring_and_stop(hinge: Any, joint: Joint) -> None:
     """Give ``hinge`` its spring, and a firm stop if it is passive."""
     if joint.passive:
         hinge.solref_limit = MIMIC_SOLREF
@@ -250,7 +246,7 @@ def _add_loop(spec: Any, loop: LoopJoint, bodies: tuple[MovingBody, ...]) -> Non
     )
 
 
-def _add_coupling(spec: Any, joint: Joint) -> None:
+def _add_mimic(spec: Any, joint: Joint) -> None:
     if joint.mimic is None or joint.passive:
         return
     mimic = joint.mimic
@@ -278,7 +274,7 @@ def _add_shapes(
         geom.group = _COLLISION_GROUP
         geom.mass = 0.0
         if link.surface is not None:
-            _make_grip(geom, link.surface)
+            _set_pad_contact(geom, link.surface)
     for number, visual in enumerate(link.visuals if visuals else ()):
         geom = add_geom(spec, handle, visual, frame)
         geom.name = f"{link.name}/visual{number}"
@@ -289,7 +285,7 @@ def _add_shapes(
             geom.rgba = visual.rgba
 
 
-def _make_grip(geom: Any, surface: Surface) -> None:
+def _set_pad_contact(geom: Any, surface: Surface) -> None:
     geom.condim = GRIP_CONDIM
     geom.priority = 1
     geom.solref = GRIP_SOLREF
@@ -309,7 +305,7 @@ def _add_mesh(spec: Any, mesh: Mesh) -> str:
     return name
 
 
-def _pairs_that_never_touch(
+def _excluded_pairs(
     model: RobotModel, bodies: tuple[MovingBody, ...]
 ) -> Iterator[tuple[str, str]]:
     """Yield pairs of one mechanism's bodies whose shapes may overlap.
@@ -330,9 +326,9 @@ def _pairs_that_never_touch(
         if body.joint.mimic is not None or body.joint.name in masters
     ]
     for (first, one), (second, two) in itertools.combinations(members, 2):
-        if one == two and not (_grips(model, first) and _grips(model, second)):
+        if one == two and not (_has_pad(model, first) and _has_pad(model, second)):
             yield first.joint.child, second.joint.child
 
 
-def _grips(model: RobotModel, body: MovingBody) -> bool:
+def _has_pad(model: RobotModel, body: MovingBody) -> bool:
     return any(model.link(name).surface is not None for name, _ in body.links)

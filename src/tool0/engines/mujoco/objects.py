@@ -7,13 +7,17 @@ the robot's, whose values so stay the first of every array.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from tool0.description.model import Collision, Cylinder, Mesh, RobotModel, Sphere
+from tool0.description.model import Collision, RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Cylinder, Mesh, Sphere
+from tool0.description.transform import pose_matrix
 from tool0.engines.mujoco.model import (
     GRIP_CONDIM,
     GRIP_SOLIMP,
@@ -25,11 +29,10 @@ from tool0.engines.mujoco.model import (
     quat_wxyz,
 )
 from tool0.errors import ModelError
-from tool0.hardware.bodies import transform
 
 OBJECT_SOLREF = (0.004, 1.0)
 """Of contacts between objects, ground and links: a fifth of MuJoCo's time constant
-[s], so that a cube at rest sinks in by micrometres."""
+[s], so that a cube at rest penetrates by micrometres."""
 OBJECT_ROLLING = 0.0005
 """Rolling friction [m], a guess for firm things: a can on its side stays where it is
 on a table that is up to one degree from level."""
@@ -37,17 +40,57 @@ on a table that is up to one degree from level."""
 _PATCH, _ROUND = 4, 6  # condim: with spinning friction; with rolling friction, too
 
 
-def add_objects(spec: Any, model: RobotModel, scene: Scene) -> None:
+def compile_with_scene(
+    spec: Any, model: RobotModel, scene: Scene, known_files: Mapping[str, bytes]
+) -> tuple[Any, Mapping[str, bytes]]:  # MjSpec and MjModel carry no types
+    """Return the ``mujoco.MjModel`` of robot and scene, and its mesh files' contents.
+
+    Args:
+        spec: Of the robot; the scene is added to it.
+        model: The robot.
+        scene: The objects.
+        known_files: The contents from the compilation before: a file may change or go
+            while the object made of it stays.
+
+    Raises:
+        ModelError: If MuJoCo refuses it; if an object is to blame, it is named.
+    """
+    _add_objects(spec, model, scene)
+    files = _load_meshes(spec, known_files)
+    try:
+        return compile_spec(spec), files
+    except ModelError:
+        for item in scene.objects:
+            alone = mujoco.MjSpec()
+            _add_object(alone, item)
+            try:
+                alone.compile()
+            except ValueError as error:
+                raise ModelError(
+                    f"MuJoCo refuses object '{item.name}': {error}",
+                    scene.locations.get(item.name),
+                ) from error
+        raise
+
+
+def free_joint_name(name: str) -> str:
+    """Return the name of an object's free joint, which no joint of a robot has."""
+    return f"{name}/free"  # no object's name has a slash
+
+
+def object_of(free_joint: str) -> str:
+    """Return the name of the object whose joint it is."""
+    return free_joint.partition("/")[0]
+
+
+def _add_objects(spec: Any, model: RobotModel, scene: Scene) -> None:
     """Add the scene to the spec of the robot.
 
     The smaller friction of two objects, or of an object and a pad, is what counts:
-    MuJoCo would take the larger, so these pairs are spelled out.  The ground and the
+    MuJoCo would take the larger, so these pairs are explicit.  The ground and the
     robot's other links leave it to the object, by its priority over theirs.
-
-    Raises:
-        ModelError: If MuJoCo cannot have such an object.
     """
-    # What stands still comes first: messages about overlaps go by this order.
+    # Static objects come first: messages about overlaps go by this order.
     for item in sorted(scene.objects, key=lambda item: item.mass is not None):
         _add_object(spec, item)
     pads = [
@@ -69,43 +112,27 @@ def add_objects(spec: Any, model: RobotModel, scene: Scene) -> None:
             pair.solref = OBJECT_SOLREF
 
 
-def compile_with(spec: Any, scene: Scene) -> Any:  # MjSpec and MjModel carry no types
-    """Return the ``mujoco.MjModel`` of robot and scene.
-
-    Raises:
-        ModelError: If MuJoCo refuses it; if an object is to blame, it is named.
-    """
-    try:
-        return compile_spec(spec)
-    except ModelError:
-        for item in scene.objects:
-            alone = mujoco.MjSpec()
-            _add_object(alone, item)
-            try:
-                alone.compile()
-            except ValueError as error:
-                raise ModelError(
-                    f"MuJoCo refuses object '{item.name}': {error}",
-                    scene.locations.get(item.name),
-                ) from error
-        raise
-
-
-def free_joint_name(name: str) -> str:
-    """Return what the joint of the object ``name`` is called: as no joint of a robot's.
-
-    A slash is in no object's name.
-    """
-    return f"{name}/free"
-
-
-def object_of(free_joint: str) -> str:
-    """Return the name of the object whose joint it is."""
-    return free_joint.partition("/")[0]
+def _load_meshes(spec: Any, known: Mapping[str, bytes]) -> Mapping[str, bytes]:
+    """Give ``spec`` the contents of its mesh files, and return them."""
+    files = {}
+    assets = {}
+    for mesh in spec.meshes:
+        name = mesh.file
+        if name not in files:
+            if name in known:
+                files[name] = known[name]
+            elif Path(name).is_file():  # otherwise MuJoCo reports what is wrong
+                files[name] = Path(name).read_bytes()
+        if name in files:
+            # mujoco 3.3.0 takes two files of one name in two folders for the same.
+            mesh.file = name.replace("/", "|").replace("\\", "|")
+            assets[mesh.file] = files[name]
+    spec.assets = assets
+    return files
 
 
 def _add_object(spec: Any, item: SceneObject) -> None:
-    frame = transform(item.pose)
+    frame = pose_matrix(item.pose)
     body = spec.worldbody.add_body(
         name=item.name, pos=frame[:3, 3], quat=quat_wxyz(frame)
     )

@@ -6,8 +6,10 @@ only its kinematics are computed.
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, final
 
 import mujoco
@@ -15,23 +17,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.description.camera import Camera
-from tool0.description.kinematics import Transform
-from tool0.description.model import RobotModel
+from tool0.description.model import Link, RobotModel, Visual
 from tool0.description.scene import Scene, SceneObject
-from tool0.engines.mujoco.drawable import drawable
+from tool0.description.shapes import Mesh
+from tool0.description.transform import Transform
 from tool0.engines.mujoco.gl import make_context
-from tool0.engines.mujoco.model import build_spec
-from tool0.engines.mujoco.objects import add_objects, compile_with, free_joint_name
-from tool0.engines.mujoco.succession import read_meshes
+from tool0.engines.mujoco.model import MESH_SUFFIXES, build_spec
+from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
 from tool0.hardware.engine import ObjectState
 
-GEOMS_MOST = 10000
+logger = logging.getLogger(__name__)
+
+MAX_GEOMS = 10000
 """Shapes in one picture; MuJoCo leaves out what is beyond."""
 
 HORIZON, ZENITH = np.array([237.0, 242.0, 247.0]), np.array([180.0, 203.0, 230.0])
 """Colours of the sky."""
 HAZE = (3.0, 9.0)
 """Along the camera's z [m]: where things begin to fade, and where only sky is left."""
+
+STAND_IN_RGBA = (0.6, 0.62, 0.65, 1.0)
+"""Of collision shapes that replace a mesh."""
 
 Picture = tuple[NDArray[np.uint8], NDArray[np.float32], Transform]
 
@@ -54,10 +60,10 @@ class Renderer:
         Raises:
             RenderError: If there is no OpenGL here.
         """
-        self._robot = model = drawable(model)
+        self._robot = model = with_readable_visuals(model)
         self._size = width, height
-        self._bare = build_spec(model, dt=0.001, visuals=True, ground=ground)
-        _furnish(self._bare, width, height)
+        self._robot_spec = build_spec(model, dt=0.001, visuals=True, ground=ground)
+        _furnish(self._robot_spec, width, height)
         self._mesh_files: Mapping[str, bytes] = {}
         self._objects: tuple[SceneObject, ...] | None = None
         self._context = make_context(width, height)
@@ -102,17 +108,15 @@ class Renderer:
     def close(self) -> None:
         """Give back what OpenGL holds."""
         self._context.make_current()
-        self._forget()
+        self._free_drawing()
         self._context.free()
 
     def _compile(self, objects: tuple[SceneObject, ...]) -> None:
         """Take a scene over; or change nothing."""
-        spec = self._bare.copy()
-        scene = Scene(objects)
-        add_objects(spec, self._robot, scene)
-        files = read_meshes(spec, self._mesh_files)
-        model = compile_with(spec, scene)
-        self._forget()
+        model, files = compile_with_scene(
+            self._robot_spec.copy(), self._robot, Scene(objects), self._mesh_files
+        )
+        self._free_drawing()
         self._model, self._data = model, mujoco.MjData(model)
         self._mesh_files = files
         self._drawing = mujoco.MjrContext(
@@ -121,14 +125,14 @@ class Renderer:
         # From 1 at near to 0 at far: exact far away, too, where floats are dense.
         self._drawing.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
-        self._visible = mujoco.MjvScene(model, maxgeom=GEOMS_MOST)
+        self._visible = mujoco.MjvScene(model, maxgeom=MAX_GEOMS)
         self._visible.flags[mujoco.mjtRndFlag.mjRND_SKYBOX.value] = 0
         self._options = mujoco.MjvOption()
         self._options.geomgroup[:] = [1, 1, 1, 0, 0, 0]  # no collision shapes
         self._options.sitegroup[:] = 0
         self._objects = objects
 
-    def _forget(self) -> None:
+    def _free_drawing(self) -> None:
         if self._drawing is not None:
             self._drawing.free()
             self._drawing = self._objects = None
@@ -235,3 +239,44 @@ def _furnish(spec: Any, width: int, height: int) -> None:
         diffuse=[0.5, 0.5, 0.5],
         specular=[0.2, 0.2, 0.2],
     )
+
+
+def with_readable_visuals(model: RobotModel) -> RobotModel:
+    """Return the robot; collision shapes replace meshes that MuJoCo cannot read.
+
+    Physics needs no visual mesh: a robot with COLLADA files runs, so draw it, too.
+    """
+    unread = sorted(
+        {
+            visual.geometry.path.name
+            for link in model.links
+            for visual in link.visuals
+            if isinstance(visual.geometry, Mesh) and not _is_readable(visual)
+        }
+    )
+    if not unread:
+        return model
+    logger.warning(
+        "cameras show collision shapes instead of %s, which MuJoCo cannot read; "
+        "convert them to STL or OBJ",
+        ", ".join(unread),
+    )
+    return replace(model, links=tuple(map(_with_readable_visuals, model.links)))
+
+
+def _with_readable_visuals(link: Link) -> Link:
+    if all(map(_is_readable, link.visuals)):
+        return link
+    stand_ins = (
+        Visual(geometry=item.geometry, origin=item.origin, rgba=STAND_IN_RGBA)
+        for item in link.collisions
+    )
+    kept = tuple(visual for visual in link.visuals if _is_readable(visual))
+    return replace(link, visuals=kept or tuple(stand_ins))
+
+
+def _is_readable(visual: Visual) -> bool:
+    geometry = visual.geometry
+    if not isinstance(geometry, Mesh):
+        return True
+    return geometry.path.suffix.lower() in MESH_SUFFIXES

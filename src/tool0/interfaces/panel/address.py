@@ -26,7 +26,7 @@ _RECEIVE_BUFFER: Final = 32768
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Door:
+class Endpoint:
     """A listening socket: connections wait there until the server takes them."""
 
     listener: socket.socket
@@ -62,9 +62,9 @@ class Door:
         return _is_any(self.host) and (_is_ip(name) or name in own_names)
 
 
-def open_door(
+def open_endpoint(
     host: str | None = None, port: int | None = None, token: str | None = None
-) -> Door:
+) -> Endpoint:
     """Listen, and return where.
 
     Args:
@@ -87,7 +87,7 @@ def open_door(
         if port is not None or error.errno != errno.EADDRINUSE:
             raise _refusal(where, port, error) from None
         listener = _listen(where, 0)
-    return Door(
+    return Endpoint(
         listener=listener, host=where, port=listener.getsockname()[1], token=token
     )
 

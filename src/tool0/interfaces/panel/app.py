@@ -12,18 +12,19 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
-from tool0.interfaces.panel.address import Door
+from tool0.interfaces.panel.address import Endpoint
 from tool0.interfaces.panel.guard import Guard
 from tool0.interfaces.panel.robot_files import URDF_PATH
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
     from pathlib import Path
 
     from starlette.requests import Request
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
+    from starlette.websockets import WebSocket
 
-    from tool0.interfaces.panel.hub import Hub
-    from tool0.interfaces.panel.source import PanelSource
+    from tool0.interfaces.panel.source import ViewSource
 
 NO_PAGE: Final = (
     "The panel's page is not built: `make run` builds it, or `npm run build` in web/.\n"
@@ -38,13 +39,18 @@ _MIME: Final = {
 }
 
 
-def build_app(source: PanelSource, hub: Hub, door: Door, static: Path) -> ASGIApp:
+def build_app(
+    source: ViewSource,
+    serve_page: Callable[[WebSocket], Awaitable[None]],
+    endpoint: Endpoint,
+    static: Path,
+) -> ASGIApp:
     """Return the whole server: guarded, and compressed where that helps.
 
     Args:
         source: The robot.
-        hub: Its pages.
-        door: Where they come in.
+        serve_page: Serves the WebSocket of a page.
+        endpoint: Where they come in.
         static: The folder of the page, as it was built from ``web/``.
     """
     files = source.facts.files
@@ -80,11 +86,11 @@ def build_app(source: PanelSource, hub: Hub, door: Door, static: Path) -> ASGIAp
             Route("/", page),
             Route(URDF_PATH, urdf),
             Route("/meshes/{name}", mesh),
-            WebSocketRoute("/ws", hub.serve),
+            WebSocketRoute("/ws", serve_page),
             Mount("/assets", _kept(StaticFiles(directory=assets, check_dir=False))),
         ]
     )
-    return Guard(GZipMiddleware(app, minimum_size=1024, compresslevel=6), door)
+    return Guard(GZipMiddleware(app, minimum_size=1024, compresslevel=6), endpoint)
 
 
 def _kept(app: ASGIApp) -> ASGIApp:

@@ -13,7 +13,7 @@ from urllib.parse import parse_qs
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
 
-from tool0.interfaces.panel.address import Door
+from tool0.interfaces.panel.address import Endpoint
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -46,9 +46,9 @@ _READING: Final = frozenset({"GET", "HEAD"})
 class Guard:
     """Lets a request through to ``app``, or refuses it with a short text."""
 
-    def __init__(self, app: ASGIApp, door: Door) -> None:
+    def __init__(self, app: ASGIApp, endpoint: Endpoint) -> None:
         self._app = app
-        self._door = door
+        self._endpoint = endpoint
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         refusal = self._refusal(scope)
@@ -64,7 +64,7 @@ class Guard:
     def _refusal(self, scope: Scope) -> tuple[int, str] | None:
         headers = Headers(scope=scope)
         host = headers.get("host", "")
-        if not self._door.is_known_as(host):
+        if not self._endpoint.is_known_as(host):
             return 421, f"this server is not called '{host}'; use {self._address}"
         origin = headers.get("origin")
         is_socket = scope["type"] == "websocket"
@@ -75,17 +75,17 @@ class Guard:
             and origin.lower() != f"http://{host}".lower()
         ):
             return 403, f"pages from '{origin}' may not drive this robot"
-        if self._door.token is not None and scope["path"].startswith(_SECRET_PATHS):
+        if self._endpoint.token is not None and scope["path"].startswith(_SECRET_PATHS):
             given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])
             if not secrets.compare_digest(
-                given[-1].encode(), self._door.token.encode()
+                given[-1].encode(), self._endpoint.token.encode()
             ):
                 return 401, "give the token of the address that bringup printed"
         return None
 
     @property
     def _address(self) -> str:
-        return self._door.url.partition("?")[0]
+        return self._endpoint.url.partition("?")[0]
 
 
 def _with_headers(scope: Scope, send: Send) -> Send:

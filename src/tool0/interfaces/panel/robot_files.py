@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast, final
 
 from tool0.description.catalogue import RobotDescription
-from tool0.description.model import Geometry, Mesh
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Geometry, Mesh
 from tool0.description.xml_source import parse_text, to_text
 
 if TYPE_CHECKING:

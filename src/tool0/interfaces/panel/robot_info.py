@@ -7,18 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, cast
 
 from tool0.description.catalogue import RobotDescription, part_names
-from tool0.description.model import (
-    Box,
-    Cylinder,
-    Geometry,
-    Joint,
-    JointLimits,
-    JointType,
-    Mesh,
-    RobotModel,
-    Sphere,
-)
+from tool0.description.model import Joint, JointLimits, JointType, RobotModel
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.interfaces.panel.protocol import (
     GripperInfo,
     JointInfo,

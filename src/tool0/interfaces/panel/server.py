@@ -1,34 +1,44 @@
-"""The panel's server: a thread of its own with an event loop of its own."""
+"""The panel: a web page with the robot, served over HTTP and WebSocket."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
 import threading
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, final
 
-from tool0.interfaces.panel.address import Door, open_door
-from tool0.runtime.robot import Robot
+from starlette.responses import PlainTextResponse
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from tool0.api.robot import Robot
+from tool0.interfaces.panel.address import Endpoint, open_endpoint
+from tool0.interfaces.server.backend import Backend, SimulationBackend
+from tool0.interfaces.server.server import Server
+from tool0.requests.table import Request
 
 if TYPE_CHECKING:
     import uvicorn
-    from starlette.websockets import WebSocket
 
-    from tool0.interfaces.panel.source import PanelSource
+    from tool0.interfaces.panel.source import ViewSource
+    from tool0.interfaces.panel.view import RobotView
+    from tool0.interfaces.panel.view_feed import ViewFeed
+    from tool0.interfaces.server.hub import Hub
 
 logger = logging.getLogger(__name__)
 
 STATIC: Final = Path(__file__).parent / "static"
 """The page, made from ``web/``."""
 
-_LARGEST: Final = 1 << 20
-"""Bytes of a message from which the connection ends; smaller ones are answered."""
-_PING: Final = 20.0
-"""Wall time between two looks at whether a silent page is still there [s]."""
-_CLOSES_WITHIN: Final = 5.0
-"""[wall s]"""
+MAX_PAGES: Final = 64
+GOING_AWAY: Final = 1001
+FULL: Final = 503
+_MAX_MESSAGE: Final = 1 << 16
+"""Bytes of a message from which the connection ends."""
+_PING_PERIOD: Final = 20.0
+"""Wall time between checks whether a silent page is still there [s]."""
 
 
 def is_page_built() -> bool:
@@ -45,53 +55,42 @@ def load() -> None:
     import uvicorn.protocols.websockets.websockets_sansio_impl  # noqa: F401
 
     import tool0.interfaces.panel.app
-    import tool0.interfaces.panel.hub
-    import tool0.interfaces.panel.simulation  # noqa: F401
+    import tool0.interfaces.panel.simulation_view
+    import tool0.interfaces.panel.view_feed  # noqa: F401
 
 
 @final
-class Panel:
-    """Serves a robot as a web page, from construction to ``close``.
+class WebService:
+    """Serves a hub's robot as a web page; see ``server.Service``.
 
     The address can be used at once; the page comes as soon as the server is loaded.
     """
 
     def __init__(
         self,
-        source: Robot | PanelSource,
-        host: str | None = None,
-        port: int | None = None,
-        token: str | None = None,
-        *,
-        door: Door | None = None,
+        source: Callable[[], ViewSource],
+        endpoint: Endpoint,
+        setpoint_requests: tuple[type[Request[Any]], ...] = (),
     ) -> None:
-        """Begin to serve.
+        """Listen.
 
         Args:
-            source: A robot, or what else pages may see.
-            host: The name or address to listen at; only this machine's own programs
-                can come in if left out.
-            port: 8085 if left out, or a free one if that is taken.
-            token: What pages must show; a new one, if host or port is given without.
-            door: A listening socket, instead of host, port and token.
-
-        Raises:
-            TransportError: If the address is taken or is not this machine's.
+            source: Makes what pages see, in the server's thread.
+            endpoint: The listening socket.
+            setpoint_requests: Further requests that pages stream.
         """
-        self._source = source
-        self._door = door or open_door(host, port, token)
-        self._loop = asyncio.new_event_loop()
-        self._stop = asyncio.Event()
+        self._make_source = source
+        self._endpoint = endpoint
+        self._setpoint_requests = setpoint_requests
         self._shown = threading.Event()
-        self._thread = threading.Thread(
-            target=self._run, name="tool0-panel", daemon=True
-        )
-        self._thread.start()
+        self._feed: ViewFeed | None = None
+        self._server: uvicorn.Server | None = None
+        self._serving: asyncio.Task[None] | None = None
 
     @property
     def url(self) -> str:
         """The page's address, with the token if it needs one."""
-        return self._door.url
+        return self._endpoint.url
 
     def await_page(self, timeout: float | None = None) -> bool:
         """Wait until a page has connected, at any time; return whether one has.
@@ -101,11 +100,158 @@ class Panel:
         """
         return self._shown.wait(timeout)
 
+    async def start(self, hub: Hub) -> None:
+        """Take pages."""
+        import uvicorn
+
+        from tool0.interfaces.panel.app import build_app
+        from tool0.interfaces.panel.view_feed import ViewFeed
+
+        source = self._make_source()
+        hub.setpoint_requests += self._setpoint_requests
+        self._feed = ViewFeed(source, hub)
+        app = build_app(source, self._serve_page(hub), self._endpoint, STATIC)
+        self._server = uvicorn.Server(
+            uvicorn.Config(
+                app,
+                loop="asyncio",
+                http="h11",
+                ws="websockets-sansio",
+                lifespan="off",
+                log_config=None,
+                log_level=logging.WARNING,
+                access_log=False,
+                proxy_headers=False,
+                server_header=False,
+                ws_max_size=_MAX_MESSAGE,
+                ws_ping_interval=_PING_PERIOD,
+                ws_ping_timeout=_PING_PERIOD,
+                ws_per_message_deflate=False,
+                timeout_graceful_shutdown=1,
+            )
+        )
+        logging.getLogger("uvicorn.error").addFilter(_is_news)
+        serving = self._server.serve(sockets=[self._endpoint.listener])
+        self._serving = asyncio.create_task(serving)
+
+    async def stop(self) -> None:
+        """Take no more pages."""
+        if self._feed is not None:
+            self._feed.close()
+        if self._server is not None:
+            self._server.should_exit = True
+
+    def release(self) -> None:
+        """Close the listening socket."""
+        self._endpoint.listener.close()
+
+    def _serve_page(self, hub: Hub) -> Callable[[WebSocket], Awaitable[None]]:
+        n_pages = 0
+
+        async def serve(socket: WebSocket) -> None:
+            nonlocal n_pages
+            if n_pages >= MAX_PAGES:
+                text = f"{MAX_PAGES} pages are connected already; close one\n"
+                await socket.send_denial_response(PlainTextResponse(text, FULL))
+                return
+            await socket.accept()
+            n_pages += 1
+            self._shown.set()
+            try:
+                await hub.serve(_PageTransport(socket, self._abort))
+            finally:
+                n_pages -= 1
+
+        return serve
+
+    def _abort(self, socket: WebSocket) -> None:
+        """End a connection at once: closing would wait until the page reads."""
+        if self._server is None:
+            return
+        peer = socket.scope["client"], socket.scope["server"]
+        connection: Any  # each protocol of uvicorn has these, and no common type
+        for connection in list(self._server.server_state.connections):
+            if (connection.client, connection.server) == peer:
+                connection.transport.abort()
+
+
+@final
+class _PageTransport:
+    """One page; see ``session.Transport``."""
+
+    is_trusted: Final = False
+
+    def __init__(self, socket: WebSocket, abort: Callable[[WebSocket], None]) -> None:
+        self._socket = socket
+        self._abort = abort
+
+    async def send(self, text: bytes) -> None:
+        try:
+            await self._socket.send_text(text.decode())
+        except WebSocketDisconnect:
+            raise ConnectionError from None
+
+    async def receive(self) -> bytes | str | None:
+        event = await self._socket.receive()
+        if event["type"] == "websocket.disconnect":
+            return None
+        text: str | bytes = event.get("text") or event["bytes"]
+        return text
+
+    async def close(self) -> None:
+        await self._socket.close(GOING_AWAY, "the server ends")
+
+    def abort(self) -> None:
+        self._abort(self._socket)
+
+
+@final
+class Panel:
+    """Serves a robot as a web page, from construction to ``close``."""
+
+    def __init__(
+        self,
+        robot: Robot | RobotView,
+        host: str | None = None,
+        port: int | None = None,
+        token: str | None = None,
+        *,
+        endpoint: Endpoint | None = None,
+    ) -> None:
+        """Begin to serve.
+
+        Args:
+            robot: A robot of this process, or one without physics.
+            host: The name or address to listen at; only this machine's own programs
+                can come in if left out.
+            port: 8085 if left out, or a free one if that is taken.
+            token: What pages must show; a new one, if host or port is given without.
+            endpoint: A listening socket, instead of host, port and token.
+
+        Raises:
+            TransportError: If the address is taken or is not this machine's.
+        """
+        endpoint = endpoint or open_endpoint(host, port, token)
+        backend, service = panel_service(robot, endpoint)
+        self._service = service
+        self._server = Server(backend, [service])
+
+    @property
+    def url(self) -> str:
+        """The page's address, with the token if it needs one."""
+        return self._service.url
+
+    def await_page(self, timeout: float | None = None) -> bool:
+        """Wait until a page has connected, at any time; return whether one has.
+
+        Args:
+            timeout: Longest wait [wall s]; None waits for ever.
+        """
+        return self._service.await_page(timeout)
+
     def close(self) -> None:
         """Say goodbye to every page and end; closing twice is allowed."""
-        if self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._stop.set)
-            self._thread.join(_CLOSES_WITHIN)
+        self._server.close()
 
     def __enter__(self) -> Panel:
         return self
@@ -118,81 +264,25 @@ class Panel:
     ) -> None:
         self.close()
 
-    def _run(self) -> None:
-        try:
-            self._loop.run_until_complete(self._serve())
-        except Exception:  # the robot runs on without its page
-            logger.exception("the panel's server failed")
-        finally:
-            self._door.listener.close()
-            self._loop.run_until_complete(_end_tasks())
-            self._loop.close()
 
-    async def _serve(self) -> None:
-        import uvicorn
+def panel_service(
+    robot: Robot | RobotView, endpoint: Endpoint
+) -> tuple[Backend, WebService]:
+    """Return what a server needs to show ``robot`` as a page."""
+    if isinstance(robot, Robot):
+        simulation = robot.simulation
 
-        from tool0.interfaces.panel.app import build_app
-        from tool0.interfaces.panel.hub import Hub
+        def view() -> ViewSource:
+            from tool0.interfaces.panel.simulation_view import SimulationView
 
-        source = _as_source(self._source)
-        connections: list[uvicorn.Server] = []
-        hub = Hub(source, lambda socket: _cut(connections, socket), self._shown.set)
-        server = uvicorn.Server(
-            uvicorn.Config(
-                build_app(source, hub, self._door, STATIC),
-                loop="asyncio",
-                http="h11",
-                ws="websockets-sansio",
-                lifespan="off",
-                log_config=None,
-                log_level=logging.WARNING,
-                access_log=False,
-                proxy_headers=False,
-                server_header=False,
-                ws_max_size=_LARGEST,
-                ws_ping_interval=_PING,
-                ws_ping_timeout=_PING,
-                ws_per_message_deflate=False,
-                timeout_graceful_shutdown=1,
-            )
-        )
-        connections.append(server)
-        logging.getLogger("uvicorn.error").addFilter(_is_news)
-        serving = asyncio.create_task(server.serve(sockets=[self._door.listener]))
-        stopping = asyncio.create_task(self._stop.wait())
-        await asyncio.wait((serving, stopping), return_when=asyncio.FIRST_COMPLETED)
-        stopping.cancel()
-        await hub.close()
-        server.should_exit = True
-        await serving
+            return SimulationView(simulation)
 
+        return SimulationBackend(simulation), WebService(view, endpoint)
+    from tool0.interfaces.panel.view import PoseJoints
 
-async def _end_tasks() -> None:
-    """End what is left in the loop, such as a page that never said goodbye."""
-    tasks = asyncio.all_tasks() - {asyncio.current_task()}
-    for task in tasks:
-        task.cancel()
-    await asyncio.gather(*tasks, return_exceptions=True)
+    return robot, WebService(lambda: robot, endpoint, (PoseJoints,))
 
 
 def _is_news(record: logging.LogRecord) -> bool:
     """Return False for what uvicorn says of every refused page: nothing went wrong."""
     return "without completing handshake" not in record.getMessage()
-
-
-def _as_source(source: Robot | PanelSource) -> PanelSource:
-    if not isinstance(source, Robot):
-        return source
-    from tool0.interfaces.panel.simulation import SimulationSource
-
-    return SimulationSource(source)
-
-
-def _cut(servers: list[uvicorn.Server], socket: WebSocket) -> None:
-    """End a connection at once: closing would wait until the page reads."""
-    peer = socket.scope["client"], socket.scope["server"]
-    for server in servers:
-        connection: Any  # each protocol of uvicorn has these, and no common type
-        for connection in list(server.server_state.connections):
-            if (connection.client, connection.server) == peer:
-                connection.transport.abort()

@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, final
 
 from tool0.interfaces.panel.protocol import (
-    ClientMessage,
     Frame,
-    Mode,
     NoticeCode,
     RobotInfo,
     Scene,
     Severity,
     Status,
-    Stream,
 )
 from tool0.interfaces.panel.robot_files import RobotFiles
+from tool0.requests.messages import Mode
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Happening:
+class Notification:
     """Something that people should be told."""
 
     severity: Severity
@@ -46,11 +44,10 @@ class Facts:
     files: RobotFiles
 
 
-class PanelSource(Protocol):
+class ViewSource(Protocol):
     """A robot that pages see.
 
-    Only ``carry_out`` may take time and is called from threads of its own; the rest is
-    called by the server's thread alone.
+    It is read by the server's thread alone.
     """
 
     @property
@@ -68,22 +65,8 @@ class PanelSource(Protocol):
     def status(self, clients: int) -> Status:
         """Return what changes seldom, with the number of pages."""
 
-    def happenings(self) -> Sequence[Happening]:
+    def notifications(self) -> Sequence[Notification]:
         """Return what happened since the last call."""
-
-    def check(self, message: Stream) -> None:
-        """Raise Tool0Error for a stream that can never be carried out."""
-
-    def displaced_by(self, message: ClientMessage) -> Collection[str]:
-        """Return the streams that a request puts an end to, by ``stream_key``."""
-
-    def carry_out(self, message: ClientMessage) -> None:
-        """Do what a page asks for, or raise Tool0Error."""
 
     def close(self) -> None:
         """Let go of what it reads."""
-
-
-def stream_key(message: Stream) -> str:
-    """Return what the newest of a stream replaces: its controller's, or the pose's."""
-    return getattr(message, "controller", "")

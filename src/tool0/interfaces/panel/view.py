@@ -4,17 +4,29 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Collection, Mapping, Sequence
-from typing import Final, final
+from typing import Any, Final, final
 
 from tool0.description.catalogue import RobotDescription
 from tool0.description.model import Joint, JointType, RobotModel
 from tool0.errors import ConfigError, ControlError, ModelError
-from tool0.interfaces.panel import protocol as ask
 from tool0.interfaces.panel.protocol import Frame, GripperState, PoseInfo, Scene, Status
 from tool0.interfaces.panel.robot_files import RobotFiles
 from tool0.interfaces.panel.robot_info import ONE_AXIS, robot_info
-from tool0.interfaces.panel.source import Facts, Happening
+from tool0.interfaces.panel.source import Facts, Notification
+from tool0.requests.fields import JointPositions
+from tool0.requests.gripper import Grip
+from tool0.requests.poses import DeletePose, GoToPose, SavePose
+from tool0.requests.table import Request, handles, method_name
+from tool0.requests.time import Reset
 from tool0.runtime.poses import PoseBook
+from tool0.runtime.simulation import Simulation
+
+
+class PoseJoints(Request[None], frozen=True):
+    """Set joints directly, in ``tool0 view``: there is no physics."""
+
+    positions: JointPositions
+
 
 FIRST_POSE: Final = "home"
 _ROUNDING: Final = 1e-6
@@ -23,8 +35,14 @@ _NOTHING: Final = Scene(number=0, objects=[])
 
 
 @final
-class ViewSource:
-    """Joints stand where a page last put them, for every page."""
+class RobotView:
+    """A robot without physics: joints stand where a page last put them.
+
+    It is both the backend of a server and the source of its view.
+    """
+
+    mode: Final = "view"
+    simulation: Final = None
 
     def __init__(
         self, description: RobotDescription, ground: float | None = None
@@ -46,7 +64,7 @@ class ViewSource:
         self._position = _with_mimics(self._model, self._start)
         self._frame = self._frame_now()
         self._problem: str | None = None
-        self._happenings: list[Happening] = []
+        self._notifications: list[Notification] = []
         self._facts = Facts(
             mode="view",
             engine=None,
@@ -93,36 +111,35 @@ class ViewSource:
             targets={},
         )
 
-    def happenings(self) -> Sequence[Happening]:
-        found, self._happenings = self._happenings, []
+    def notifications(self) -> Sequence[Notification]:
+        found, self._notifications = self._notifications, []
         return found
 
-    def check(self, message: ask.Stream) -> None:
-        match message:
-            case ask.PoseJoints(positions=positions):
-                self._checked(positions)
-            case _:
-                raise _no_physics(message)
+    def check_setpoint(self, request: Request[Any]) -> None:
+        if not isinstance(request, PoseJoints):
+            raise _no_physics(request)
+        self._checked(request.positions)
 
-    def displaced_by(self, message: ask.ClientMessage) -> Collection[str]:
-        return ("",) if isinstance(message, ask.GoToPose | ask.Reset) else ()
+    def superseded(self, request: Request[Any]) -> Collection[str]:
+        return ("",) if isinstance(request, GoToPose | Reset) else ()
 
-    def carry_out(self, message: ask.ClientMessage) -> None:
-        match message:
-            case ask.PoseJoints(positions=positions):
+    def carry_out(self, request: Request[Any]) -> Any:
+        match request:
+            case PoseJoints(positions=positions):
                 self._put(self._checked(positions))
-            case ask.GoToPose(name=name):
+            case GoToPose(name=name):
                 self._put(self._book.find(name).positions)
-            case ask.Reset():
+            case Reset():
                 self._put(self._start)
-            case ask.SavePose(name=name):
+            case SavePose(name=name):
                 self._book.save(name, self._driven())
-            case ask.DeletePose(name=name):
+            case DeletePose(name=name):
                 self._book.delete(name)
-            case ask.Grip(gripper=name, opening=opening):
+            case Grip(gripper=name, opening=float(opening)):
                 self._grip(name, opening)
             case _:
-                raise _no_physics(message)
+                raise _no_physics(request)
+        return () if isinstance(request, GoToPose) else None
 
     def close(self) -> None:
         pass
@@ -132,9 +149,9 @@ class ViewSource:
             self._position = _with_mimics(self._model, {**self._position, **positions})
             self._frame = self._frame_now()
 
-    def _grip(self, name: str, opening: float) -> None:
+    def _grip(self, name: str | None, opening: float) -> None:
         for gripper in self._model.grippers:
-            if gripper.name == name:
+            if name in (None, gripper.name):
                 self._put({gripper.joint: gripper.position(opening)})
                 return
         names = ", ".join(gripper.name for gripper in self._model.grippers) or "none"
@@ -171,8 +188,8 @@ class ViewSource:
         except ConfigError as error:
             if str(error) != self._problem:
                 self._problem = str(error)
-                self._happenings.append(
-                    Happening(severity="warning", code="log", text=str(error))
+                self._notifications.append(
+                    Notification(severity="warning", code="log", text=str(error))
                 )
             poses = self._book.own
         return [
@@ -211,9 +228,17 @@ def _with_mimics(
     return found
 
 
-def _no_physics(message: ask.ClientMessage) -> ControlError:
-    kind = type(message).__struct_config__.tag
+def _no_physics(request: Request[Any]) -> ControlError:
+    name = method_name(type(request))
     return ControlError(
-        f"`tool0 view` has no physics and no controllers, so it cannot do '{kind}'; "
+        f"`tool0 view` has no physics and no controllers, so it cannot do '{name}'; "
         "bring the robot up with `tool0 bringup`"
+    )
+
+
+@handles(PoseJoints)
+def _pose_joints(simulation: Simulation, request: PoseJoints) -> None:
+    raise ControlError(
+        "joints are set directly in `tool0 view` only; in a simulation, steer a "
+        "trajectory controller"
     )

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, final
 
+from tool0.api.controller import GoalHandle
 from tool0.control.goal import GoalStatus, Result
 from tool0.control.publish_rate import PublishRate
 from tool0.errors import Tool0Error
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.handles import GoalHandle
 
 Message = Any
 """Of a class that ROS generates, which carries no types."""

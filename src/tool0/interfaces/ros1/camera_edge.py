@@ -8,14 +8,15 @@ from __future__ import annotations
 import threading
 from typing import Any, final
 
+from tool0.api.robot import Robot
+from tool0.api.sensors import CameraHandle
 from tool0.control.publish_rate import PublishRate
 from tool0.description.camera import Camera
 from tool0.errors import Tool0Error
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.node import RosNode, Worker
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.robot import Robot
-from tool0.sensing.cameras import CameraHandle, CameraImage
+from tool0.sensing.cameras import CameraImage
+from tool0.sensing.snapshot import Snapshot
 
 
 def frame_of(camera: Camera, node: RosNode, robot: Robot) -> str:
@@ -167,5 +168,5 @@ class CameraEdge:
 
 
 def _prefixed(frame: str, node: RosNode) -> str:
-    prefix = node.options.frames
+    prefix = node.frame_prefix
     return f"{prefix}/{frame}" if prefix else frame

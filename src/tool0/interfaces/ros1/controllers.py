@@ -6,18 +6,18 @@ import threading
 from collections.abc import Callable
 from typing import final
 
+from tool0.api.robot import Robot
 from tool0.control.forward_command import ForwardCommandSpec
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_state import JointStateSpec
-from tool0.control.joint_trajectory_spec import JointTrajectorySpec
+from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.errors import ControlError
 from tool0.interfaces.ros1.forward_edge import ForwardEdge
 from tool0.interfaces.ros1.gripper_edge import GripperEdge
 from tool0.interfaces.ros1.joint_state_edge import JointStateEdge
 from tool0.interfaces.ros1.node import Part, RosNode, Worker
 from tool0.interfaces.ros1.trajectory_edge import TrajectoryEdge
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.robot import Robot
+from tool0.sensing.snapshot import Snapshot
 
 _PATIENCE = 10.0
 """For one controller's names at a busy master [wall s]; one that is gone refuses at

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import final
 
+from tool0.api.robot import Robot
 from tool0.errors import RosUnavailableError
 from tool0.installation.ros1.library import keep_to_this_machine
 from tool0.installation.ros1.master import Master, Watch, running_master
@@ -23,8 +24,8 @@ from tool0.interfaces.ros1.options import Ros1Options
 from tool0.interfaces.ros1.parameters import upload
 from tool0.interfaces.ros1.rosout import forward_to_rosout
 from tool0.interfaces.ros1.transforms import transforms_of
-from tool0.runtime.bus import Snapshot, WasReset
-from tool0.runtime.robot import Robot
+from tool0.runtime.bus import WasReset
+from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 
@@ -65,7 +66,7 @@ class Ros1:
         with contextlib.ExitStack() as exits:
             master = Master(options.node)
             exits.enter_context(running_master(master, start=options.roscore))
-            self.node = node = RosNode(options, master)
+            self.node = node = RosNode(options, master, robot.description.tf_prefix)
             exits.callback(node.close)
             handler = forward_to_rosout()
             exits.callback(logging.getLogger("tool0").removeHandler, handler)

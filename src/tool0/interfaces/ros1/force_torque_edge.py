@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any, final
 
+from tool0.api.robot import Robot
+from tool0.api.sensors import ForceTorque
 from tool0.errors import ControlError
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.robot import Robot
-from tool0.sensing.force_torque import ForceTorque
-from tool0.sensing.wrench import WrenchReading
+from tool0.sensing.force_torque_sensor import WrenchReading
+from tool0.sensing.snapshot import Snapshot
 
 TOPIC = "wrench"
 SERVICE = "ur_hardware_interface/zero_ftsensor"
@@ -29,7 +29,7 @@ class ForceTorqueEdge:
 
         self._node = node
         self._sensor = sensor
-        prefix = node.options.frames
+        prefix = node.frame_prefix
         self._frame = f"{prefix}/{sensor.link}" if prefix else sensor.link
         self._message = WrenchStamped
         self._publisher = node.publisher(TOPIC, WrenchStamped, queue_size=100)

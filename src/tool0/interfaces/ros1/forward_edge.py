@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import final
 
+from tool0.api.controller import ControllerHandle
 from tool0.control.forward_command import ForwardCommandSpec
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.handles import ControllerHandle
+from tool0.sensing.snapshot import Snapshot
 
 
 @final

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import final
 
+from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.control.goal import GripperResult, Result
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.errors import Tool0Error
 from tool0.interfaces.ros1.actions import ActionEdge
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.handles import ControllerHandle, GoalHandle
+from tool0.sensing.snapshot import Snapshot
 
 
 @final

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import final
 
+from tool0.api.controller import ControllerHandle
 from tool0.control.joint_state import JointStateSpec
 from tool0.control.publish_rate import PublishRate
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.handles import ControllerHandle
+from tool0.sensing.snapshot import Snapshot
 
 
 @final

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, final
 
+from tool0.api.robot import Robot
 from tool0.control.config import ControllerConfig
 from tool0.control.manager import ControllerStatus
 from tool0.errors import ControlError, Tool0Error
@@ -11,7 +12,6 @@ from tool0.interfaces.ros1.controllers import ControllerEdges
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.node import RosNode
 from tool0.interfaces.ros1.parameters import controller_yaml
-from tool0.runtime.robot import Robot
 
 BEST_EFFORT, STRICT = 1, 2
 """Of controller_manager_msgs/SwitchController; anything else counts as the first."""

@@ -15,7 +15,7 @@ from tool0.errors import RosUnavailableError, Tool0Error
 from tool0.installation.ros1.master import Master
 from tool0.interfaces.ros1.options import NODE_NAME, Ros1Options
 from tool0.interfaces.ros1.ros_time import RosTime
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 
@@ -65,7 +65,9 @@ class Worker:
 class RosNode:
     """What every part needs of ROS."""
 
-    def __init__(self, options: Ros1Options, master: Master) -> None:
+    def __init__(
+        self, options: Ros1Options, master: Master, tf_prefix: str = ""
+    ) -> None:
         """Register with the master; and that once in a process.
 
         Raises:
@@ -84,6 +86,8 @@ class RosNode:
                 "or give this robot a namespace with --ns"
             )
         self.options = options
+        self.frame_prefix = tf_prefix.strip("/")
+        """Prefix of every frame, without slashes around it."""
         self.master = master
         others = self.clocks_of_others()
         _register(options.root)

@@ -1,4 +1,4 @@
-"""What a person may say about the ROS 1 edge, as a value."""
+"""The options of the ROS 1 interface."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import final
 from tool0.errors import ConfigError
 
 NODE_NAME = "gazebo"
-"""As in the launch files: clients wait for /gazebo/…, on either engine."""
+"""As in the launch files: clients wait for /gazebo/…, on every engine."""
 
 _NAMESPACE = re.compile(r"(/?[A-Za-z]\w*)(/[A-Za-z]\w*)*/?|/?")
 
@@ -17,24 +17,22 @@ _NAMESPACE = re.compile(r"(/?[A-Za-z]\w*)(/[A-Za-z]\w*)*/?|/?")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ros1Options:
-    """How a bring-up appears in ROS."""
+    """How the robot appears in ROS 1."""
 
+    roscore: bool = False
+    """Start a roscore if none answers."""
     ns: str = ""
-    """Put before every relative name, as by ``<group ns=…>``."""
-    tf_prefix: str = ""
-    """Put before every frame, as robot_state_publisher does."""
+    """Namespace of all its names, such as robot1: several robots on one roscore."""
     tf_pub_rate: float = 125.0
     """Transforms per second of simulated time [Hz]."""
     camera_rate: float = 10.0
-    """Pictures of each camera per second of simulated time [Hz], at most."""
-    roscore: bool = False
-    """Whether to start a roscore where none answers."""
+    """Most images of each camera per second of simulated time [Hz]."""
 
     def __post_init__(self) -> None:
         if not _NAMESPACE.fullmatch(self.ns):
             raise ConfigError(
-                f"'{self.ns}' is no namespace of ROS: write letters, digits and '_', "
-                "between slashes, each part with a letter first"
+                f"'{self.ns}' is no namespace of ROS: write letters, digits and '_' "
+                "between slashes, with a letter first in each part"
             )
         if not 0.0 < self.tf_pub_rate <= 1000.0:
             raise ConfigError(
@@ -45,11 +43,6 @@ class Ros1Options:
             raise ConfigError(
                 f"the rate of cameras must be in (0, 125] Hz, got {self.camera_rate:g}"
             )
-
-    @property
-    def frames(self) -> str:
-        """The prefix of frames, without slashes around it."""
-        return self.tf_prefix.strip("/")
 
     @property
     def root(self) -> str:

@@ -7,10 +7,10 @@ from typing import Any
 
 import yaml
 
+from tool0.api.robot import Robot
 from tool0.errors import RosUnavailableError
 from tool0.interfaces.ros1.meshes import with_found_meshes
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.robot import Robot
 
 logger = logging.getLogger(__name__)
 
@@ -20,7 +20,7 @@ def upload(node: RosNode, robot: Robot) -> None:
     node.master.call("setParam", "/use_sim_time", True)
     urdf = with_found_meshes(robot.description.urdf)
     node.master.call("setParam", node.name("robot_description"), urdf)
-    for name, value in robot.parameters.items():
+    for name, value in robot.info.parameters.items():
         if (storable := _storable(value)) is not None:
             node.master.call("setParam", node.name(name), storable)
 

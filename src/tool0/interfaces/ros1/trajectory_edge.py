@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, final
 
+from tool0.api.controller import ControllerHandle
 from tool0.control.goal import GoalResult, Result
-from tool0.control.joint_trajectory_spec import JointTrajectorySpec
+from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.control.publish_rate import PublishRate
 from tool0.errors import ControlError, GoalRejectedError, Tool0Error
 from tool0.interfaces.ros1.actions import ActionEdge
 from tool0.interfaces.ros1.conversions import Message, Trajectories
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.handles import ControllerHandle
+from tool0.sensing.snapshot import Snapshot
 
 
 @final
@@ -66,12 +66,12 @@ class TrajectoryEdge:
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish the state, if the controller runs and it is time to."""
-        intent = snapshot.intents.get(self._name)
-        if intent is None:
+        setpoint = snapshot.controller_setpoints.get(self._name)
+        if setpoint is None:
             return
 
         def fill(kind: Callable[[], Message]) -> Message:
-            return self._convert.fill(kind(), intent.state())
+            return self._convert.fill(kind(), setpoint.state())
 
         if self._rate.is_due(snapshot.time):
             self._publisher.publish(fill(self._state))

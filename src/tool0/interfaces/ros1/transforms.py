@@ -7,15 +7,16 @@ import os
 from pathlib import Path
 from typing import Any, Protocol, final
 
+from tool0.api.robot import Robot
 from tool0.control.publish_rate import PublishRate
-from tool0.description.kinematics import Transform, joint_transform
+from tool0.description.forward_kinematics import joint_transform
 from tool0.description.model import Joint
+from tool0.description.transform import Transform
 from tool0.installation.ros1.child import Child
 from tool0.installation.ros1.packages import find_node
 from tool0.interfaces.ros1.camera_edge import camera_transforms
 from tool0.interfaces.ros1.node import Part, RosNode
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.robot import Robot
+from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 
@@ -57,7 +58,7 @@ class TheirTransforms:
         node, options = self._node, self._node.options
         place = node.name(NAME)
         node.master.call("setParam", f"{place}/publish_frequency", options.tf_pub_rate)
-        node.master.call("setParam", f"{place}/tf_prefix", options.frames)
+        node.master.call("setParam", f"{place}/tf_prefix", node.frame_prefix)
         environment = {**os.environ, "ROS_NAMESPACE": options.root or "/"}
         return Child([str(self._program), f"__name:={NAME}"], environment)
 
@@ -101,7 +102,7 @@ class OwnTransforms:
         self._moving = [joint for joint in joints if joint.is_movable]
         self._stamped, self._message = TransformStamped, TFMessage
         self._rate = PublishRate(node.options.tf_pub_rate)
-        prefix = node.options.frames
+        prefix = node.frame_prefix
         self._prefix = f"{prefix}/" if prefix else ""
         self._publisher = node.publisher("/tf", TFMessage, queue_size=100)
         self._static = node.publisher("/tf_static", TFMessage, latch=True)

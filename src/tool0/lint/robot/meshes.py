@@ -10,7 +10,7 @@ from typing import final
 from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding, error_at, short, warning_at
-from tool0.description.mesh_files import MESH_SUFFIXES
+from tool0.description.shapes import MESH_SUFFIXES
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation
 from tool0.lint.packages import PackageIndex, nearest_file

@@ -7,8 +7,8 @@ import pytest
 
 import tool0
 from tool0.description.catalogue import assemble, load_robot
-from tool0.description.model import Mesh
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Mesh
 from tool0.interfaces.panel.robot_files import RobotFiles
 from tool0.interfaces.panel.robot_info import object_info
 from tool0.interfaces.panel.server import Panel

@@ -7,7 +7,7 @@ from page import page_at
 
 from tool0.description.catalogue import assemble
 from tool0.interfaces.panel.server import Panel
-from tool0.interfaces.panel.view import ViewSource
+from tool0.interfaces.panel.source import ViewSource
 
 pytestmark = pytest.mark.slow
 

@@ -10,9 +10,9 @@ import pytest
 
 import tool0
 from tool0.description.catalogue import assemble
-from tool0.description.kinematics import Transform
-from tool0.description.model import Box, Pose
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
 from tool0.hardware.bodies import moving_bodies
 from tool0.interfaces.ros1.gazebo.changes import GazeboChanges
@@ -32,7 +32,10 @@ OFFSET = """<sdf version='1.6'><model name='any'><pose>0 0 0.5 0 0 0</pose>
 @pytest.fixture
 def robot() -> Iterator[tool0.Robot]:
     with tool0.bringup(
-        scene=Scene((TABLE,)), spawn_z=SPAWN_Z, realtime=False, paused=True
+        scene=Scene((TABLE,)),
+        simulation=tool0.SimulationConfig(spawn_z=SPAWN_Z),
+        realtime=False,
+        paused=True,
     ) as robot:
         yield robot
 

@@ -1,6 +1,6 @@
 import pytest
 
-from tool0.cli.options import RosOptions
+from tool0.cli.options import BringupOptions, RunOptions
 from tool0.errors import ConfigError
 from tool0.interfaces.ros1.options import Ros1Options
 
@@ -20,13 +20,14 @@ def test_a_namespace_begins_every_name(ns: str, node: str) -> None:
 
 @pytest.mark.parametrize("ns", ["2nd", "left arm", "a//b", "~", "left-arm", "a/2"])
 def test_what_is_no_namespace_of_ros_is_refused(ns: str) -> None:
-    with pytest.raises(ConfigError, match="is no namespace of ROS"):
+    with pytest.raises(ConfigError) as error:
         Ros1Options(ns=ns)
+    assert repr(ns) in str(error.value)
 
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, float("nan"), float("inf"), 1001.0])
 def test_a_rate_of_transforms_that_cannot_be_is_refused(rate: float) -> None:
-    with pytest.raises(ConfigError, match="rate of transforms"):
+    with pytest.raises(ConfigError):
         Ros1Options(tf_pub_rate=rate)
 
 
@@ -34,6 +35,8 @@ def test_a_rate_of_transforms_that_cannot_be_is_refused(rate: float) -> None:
     "options", [{"roscore": True}, {"ns": "left"}, {"tf_pub_rate": 50.0}]
 )
 def test_options_of_ros_need_ros(options: dict[str, object]) -> None:
-    RosOptions(ros1=True, **options)  # type: ignore[arg-type]
-    with pytest.raises(ConfigError, match="need --ros1"):
-        RosOptions(**options)  # type: ignore[arg-type]
+    ros = Ros1Options(**options)  # type: ignore[arg-type]
+    BringupOptions(run=RunOptions(ros1=True), ros=ros)
+    with pytest.raises(ConfigError) as error:
+        BringupOptions(ros=ros)
+    assert "--ros1" in str(error.value)

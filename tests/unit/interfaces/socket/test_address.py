@@ -7,11 +7,11 @@ import pytest
 from served import use_folder
 
 from tool0.errors import TransportError
-from tool0.interfaces.socket.address import Claim, folders, running_names, socket_path
+from tool0.api.address import Claim, folders, running_names, socket_path
 
 HOLDER = """
 import sys
-from tool0.interfaces.socket.address import Claim
+from tool0.api.address import Claim
 claim = Claim("taken")
 claim.path.touch()
 print("held", flush=True)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from fake_robot import SUCCEEDED, FakeRobot
 
-from tool0.description.model import Pose
+from tool0.description.transform import Pose
 from tool0.errors import ControlError
 from tool0.interfaces.socket.client import RemoteRobot
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from fake_robot import CAN, TABLE, FakeRobot
 
-from tool0.description.model import Box
+from tool0.description.shapes import Box
 from tool0.errors import DescriptionError, EngineError, TransportError
 from tool0.interfaces.socket.client import RemoteRobot
 from tool0.interfaces.socket.params import Params

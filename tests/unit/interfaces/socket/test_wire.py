@@ -8,17 +8,17 @@ from hypothesis import strategies as st
 from tool0 import errors
 from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Result
 from tool0.errors import DivergenceError, GoalRejectedError, Tool0Error, TransportError
+from tool0.interfaces.server.unix_socket import MAX_LINE
 from tool0.interfaces.socket.wire import (
-    MAX_LINE,
     LineReader,
     LineTooLongError,
     decode,
-    encode,
     error_from_json,
     error_to_json,
     result_from_json,
     result_to_json,
 )
+from tool0.requests.codec import encode
 
 ERRORS = [
     *(

@@ -59,14 +59,14 @@ using ignition::math::Vector3d;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint32_t kVersion = 6;
-constexpr std::size_t kLargest = 1 << 16;             // [bytes] of a packet
-constexpr auto kPatience = std::chrono::seconds(10);  // for a model to come or go
-constexpr auto kLooked = std::chrono::milliseconds(1500);  // twice, at 5 Hz, for sure
-constexpr auto kAwake = std::chrono::microseconds(60);  // after an answer
+constexpr std::size_t kMaxPacket = 1 << 16;               // [bytes]
+constexpr auto kModelTimeout = std::chrono::seconds(10);  // to add or remove a model
+constexpr auto kRequestsDone = std::chrono::milliseconds(1500);  // twice, at 5 Hz
+constexpr auto kSpinTime = std::chrono::microseconds(60);  // after an answer
 constexpr int kIdleAfter = 20;                        // [ms] without a request
 constexpr double kIdleRate = 100.0;                   // [Hz] of a paused world's loop
-constexpr double kSlip = 1e-7;                        // [m/s/N] of contacts; see Calm
-constexpr double kTeethErp = 0.2;                     // of an error, undone in a step
+constexpr double kFrictionSlip = 1e-7;                // [m/s/N]; see AddFrictionSlip
+constexpr double kGearErp = 0.2;                      // of an error, undone in a step
 constexpr int kRequest = 1 << 20;                     // Gazebo's own are below 10000
 
 enum Kind : std::uint32_t {
@@ -86,25 +86,25 @@ enum Kind : std::uint32_t {
 class Packet {
  public:
   void Clear() { size_ = at_ = 0; }
-  char* Room() { return bytes_; }
+  char* Buffer() { return bytes_; }
   void Fill(std::size_t size) { size_ = size, at_ = 0; }
   const char* Bytes() const { return bytes_; }
   std::size_t Size() const { return size_; }
-  std::size_t Left() const { return kLargest - size_; }
+  std::size_t Left() const { return kMaxPacket - size_; }
 
   template <typename T>
   void Put(const T& value) {
-    if (size_ + sizeof value > kLargest) throw std::runtime_error("answer too long");
+    if (size_ + sizeof value > kMaxPacket) throw std::runtime_error("answer too long");
     std::memcpy(bytes_ + size_, &value, sizeof value);
     size_ += sizeof value;
   }
   void Put(const std::string& text) {
-    const std::size_t n = std::min(text.size(), kLargest - size_);
+    const std::size_t n = std::min(text.size(), kMaxPacket - size_);
     std::memcpy(bytes_ + size_, text.data(), n);
     size_ += n;
   }
   /// Puts a number where another one is.
-  void Amend(std::size_t at, std::uint32_t value) {
+  void Overwrite(std::size_t at, std::uint32_t value) {
     std::memcpy(bytes_ + at, &value, sizeof value);
   }
   void PutText(const std::string& text) {
@@ -148,7 +148,7 @@ class Packet {
   }
 
  private:
-  char bytes_[kLargest];
+  char bytes_[kMaxPacket];
   std::size_t size_ = 0, at_ = 0;
 };
 
@@ -186,7 +186,7 @@ class Drive {
         above(joint->GetParent() ? BodyOf(joint->GetParent()) : nullptr),
         below(BodyOf(child)),
         back(Relative().Inverse()),
-        axis(Turned(below).RotateVectorReverse(joint->GlobalAxis(0))) {}
+        axis(Orientation(below).RotateVectorReverse(joint->GlobalAxis(0))) {}
 
   gazebo::physics::JointPtr joint;
   gazebo::physics::LinkPtr child;
@@ -205,18 +205,18 @@ class Drive {
     }
     velocity = joint->GetVelocity(0);
   }
-  void Push(double effort) {
+  void ApplyEffort(double effort) {
     joint->SetForce(0, effort);
     if (!motor_) return;
     const Vector3d along = joint->GlobalAxis(0);
-    const double speed = along.Dot(Moves(below)) - along.Dot(Moves(above));
-    SetMotor(dParamVel, kept_ * speed);
+    const double speed = along.Dot(Velocity(below)) - along.Dot(Velocity(above));
+    SetMotor(dParamVel, velocity_gain_ * speed);
   }
   /// Adds an armature [kg·m² | kg], and takes over the joint's damping.
-  void Load(double armature, double dt, dWorldID world) {
+  void AddArmature(double armature, double dt, dWorldID world) {
     const double inert = armature / dt, all = inert + joint->GetDamping(0);
     joint->SetDamping(0, 0.0);
-    kept_ = inert / all;
+    velocity_gain_ = inert / all;
     motor_ = turns ? dJointCreateAMotor(world, 0) : dJointCreateLMotor(world, 0);
     dJointAttach(motor_, below, above);
     const Vector3d along = joint->GlobalAxis(0);
@@ -232,26 +232,26 @@ class Drive {
   Quaterniond back;      // from how the child is turned in its parent, at zero
   Vector3d axis;         // in the child
   dJointID motor_ = nullptr;
-  double kept_ = 1.0;  // of the velocity, in a step
+  double velocity_gain_ = 1.0;  // of the velocity, in a step
   static constexpr int kOfFirstBody = 1;
 
   void SetMotor(int parameter, double value) const {
     (turns ? dJointSetAMotorParam : dJointSetLMotorParam)(motor_, parameter, value);
   }
   /// Returns how fast a body turns, or its centre moves.
-  Vector3d Moves(dBodyID body) const {
+  Vector3d Velocity(dBodyID body) const {
     if (!body) return Vector3d::Zero;
     const dReal* v = turns ? dBodyGetAngularVel(body) : dBodyGetLinearVel(body);
     return Vector3d(v[0], v[1], v[2]);
   }
 
   /// What has no body stands still, turned as it may be.
-  static Quaterniond Turned(dBodyID body) {
+  static Quaterniond Orientation(dBodyID body) {
     if (!body) return Quaterniond::Identity;
     const dReal* q = dBodyGetQuaternion(body);
     return Quaterniond(q[0], q[1], q[2], q[3]);
   }
-  Quaterniond Relative() const { return Turned(above).Inverse() * Turned(below); }
+  Quaterniond Relative() const { return Orientation(above).Inverse() * Orientation(below); }
 };
 
 /// Teeth between two joints whose axes are parallel and sit on one body: the second
@@ -264,7 +264,7 @@ struct Gear {
   const Drive* second;
   double multiplier;
 
-  void Mesh(dWorldID world, dJointGroupID group, double dt) const {
+  void AddConstraint(dWorldID world, dJointGroupID group, double dt) const {
     const auto axis = first->joint->GlobalAxis(0);
     const double turn = axis.Dot(second->joint->GlobalAxis(0)) < 0.0 ? -1.0 : 1.0;
     const auto from = first->joint->Anchor(0);
@@ -281,7 +281,7 @@ struct Gear {
     contact.surface.mu = dInfinity;
     contact.surface.mu2 = 0.0;
     contact.surface.motionN = -10.0;  // [m/s], so that the normal row never acts
-    contact.surface.motion1 = kTeethErp * error / dt * turn * (share - 1.0) * length;
+    contact.surface.motion1 = kGearErp * error / dt * turn * (share - 1.0) * length;
     dJointAttach(dJointCreateContact(world, group, &contact), Body(*first), Body(*second));
   }
 
@@ -302,7 +302,7 @@ struct Attached {
 };
 
 /// What the points of contact between two shapes add up to, in the world.
-struct Touch {
+struct ContactSum {
   // A shape that is kept while its model goes would still bump into others.
   boost::weak_ptr<gazebo::physics::Collision> first, second;
   double weight = 0.0;  // how hard all points press [N]
@@ -318,18 +318,18 @@ struct Touch {
 };
 
 /// Every contact that ODE makes, from when it is first asked for.
-class Touches {
+class ContactRecorder {
  public:
   bool IsOn() const { return *Hook(); }
-  void SwitchOn() { *Hook() = [](dJointID j, const dContactGeom* g) { Note(j, *g); }; }
+  void SwitchOn() { *Hook() = [](dJointID j, const dContactGeom* g) { Record(j, *g); }; }
   void Clear() { points_.clear(), sums_.clear(); }
-  void Begin() { points_.clear(); }
-  const std::vector<Touch>& Sums() const { return sums_; }
+  void BeginStep() { points_.clear(); }
+  const std::vector<ContactSum>& Sums() const { return sums_; }
 
   /// Adds up the points of the step that was made, while their shapes are still there.
   /// What sleeps has none, and lies as it lay.
   void AddUp() {
-    const auto is_over = [](const Touch& touch) {
+    const auto is_over = [](const ContactSum& touch) {
       const auto [first, second] = touch.Shapes();
       return !first || IsAwake(first) || IsAwake(second);
     };
@@ -344,16 +344,17 @@ class Touches {
     dContactGeom geom;
     dJointFeedback feedback;  // unless Gazebo wants to have one itself
   };
-  using Heard = void (*)(dJointID, const dContactGeom*);
+  using ContactCallback = void (*)(dJointID, const dContactGeom*);
 
   /// In the preloaded library, see leash.cc.
-  static Heard* Hook() {
-    static const auto hook = static_cast<Heard*>(::dlsym(RTLD_DEFAULT, "tool0_touched"));
+  static ContactCallback* Hook() {
+    static const auto hook =
+        static_cast<ContactCallback*>(::dlsym(RTLD_DEFAULT, "tool0_touched"));
     if (!hook) throw std::runtime_error("the preloaded library is missing");
     return hook;
   }
 
-  static void Note(dJointID joint, const dContactGeom& geom) {
+  static void Record(dJointID joint, const dContactGeom& geom) {
     if (!geom.g1 || !geom.g2) return;  // teeth
     points_.push_back({joint, geom, {}});
     dJointSetFeedback(joint, &points_.back().feedback);
@@ -368,16 +369,16 @@ class Touches {
     const Vector3d force = From(felt->f1) * (is_first ? -1.0 : 1.0);
     const double press = -force.Dot(From(point.geom.normal));  // which points into the first
     if (!(press > 0.0)) return;
-    Touch& sum = Between(Shape(point.geom.g1), Shape(point.geom.g2));
+    ContactSum& sum = Between(Shape(point.geom.g1), Shape(point.geom.g2));
     sum.weight += press;
     sum.moment += at * press;
     sum.force += force;
     sum.torque += at.Cross(force);
   }
 
-  Touch& Between(const gazebo::physics::CollisionPtr& first,
+  ContactSum& Between(const gazebo::physics::CollisionPtr& first,
                  const gazebo::physics::CollisionPtr& second) {
-    for (Touch& sum : sums_)
+    for (ContactSum& sum : sums_)
       if (sum.Shapes() == std::make_pair(first, second)) return sum;
     sums_.push_back({first, second});
     return sums_.back();
@@ -393,7 +394,7 @@ class Touches {
         shape->shared_from_this());
   }
   static inline std::deque<Point> points_;  // which stay where they are, for ODE
-  std::vector<Touch> sums_;
+  std::vector<ContactSum> sums_;
 };
 
 class Bridge : public gazebo::SystemPlugin {
@@ -407,80 +408,80 @@ class Bridge : public gazebo::SystemPlugin {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     if (!path || std::strlen(path) >= sizeof address.sun_path)
-      Die("TOOL0_BRIDGE must name the socket");
+      Exit("TOOL0_BRIDGE must name the socket");
     std::strcpy(address.sun_path, path);
     socket_ = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
     if (::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address))
-      Die(std::string("cannot connect to ") + path + ": " + std::strerror(errno));
+      Exit(std::string("cannot connect to ") + path + ": " + std::strerror(errno));
     packet_.Put(kVersion);
     packet_.Put(std::string(GAZEBO_VERSION_FULL));
-    Send();
-    if (!Receive(5000)) Die("nobody answers");
-    if (packet_.Take<std::uint32_t>() != kVersion) Die("wrong version of the bridge");
+    SendAnswer();
+    if (!Receive(5000)) Exit("nobody answers");
+    if (packet_.Take<std::uint32_t>() != kVersion) Exit("wrong version of the bridge");
     dt_ = packet_.Take<double>();
     // A gearbox writes three lines a step into the log file, that it has no angle.
     gazebo::common::Console::log.setstate(std::ios_base::badbit);
     created_ = gazebo::event::Events::ConnectWorldCreated(
-        [this](const std::string& name) { Adopt(name); });
-    std::thread([this] { Watch(); }).detach();
+        [this](const std::string& name) { OnWorldCreated(name); });
+    std::thread([this] { WatchSocket(); }).detach();
   }
 
  private:
-  void Adopt(const std::string& name) {
+  void OnWorldCreated(const std::string& name) {
     world_ = gazebo::physics::get_world(name);
     world_->SetPaused(false);
     update_ = gazebo::event::Events::ConnectWorldUpdateBegin(
-        [this](const gazebo::common::UpdateInfo&) { Serve(); });
-    updated_ = gazebo::event::Events::ConnectWorldUpdateEnd([this] { Check(); });
+        [this](const gazebo::common::UpdateInfo&) { ServeRequests(); });
+    updated_ = gazebo::event::Events::ConnectWorldUpdateEnd([this] { CheckFinite(); });
     node_.reset(new gazebo::transport::Node);
     node_->Init(name);
     requests_ = node_->Advertise<gazebo::msgs::Request>("~/request");
-    responses_ = node_->Subscribe("~/response", &Bridge::Hear, this);
-    adopted_ = true;
+    responses_ = node_->Subscribe("~/response", &Bridge::OnResponse, this);
+    has_world_ = true;
   }
 
   /// Ends the server with the socket; wakes a paused world when something is asked, or
   /// was: anybody may pause it, even in the middle of a step.
-  void Watch() {
+  void WatchSocket() {
     for (;;) {
-      const bool is_paused = adopted_ && world_->IsPaused();
+      const bool is_paused = has_world_ && world_->IsPaused();
       pollfd waiting{socket_, static_cast<short>(is_paused ? POLLIN : 0), 0};
       ::poll(&waiting, 1, 10);
       if (waiting.revents & (POLLHUP | POLLERR)) ::_exit(0);
-      if (is_paused && (waiting.revents & POLLIN || owes_)) Wake();
+      if (is_paused && (waiting.revents & POLLIN || owes_answer_)) Unpause();
     }
   }
 
-  void Wake() {
+  void Unpause() {
     world_->Physics()->SetRealTimeUpdateRate(0.0);
     world_->SetPaused(false);
   }
 
   /// Answers requests until one needs the world to go on.
-  void Serve() {
+  void ServeRequests() {
     if (!world_->PhysicsEnabled()) Resume();
-    if (until_ && !Settled()) return Skip();
+    if (condition_ && !IsConditionSettled()) return SkipStep();
     if (stepping_) {
       stepping_ = false;
-      Begin();
+      BeginAnswer();
       PutState();
-      Send();
+      SendAnswer();
     }
     for (;;) {
-      if (!Receive(kIdleAfter)) return Sleep();
+      if (!Receive(kIdleAfter)) return Pause();
       try {
-        owes_ = Handle(static_cast<Kind>(packet_.Take<std::uint32_t>()));
+        owes_answer_ = HandleRequest(static_cast<Kind>(packet_.Take<std::uint32_t>()));
         if (stepping_) return;
-        if (owes_) return Skip();
+        if (owes_answer_) return SkipStep();
       } catch (const std::exception& error) {
-        Fail(error.what());
+        PutError(error.what());
       }
-      Send();
+      SendAnswer();
     }
   }
 
   /// Returns whether the world must go on before there is an answer.
-  bool Handle(Kind kind) {
+  bool HandleRequest(Kind kind) {
     switch (kind) {
       case kStep: return Step();
       case kReset: Reset(); return false;
@@ -491,28 +492,28 @@ class Bridge : public gazebo::SystemPlugin {
       case kPlace: PlaceObject(); return false;
       case kContacts: Contacts(); return false;
       case kAttach: Attach(); return false;
-      case kDetach: Detach(packet_.TakeText()), Begin(); return false;
+      case kDetach: Detach(packet_.TakeText()), BeginAnswer(); return false;
     }
     throw std::runtime_error("unknown request");
   }
 
   /// In: effort of each joint [N·m | N].  Out: see PutState.
   bool Step() {
-    if (!broken_.empty()) {
-      Begin();
+    if (!diverged_.empty()) {
+      BeginAnswer();
       PutState();
       return false;
     }
-    for (Drive& drive : drives_) drive.Push(packet_.Take<double>());
-    Mesh();
-    touches_.Begin();
+    for (Drive& drive : drives_) drive.ApplyEffort(packet_.Take<double>());
+    UpdateGears();
+    contacts_.BeginStep();
     return stepping_ = true;
   }
 
-  void Mesh() {
+  void UpdateGears() {
     if (gears_.empty()) return;
-    dJointGroupEmpty(teeth_);
-    for (const Gear& gear : gears_) gear.Mesh(Ode(), teeth_, dt_);
+    dJointGroupEmpty(gear_joints_);
+    for (const Gear& gear : gears_) gear.AddConstraint(Ode(), gear_joints_, dt_);
   }
 
   dWorldID Ode() const {
@@ -522,21 +523,21 @@ class Bridge : public gazebo::SystemPlugin {
   /// After a step, looks for what is not finite; puts it where it began, and lets
   /// nothing move until the next reset.  At once: ODE adds up what a hinge turns whenever
   /// anybody asks for its angle, and would never forget an angle that is no number.
-  void Check() {
+  void CheckFinite() {
     if (!stepping_) return;
-    touches_.AddUp();
+    contacts_.AddUp();
     for (const auto& model : world_->Models()) {
       const auto& links = model->GetLinks();
       const auto lost = std::find_if_not(links.begin(), links.end(), IsFinite);
       if (lost == links.end()) continue;
-      if (broken_.empty()) broken_ = Broken(model);
+      if (diverged_.empty()) diverged_ = DivergedName(model);
       const auto pose = model->InitialRelativePose();
       for (const auto& link : links) Place(link, link->InitialRelativePose() + pose);
     }
   }
 
   /// Returns what of a model is not finite, as the person who reads it knows it.
-  std::string Broken(const gazebo::physics::ModelPtr& model) const {
+  std::string DivergedName(const gazebo::physics::ModelPtr& model) const {
     for (const Drive& drive : drives_)
       if (drive.child->GetModel() == model && !IsFinite(drive.child))
         return "joint " + drive.joint->GetName();
@@ -546,10 +547,10 @@ class Bridge : public gazebo::SystemPlugin {
   /// Position [rad | m] of each joint, then velocity; if something is not finite, none
   /// of these is, and what it is follows: "joint " or "object ", and its name.
   void PutState() {
-    if (!broken_.empty()) {
+    if (!diverged_.empty()) {
       for (std::size_t n = 2 * drives_.size(); n > 0; --n)
         packet_.Put(std::numeric_limits<double>::quiet_NaN());
-      return packet_.Put(broken_);
+      return packet_.Put(diverged_);
     }
     for (Drive& drive : drives_) drive.Measure(), packet_.Put(drive.position);
     for (const Drive& drive : drives_) packet_.Put(drive.velocity);
@@ -560,21 +561,21 @@ class Bridge : public gazebo::SystemPlugin {
   void Reset() {
     world_->ResetTime();
     world_->SetSimTime(gazebo::common::Time(packet_.Take<double>() + dt_));
-    broken_.clear();
-    touches_.Clear();
+    diverged_.clear();
+    contacts_.Clear();
     while (!attached_.empty()) Detach(attached_.begin()->first);
     // From where all joints are at zero, since ODE takes the shorter way to an angle.
-    for (const auto& [link, pose] : at_zero_) Place(link, pose);
+    for (const auto& [link, pose] : poses_at_zero_) Place(link, pose);
     for (const Drive& drive : drives_) drive.joint->Position(0);
     for (Drive& drive : drives_) drive.position = packet_.Take<double>();
     for (const Drive& drive : drives_) Place(drive.child, packet_.TakePose());
     for (const auto& object : objects_) {
       const auto pose = packet_.TakePose();
-      if (IsThere(object)) Place(object, pose);
+      if (Exists(object)) Place(object, pose);
     }
-    dJointGroupEmpty(teeth_);
+    dJointGroupEmpty(gear_joints_);
     world_->Physics()->Reset();
-    Begin();
+    BeginAnswer();
     PutState();
   }
 
@@ -602,7 +603,7 @@ class Bridge : public gazebo::SystemPlugin {
       if (armature > 0.0) {
         joint->SetEffortLimit(0, -1.0);  // both are left to tool0's drives
         joint->SetVelocityLimit(0, -1.0);
-        drives.back().Load(armature, dt_, Ode());
+        drives.back().AddArmature(armature, dt_, Ode());
       }
     }
     std::vector<Gear> gears;
@@ -619,36 +620,36 @@ class Bridge : public gazebo::SystemPlugin {
     // The iterative solver would leave errors that fingers on a stiff drive amplify;
     // for a robot the direct one is faster, too.
     physics->SetParam("solver_type", std::string("world"));
-    for (const auto& model : world_->Models()) Calm(model);
-    at_zero_.clear();
+    for (const auto& model : world_->Models()) AddFrictionSlip(model);
+    poses_at_zero_.clear();
     for (const auto& link : robot->GetLinks())
-      at_zero_.emplace_back(link, link->WorldPose());
+      poses_at_zero_.emplace_back(link, link->WorldPose());
     drives_.swap(drives);
     gears_.swap(gears);
     robot_ = robot;
-    Begin();
+    BeginAnswer();
     packet_.Put(world_->Gravity());
   }
 
   /// Lets friction yield a little.  Two flat faces touch in more points than it takes to
   /// hold them, and ODE's direct solver gives up on rows that say the same.
-  static void Calm(const gazebo::physics::ModelPtr& model) {
+  static void AddFrictionSlip(const gazebo::physics::ModelPtr& model) {
     for (const auto& link : model->GetLinks())
       for (const auto& collision : link->GetCollisions()) {
         const auto surface = boost::dynamic_pointer_cast<gazebo::physics::ODESurfaceParams>(
             collision->GetSurface());
         if (!surface) continue;
-        surface->slip1 = std::max(surface->slip1, kSlip);
-        surface->slip2 = std::max(surface->slip2, kSlip);
+        surface->slip1 = std::max(surface->slip1, kFrictionSlip);
+        surface->slip2 = std::max(surface->slip2, kFrictionSlip);
       }
   }
 
   /// Out: of each object, in the order of their coming, its pose in the world [m,
   /// quaternion w x y z], the velocity of its origin [m/s], the angular one [rad/s].
   void Objects() {
-    Begin();
+    BeginAnswer();
     for (const auto& object : objects_) {
-      const auto link = IsThere(object) ? object->GetLinks().front() : nullptr;
+      const auto link = Exists(object) ? object->GetLinks().front() : nullptr;
       packet_.Put(object->WorldPose());
       packet_.Put(link ? link->WorldLinearVel() : Vector3d::Zero);
       packet_.Put(link ? link->WorldAngularVel() : Vector3d::Zero);
@@ -656,7 +657,7 @@ class Bridge : public gazebo::SystemPlugin {
   }
 
   /// Returns whether nobody else deleted the object, which leaves it without links.
-  static bool IsThere(const gazebo::physics::ModelPtr& object) {
+  static bool Exists(const gazebo::physics::ModelPtr& object) {
     return !object->GetLinks().empty();
   }
 
@@ -671,21 +672,21 @@ class Bridge : public gazebo::SystemPlugin {
     link->SetLinearVel(linear + angular.Cross(center));  // ODE's is the centre's
     link->SetAngularVel(angular);
     world_->EnableAllModels();  // what slept on it would stay in the air
-    Begin();
+    BeginAnswer();
   }
 
   /// In: how many touches have been told already.  Out: how many are told here, how many
   /// are left; of each pair of shapes that touched in the last step, the names of the first
-  /// one's model and of itself, the same of the second, and the figures of a Touch.  None at
+  /// one's model and of itself, the same of the second, and a ContactSum.  None at
   /// the first time, which makes it look from then on.  So of each object that is attached:
   /// the robot and the link that holds it, the object, and nothing.
   void Contacts() {
     const auto known = packet_.Take<std::uint32_t>();
-    if (!touches_.IsOn()) {
-      touches_.SwitchOn();
+    if (!contacts_.IsOn()) {
+      contacts_.SwitchOn();
       world_->EnableAllModels();  // who sleeps touches nobody
     }
-    Begin();
+    BeginAnswer();
     const std::size_t at = packet_.Size();
     std::uint32_t all = 0, told = 0, left = 0;
     packet_.Put(told), packet_.Put(left);
@@ -700,7 +701,7 @@ class Bridge : public gazebo::SystemPlugin {
       for (const auto& vector : vectors) packet_.Put(vector);
       ++told;
     };
-    for (const Touch& touch : touches_.Sums()) {
+    for (const ContactSum& touch : contacts_.Sums()) {
       const auto [first, second] = touch.Shapes();
       if (!first) continue;
       tell({first->GetModel()->GetName(), first->GetName(), second->GetModel()->GetName(),
@@ -716,7 +717,7 @@ class Bridge : public gazebo::SystemPlugin {
       tell({robot_->GetName(), attached.link, name, ""}, weight,
            {center * weight, force, From(attached.feedback.t1) + center.Cross(force)});
     }
-    packet_.Amend(at, told), packet_.Amend(at + sizeof told, left);
+    packet_.Overwrite(at, told), packet_.Overwrite(at + sizeof told, left);
   }
 
   /// In: name of an object that moves, name of the robot's link that it is fixed to as it
@@ -728,7 +729,7 @@ class Bridge : public gazebo::SystemPlugin {
     const auto link = name.empty() ? nullptr : robot_->GetLink(name);
     if (!name.empty() && !link)
       throw std::runtime_error("Gazebo's robot has no link '" + name + "'");
-    if (!IsThere(object))
+    if (!Exists(object))
       throw std::runtime_error("somebody deleted '" + object->GetName() + "'");
     if (const auto found = attached_.find(object->GetName()); found != attached_.end()) {
       if (dJointGetBody(found->second.joint, 0))
@@ -742,7 +743,7 @@ class Bridge : public gazebo::SystemPlugin {
     dBodyEnable(body);
     Attached& attached = attached_[object->GetName()] = {joint, called, {}};
     dJointSetFeedback(joint, &attached.feedback);
-    Begin();
+    BeginAnswer();
   }
 
   /// Lets an object go that may be attached, and may be gone.
@@ -780,7 +781,7 @@ class Bridge : public gazebo::SystemPlugin {
         [this, name, is_object] {
           const auto model = world_->ModelByName(name);
           if (!model) return false;
-          Calm(model);
+          AddFrictionSlip(model);
           if (is_object) objects_.push_back(model);
           return true;
         },
@@ -804,7 +805,7 @@ class Bridge : public gazebo::SystemPlugin {
   /// A model that goes tells everybody so by a request, and the world does what that
   /// says, too: it removes what has the name by then.  It looks at requests now and then,
   /// and does so when it looks for the second time; until then no other may come.  Answers
-  /// get lost when programs like `gz` come and go; it has looked long before kLooked.
+  /// get lost when programs like `gz` come and go; it has looked long before kRequestsDone.
   void Delete() {
     const std::string name = packet_.TakeText();
     const auto is_it = [&name](const auto& object) { return object->GetName() == name; };
@@ -813,28 +814,28 @@ class Bridge : public gazebo::SystemPlugin {
     Detach(name);
     objects_.erase(gone, objects_.end());
     world_->RemoveModel(name);
-    Ask(name);
+    RequestEntityInfo(name);
     WaitUntil(
-        [this, name, looks = 2, looked = Clock::now() + kLooked]() mutable {
+        [this, name, looks = 2, looked = Clock::now() + kRequestsDone]() mutable {
           if (Clock::now() > looked) return !world_->ModelByName(name);
-          if (asked_) return false;
-          if (--looks > 0) Ask(name);
+          if (pending_request_) return false;
+          if (--looks > 0) RequestEntityInfo(name);
           return looks == 0;
         },
         "Gazebo did not remove the model '" + name + "'");
   }
 
   /// Asks the world for something; it answers when it looks at requests.
-  void Ask(const std::string& name) {
+  void RequestEntityInfo(const std::string& name) {
     gazebo::msgs::Request request;
-    request.set_id(asked_ = kRequest);
+    request.set_id(pending_request_ = kRequest);
     request.set_request("entity_info");
     request.set_data(name);
     requests_->Publish(request, true);
   }
 
-  void Hear(ConstResponsePtr& response) {
-    if (response->id() == asked_) asked_ = 0;
+  void OnResponse(ConstResponsePtr& response) {
+    if (response->id() == pending_request_) pending_request_ = 0;
   }
 
   gazebo::physics::ModelPtr Model(const std::string& name) const {
@@ -844,28 +845,28 @@ class Bridge : public gazebo::SystemPlugin {
   }
 
   void WaitUntil(std::function<bool()> happened, std::string otherwise) {
-    until_ = std::move(happened);
-    otherwise_ = std::move(otherwise);
-    deadline_ = Clock::now() + kPatience;
+    condition_ = std::move(happened);
+    timeout_error_ = std::move(otherwise);
+    deadline_ = Clock::now() + kModelTimeout;
   }
 
   /// Returns whether what was waited for has come, or will not.
-  bool Settled() {
-    const bool happened = until_();
+  bool IsConditionSettled() {
+    const bool happened = condition_();
     if (!happened && Clock::now() < deadline_) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       return false;
     }
-    until_ = nullptr;
+    condition_ = nullptr;
     world_->EnableAllModels();  // now, and not when the world next looks at requests
-    Begin();
-    if (!happened) Fail(otherwise_);
-    Send();
+    BeginAnswer();
+    if (!happened) PutError(timeout_error_);
+    SendAnswer();
     return true;
   }
 
   /// Lets the world make a turn in which nothing moves and no time passes.
-  void Skip() {
+  void SkipStep() {
     world_->SetPhysicsEnabled(false);
     world_->SetSimTime(world_->SimTime() - gazebo::common::Time(dt_));
   }
@@ -882,46 +883,46 @@ class Bridge : public gazebo::SystemPlugin {
     world_->SetPhysicsEnabled(true);
   }
 
-  void Sleep() {
-    Skip();
+  void Pause() {
+    SkipStep();
     world_->Physics()->SetRealTimeUpdateRate(kIdleRate);
     world_->SetPaused(true);
   }
 
-  void Begin() {
+  void BeginAnswer() {
     packet_.Clear();
     packet_.Put(std::uint32_t{0});
   }
 
-  void Fail(const std::string& why) {
+  void PutError(const std::string& why) {
     packet_.Clear();
     packet_.Put(std::uint32_t{1});
     packet_.Put(why);
   }
 
-  void Send() {
-    owes_ = false;
+  void SendAnswer() {
+    owes_answer_ = false;
     if (::send(socket_, packet_.Bytes(), packet_.Size(), MSG_NOSIGNAL) < 0) ::_exit(0);
   }
 
   /// Returns whether a packet came within `patience` [ms]; ends when none ever will.
   /// A loop at full speed answers at once: to be awake then saves 30 µs of waking.
   bool Receive(int patience) {
-    const auto awake = Clock::now() + kAwake;
+    const auto awake = Clock::now() + kSpinTime;
     ssize_t size;
-    do size = ::recv(socket_, packet_.Room(), kLargest, MSG_DONTWAIT);
+    do size = ::recv(socket_, packet_.Buffer(), kMaxPacket, MSG_DONTWAIT);
     while (size < 0 && errno == EAGAIN && Clock::now() < awake);
     if (size < 0 && errno == EAGAIN) {
       pollfd waiting{socket_, POLLIN, 0};
       if (::poll(&waiting, 1, patience) == 0) return false;
-      size = ::recv(socket_, packet_.Room(), kLargest, 0);
+      size = ::recv(socket_, packet_.Buffer(), kMaxPacket, 0);
     }
     if (size <= 0) ::_exit(0);
     packet_.Fill(size);
     return true;
   }
 
-  [[noreturn]] static void Die(const std::string& why) {
+  [[noreturn]] static void Exit(const std::string& why) {
     std::cerr << "tool0's bridge: " << why << std::endl;
     ::_exit(1);
   }
@@ -930,25 +931,25 @@ class Bridge : public gazebo::SystemPlugin {
   double dt_ = 0.0;
   Packet packet_;
   gazebo::physics::WorldPtr world_;
-  std::atomic<bool> adopted_{false}, owes_{false};  // an answer
+  std::atomic<bool> has_world_{false}, owes_answer_{false};
   bool stepping_ = false;
   std::vector<Drive> drives_;
   std::vector<Gear> gears_;
-  std::vector<std::pair<gazebo::physics::LinkPtr, Pose3d>> at_zero_;  // of the robot
-  std::string broken_;  // what was not finite after the last step, or empty
-  const dJointGroupID teeth_ = dJointGroupCreate(0);
+  std::vector<std::pair<gazebo::physics::LinkPtr, Pose3d>> poses_at_zero_;  // of the robot
+  std::string diverged_;  // what was not finite after the last step, or empty
+  const dJointGroupID gear_joints_ = dJointGroupCreate(0);
   std::vector<gazebo::physics::ModelPtr> objects_;
   gazebo::physics::ModelPtr robot_;
   std::map<std::string, Attached> attached_;  // by the object's name
-  Touches touches_;
-  std::function<bool()> until_;
-  std::string otherwise_;
+  ContactRecorder contacts_;
+  std::function<bool()> condition_;
+  std::string timeout_error_;
   Clock::time_point deadline_;
   gazebo::event::ConnectionPtr created_, update_, updated_;
   gazebo::transport::NodePtr node_;
   gazebo::transport::PublisherPtr requests_;
   gazebo::transport::SubscriberPtr responses_;
-  std::atomic<int> asked_{0};  // number of the request that is to be answered, or 0
+  std::atomic<int> pending_request_{0};  // its number, or 0
 };
 
 GZ_REGISTER_SYSTEM_PLUGIN(Bridge)

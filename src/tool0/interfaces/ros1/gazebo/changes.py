@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import final
 
+from tool0.api.robot import Robot
 from tool0.description.rigid_model import RigidModel
-from tool0.description.rigid_text import read_rigid_model
+from tool0.description.rigid_model_xml import read_rigid_model
 from tool0.errors import ControlError
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.gazebo.messages import to_motion, to_transform
 from tool0.interfaces.ros1.gazebo.world import GROUND, GazeboWorld, WorldView
-from tool0.runtime.robot import Robot
 
 LONGEST_NAME = 60
 """[characters] Gazebo's engine makes it a file's name."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import final
 
-from tool0.description.kinematics import Transform
-from tool0.description.motion import FrameMotion, from_quaternion
+from tool0.description.forward_kinematics import FrameMotion
+from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError
 from tool0.interfaces.ros1.conversions import Message
 

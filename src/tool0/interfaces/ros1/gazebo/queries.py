@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any, final
 
+from tool0.api.robot import Robot
+from tool0.description.forward_kinematics import FrameMotion
 from tool0.description.model import JointType
-from tool0.description.motion import FrameMotion
 from tool0.errors import ControlError
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.gazebo.messages import GazeboMessages
 from tool0.interfaces.ros1.gazebo.world import GROUND, GazeboWorld, WorldView
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.robot import Robot
 
 _KINDS = {
     JointType.REVOLUTE: 0,
@@ -47,7 +47,7 @@ class GazeboQueries:
         answer.time_step = dt
         answer.pause = snapshot.is_paused
         answer.max_update_rate = 0.0 if snapshot.speed is None else snapshot.speed / dt
-        answer.gravity = self._vector(*self._robot.engine.gravity)
+        answer.gravity = self._vector(*self._robot.engine.world.gravity)
         return _DONE
 
     def model_properties(self, request: Message, answer: Message) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from tool0.api.robot import Robot
 from tool0.errors import Tool0Error
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.gazebo.changes import GazeboChanges
@@ -12,7 +13,6 @@ from tool0.interfaces.ros1.gazebo.queries import GazeboQueries
 from tool0.interfaces.ros1.gazebo.topics import GazeboTopics
 from tool0.interfaces.ros1.gazebo.world import GazeboWorld
 from tool0.interfaces.ros1.node import Part, RosNode
-from tool0.runtime.robot import Robot
 
 Answer = Callable[[Message, Message], str]
 """Takes a request, fills the response, returns what status_message says."""

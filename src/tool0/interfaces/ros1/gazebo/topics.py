@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, final
 
-from tool0.description.motion import FrameMotion
+from tool0.description.forward_kinematics import FrameMotion
 from tool0.interfaces.ros1.gazebo.messages import GazeboMessages
 from tool0.interfaces.ros1.gazebo.world import GazeboWorld, WorldView
 from tool0.interfaces.ros1.node import RosNode
-from tool0.runtime.bus import Snapshot
+from tool0.sensing.snapshot import Snapshot
 
 
 @final

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import final
 
-from tool0.description.kinematics import Transform
+from tool0.api.robot import Robot
+from tool0.description.forward_kinematics import FrameMotion, link_motions
 from tool0.description.model import Joint, RobotModel
-from tool0.description.motion import FrameMotion, from_quaternion, link_motions
 from tool0.description.rigid_model import RigidModel
 from tool0.description.scene import SceneObject
+from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError
-from tool0.runtime.bus import Snapshot
-from tool0.runtime.robot import Robot
+from tool0.sensing.snapshot import Snapshot
 
 ROBOT = "robot"
 """What the launch files of ur_gazebo call the robot's model."""
@@ -31,8 +31,8 @@ class GazeboWorld:
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
         self.model = model = robot.description.model
-        self.T_world_root = Transform(position=(0.0, 0.0, robot.spawn_z))
-        self.has_ground = robot.ground is not None
+        self.T_world_root = Transform(position=(0.0, 0.0, robot.info.spawn_z))
+        self.has_ground = robot.info.ground is not None
         self.robot_names = (ROBOT, model.name)
         self.robot_links = lumped_links(model)
         self.reserved = {*_GAZEBOS_OWN, *model.joint_by_name}

@@ -1,0 +1,1 @@
+"""What a Python program holds: a robot and its parts, here or in another process."""

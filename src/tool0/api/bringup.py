@@ -1,0 +1,107 @@
+"""``tool0.bringup``: a robot in this process."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+from tool0.api.channel import LocalChannel
+from tool0.api.robot import Robot
+from tool0.description.catalogue import load_description
+from tool0.description.config import (
+    UNSET,
+    Argument,
+    DescriptionConfig,
+    File,
+    Unset,
+)
+from tool0.description.scene import Scene
+from tool0.runtime.bringup import start_simulation
+from tool0.runtime.config import ControlConfig, Names, SimulationConfig
+
+Config = TypeVar("Config", DescriptionConfig, ControlConfig, SimulationConfig)
+
+
+def bringup(
+    *,
+    arm: str | None = None,
+    gripper: str | Unset | None = UNSET,
+    prefix: str | None = None,
+    robot: File | None = None,
+    args: Mapping[str, Argument] | None = None,
+    engine: str | None = None,
+    scene: Scene | File | None = None,
+    controllers_file: File | Sequence[File] | None = None,
+    controllers: Names | None = None,
+    initial_pose: str | Mapping[str, float] | None = None,
+    realtime: bool | None = None,
+    speed: float | None = None,
+    paused: bool | None = None,
+    description: DescriptionConfig = DescriptionConfig(),  # noqa: B008  # frozen
+    control: ControlConfig = ControlConfig(),  # noqa: B008  # frozen
+    simulation: SimulationConfig = SimulationConfig(),  # noqa: B008  # frozen
+) -> Robot:
+    """Bring up a robot: its description, physics, drives and controllers.
+
+    ``description``, ``control`` and ``simulation`` hold all options.  The other
+    keywords are shorthands for the most used ones; a shorthand that is given (not
+    None) replaces the field of the same name::
+
+        cell = SimulationConfig(scene="table_and_bin", grasp_assist=True)
+        tool0.bringup(arm="ur5", simulation=cell, realtime=False)
+
+    Args:
+        arm: The arm; ur5 if not given.
+        gripper: The gripper on tool0; 2f85 if not given, None or "none" for a bare arm.
+        prefix: Prefix of all link and joint names.
+        robot: Your own URDF or xacro file, instead of an arm and a gripper.
+        args: xacro arguments of that file, or further ones of the built-in file.
+        engine: The physics engine: "mujoco", or "gazebo" (docs/gazebo.md).
+        scene: The objects around the robot: a value, a YAML file, or a built-in scene
+            (``table_and_bin``, ``table_and_cubes``).
+        controllers_file: ros_control YAML, one file or several; later ones override.
+        controllers: Names of the controllers to load and start.
+        initial_pose: A named pose, or positions by joint [rad | m].
+        realtime: Whether time passes by itself; otherwise only ``run`` and ``wait``
+            advance it, as fast as possible.
+        speed: Simulated seconds per wall second in real time.
+        paused: Whether to start paused.
+        description: Which robot.
+        control: Its controllers and its initial pose.
+        simulation: The physics, the objects around the robot, and time.
+
+    Returns:
+        The robot, holding its pose.
+
+    Raises:
+        Tool0Error: If an option or a file is wrong.
+    """
+    description = _with_given(
+        description, arm=arm, prefix=prefix, robot=robot, args=args
+    )
+    if gripper is not UNSET:
+        description = replace(description, gripper=gripper)
+    control = _with_given(
+        control,
+        controllers_file=controllers_file,
+        controllers=controllers,
+        initial_pose=initial_pose,
+    )
+    simulation = _with_given(
+        simulation,
+        engine=engine,
+        scene=scene,
+        realtime=realtime,
+        speed=speed,
+        paused=paused,
+    )
+    started = start_simulation(load_description(description), control, simulation)
+    return Robot(LocalChannel(started))
+
+
+def _with_given(config: Config, **keywords: object) -> Config:
+    """Return ``config`` with the keywords that are not None."""
+    given = {name: value for name, value in keywords.items() if value is not None}
+    changed: Config = replace(config, **given)  # type: ignore[arg-type]  # any field's
+    return changed

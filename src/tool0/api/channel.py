@@ -1,0 +1,133 @@
+"""How a robot's handles reach it: in this process, or over a socket."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol, TypeVar, final
+
+from tool0.control.goal import Goal
+from tool0.errors import ControlError
+from tool0.requests.motion import GoalStarted
+from tool0.requests.table import Request, answer, checked
+from tool0.sensing.snapshot import SNAPSHOT_PERIOD
+
+if TYPE_CHECKING:
+    from tool0.description.catalogue import RobotDescription
+    from tool0.runtime.bus import Subscription
+    from tool0.runtime.simulation import Simulation
+    from tool0.sensing.snapshot import Snapshot
+
+R = TypeVar("R")
+
+POLL_PERIOD = 0.05
+"""Longest wall time between checks whether the simulation still runs [s]."""
+
+
+class Channel(Protocol):
+    """The way to a simulation."""
+
+    @property
+    def description(self) -> RobotDescription: ...
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """The newest state."""
+
+    def call(self, request: Request[R]) -> R:
+        """Return the response, or raise what the handler raised."""
+
+    def goal(self, started: GoalStarted) -> Goal:
+        """Return a goal that a request of this channel has just started."""
+
+    def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
+        """Let time pass until ``is_over()``; return whether it was in time.
+
+        Args:
+            is_over: Called again and again.
+            timeout: [s] of simulated time where the caller makes time pass, otherwise
+                of wall time; None for ever.
+
+        Raises:
+            EngineError: If the physics failed.
+            ControlError: If the simulation was closed or is paused without real time.
+            TransportError: If the other process has ended.
+        """
+
+    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
+        """Let time pass until ``goal`` ends, as ``wait_until`` does."""
+
+    def subscribe(self, rate: float | None = None) -> Subscription:
+        """Return a reader of snapshots and events.
+
+        Args:
+            rate: Snapshots per simulated second, up to 500 [Hz]; 125 if left out.
+        """
+
+    def close(self) -> None:
+        """End the simulation, or the connection to it."""
+
+
+@final
+class LocalChannel:
+    """To a simulation in this process."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.simulation = simulation
+        self._loop = simulation.loop
+
+    @property
+    def description(self) -> RobotDescription:
+        return self.simulation.description
+
+    @property
+    def snapshot(self) -> Snapshot:
+        return self.simulation.snapshot
+
+    def call(self, request: Request[R]) -> R:
+        return answer(self.simulation, checked(request))
+
+    def goal(self, started: GoalStarted) -> Goal:
+        return self.simulation.goals.find(started.goal)
+
+    def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
+        loop, bus = self._loop, self.simulation.bus
+        limit = math.inf if timeout is None else timeout
+        start, wall_start = loop.steps, time.monotonic()
+        while not is_over():
+            loop.check()
+            if loop.is_closed:
+                raise ControlError("the simulation was closed")
+            if loop.is_realtime:
+                left = limit - (time.monotonic() - wall_start)
+            else:
+                left = limit - (loop.steps - start) * loop.control_period
+            if not left > 0.0:
+                return False
+            if loop.is_realtime:
+                bus.newer_than(bus.latest, min(POLL_PERIOD, left))
+            else:
+                # Less than half a tick would be none, and the wait without end.
+                loop.run(max(loop.control_period, min(SNAPSHOT_PERIOD, left)))
+        return True
+
+    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
+        if goal.result is not None:
+            return True
+        limit = math.inf if timeout is None else timeout
+        if not self._loop.is_realtime:
+            self._loop.run(limit, until=lambda: goal.status.is_terminal)
+            return goal.result is not None
+        end = time.monotonic() + limit
+        while not goal.wait(min(POLL_PERIOD, max(0.0, end - time.monotonic()))):
+            self._loop.check()
+            if not time.monotonic() < end:
+                return False
+        return True
+
+    def subscribe(self, rate: float | None = None) -> Subscription:
+        return self.simulation.subscribe(rate)
+
+    def close(self) -> None:
+        self.simulation.close()

@@ -1,0 +1,320 @@
+"""``tool0.connect``: a robot that runs in another process."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import math
+import socket
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeoutError
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, TypeVar, final
+
+import msgspec
+from msgspec import Raw, UnsetType
+
+from tool0.api.address import (
+    DEFAULT_NAME,
+    check_supported,
+    folders,
+    running_names,
+    socket_path,
+)
+from tool0.api.robot import Robot
+from tool0.control.goal import Goal
+from tool0.description.catalogue import RobotDescription
+from tool0.description.urdf import read_model
+from tool0.description.xml_source import parse_text
+from tool0.errors import Tool0Error, TransportError
+from tool0.requests.codec import (
+    PROTOCOL,
+    ErrorInfo,
+    Reply,
+    SnapshotMessage,
+    decode_response,
+    encode_request,
+    error_of,
+    result_of,
+    snapshot_of,
+)
+from tool0.requests.messages import Fault, GoalEnded, Hello, LateTicks, ResetDone
+from tool0.requests.motion import GoalStarted
+from tool0.requests.state import ReadDescription, ReadSnapshot
+from tool0.requests.streams import Subscribe, Unsubscribe
+from tool0.requests.table import Request, checked, method_name
+from tool0.requests.time import Run, Step
+from tool0.runtime.bus import (
+    Bus,
+    Faulted,
+    GoalFinished,
+    Overran,
+    Subscription,
+    WasReset,
+)
+from tool0.runtime.goals import GOALS_KEPT
+from tool0.sensing.snapshot import Snapshot
+
+R = TypeVar("R")
+V = TypeVar("V")
+
+ANSWER_TIMEOUT: Final = 30.0
+"""Longest wait for an answer that should come at once [wall s]."""
+POLL_PERIOD: Final = 0.02
+"""Wall time between reads of a state that is waited for [s]."""
+MAX_REQUEST: Final = 1 << 20
+"""Longest request [bytes]; 10 000 waypoints of 6 joints fit."""
+
+
+def connect(name: str = DEFAULT_NAME) -> Robot:
+    """Return a robot that runs in another process of this user.
+
+    It has the same methods as one of ``tool0.bringup``; closing it ends the
+    connection, not the robot.  Times to wait are wall seconds.
+
+    Args:
+        name: The ``--name`` of the bring-up.
+
+    Raises:
+        TransportError: If no bring-up of this name is running.
+    """
+    return Robot(SocketChannel(name))
+
+
+@final
+class SocketChannel:
+    """The way to a simulation in another process: JSON lines over its Unix socket.
+
+    Any thread may use it.  A thread of its own reads what arrives.
+    """
+
+    def __init__(self, name: str = DEFAULT_NAME) -> None:
+        """Connect, or raise TransportError."""
+        self.name = name
+        self._peer = _connect(name)
+        self._numbers = itertools.count(1)
+        self._lock = threading.Lock()
+        self._sending = threading.Lock()
+        self._pending: dict[int, Future[Reply]] = {}
+        self._goals: dict[int, Goal] = {}
+        self._bus = Bus()
+        self._failure: TransportError | None = None
+        self._hello: Future[Hello] = Future()
+        self._reader = threading.Thread(
+            target=self._read, name="tool0-connection", daemon=True
+        )
+        self._reader.start()
+        try:
+            self.hello = self._greeted()
+        except BaseException:
+            self.close()
+            raise
+
+    @cached_property
+    def description(self) -> RobotDescription:
+        """The robot, read from the URDF that the bring-up sends."""
+        info = self.call(ReadDescription())
+        return RobotDescription(
+            model=read_model(document := parse_text(info.urdf)),
+            source=Path(info.source),
+            arm=info.arm,
+            gripper=info.gripper,
+            prefix=info.prefix,
+            _document=document,
+        )
+
+    @property
+    def snapshot(self) -> Snapshot:
+        return self.call(ReadSnapshot())
+
+    def call(self, request: Request[R]) -> R:
+        """Return the response, or raise what the handler raised.
+
+        Raises:
+            TransportError: If the bring-up does not answer, or has ended.
+        """
+        request = checked(request)
+        number = next(self._numbers)
+        line = encode_request(number, request) + b"\n"
+        if len(line) > MAX_REQUEST:
+            raise TransportError(
+                f"a request of {len(line)} bytes is longer than {MAX_REQUEST}; "
+                "send fewer waypoints"
+            )
+        future: Future[Reply] = Future()
+        with self._lock:
+            if self._failure is not None:
+                raise self._failure
+            self._pending[number] = future
+        self._send(line)
+        method = method_name(type(request))
+        reply = self._awaited(future, _timeout(request), method)
+        if not isinstance(reply.error, UnsetType):
+            raise error_of(reply.error)
+        result = b"null" if isinstance(reply.result, UnsetType) else reply.result
+        response: R = decode_response(request, Raw(result))
+        return response
+
+    def goal(self, started: GoalStarted) -> Goal:
+        return self._goal(started.goal, started.controller)
+
+    def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
+        end = time.monotonic() + (math.inf if timeout is None else timeout)
+        while not is_over():
+            if not time.monotonic() < end:
+                return False
+            time.sleep(POLL_PERIOD)
+        return True
+
+    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
+        end = time.monotonic() + (math.inf if timeout is None else timeout)
+        while not goal.wait(max(0.0, min(0.1, end - time.monotonic()))):
+            if self._failure is not None:
+                raise self._failure
+            if not time.monotonic() < end:
+                return False
+        return True
+
+    def subscribe(self, rate: float | None = None) -> Subscription:
+        """Return a reader; the connection has one rate, the last one asked for."""
+        subscription = self._bus.subscribe(when_closed=self._unsubscribe)
+        self.call(Subscribe() if rate is None else Subscribe(rate=rate))
+        return subscription
+
+    def close(self) -> None:
+        """End the connection; the robot goes on."""
+        self._fail(TransportError("the connection is closed"))
+        with contextlib.suppress(OSError):  # the peer was faster
+            self._peer.shutdown(socket.SHUT_RDWR)
+        if threading.current_thread() is not self._reader:
+            self._reader.join()
+        self._peer.close()
+
+    def _greeted(self) -> Hello:
+        hello = self._awaited(self._hello, ANSWER_TIMEOUT, "hello")
+        if hello.protocol != PROTOCOL:
+            raise TransportError(
+                f"this bring-up speaks protocol {hello.protocol}, the client "
+                f"{PROTOCOL}; run both from the same version of tool0"
+            )
+        return hello
+
+    def _unsubscribe(self) -> None:
+        if not self._bus.has_subscribers and self._failure is None:
+            self.call(Unsubscribe())
+
+    def _send(self, line: bytes) -> None:
+        try:
+            with self._sending:
+                self._peer.sendall(line)
+        except TimeoutError:
+            raise TransportError("the bring-up does not read its requests") from None
+        except OSError as error:
+            raise TransportError(f"the bring-up has gone: {error}") from None
+
+    def _awaited(self, future: Future[V], timeout: float | None, what: str) -> V:
+        try:
+            return future.result(timeout)
+        except FutureTimeoutError:
+            raise TransportError(
+                f"the bring-up did not answer '{what}' within {timeout:g} s"
+            ) from None
+
+    # ---- the reader's thread --------------------------------------------------------
+
+    def _read(self) -> None:
+        failure = TransportError("the bring-up has ended")
+        try:
+            with self._peer.makefile("rb") as lines:
+                for line in lines:
+                    self._take(_decoder.decode(line))
+        except (msgspec.DecodeError, Tool0Error) as error:
+            failure = TransportError(f"the bring-up sent what cannot be read: {error}")
+        except (OSError, ValueError) as error:
+            failure = TransportError(f"the bring-up has gone: {error}")
+        self._fail(failure)
+
+    def _take(self, message: Message) -> None:
+        match message:
+            case Reply(id=int(number)):
+                with self._lock:
+                    future = self._pending.pop(number, None)
+                if future is not None:
+                    future.set_result(message)
+            case Reply(error=ErrorInfo() as error):
+                raise error_of(error)
+            case SnapshotMessage():
+                self._bus.publish(snapshot_of(message, self._bus.latest))
+            case GoalEnded(goal=int(number)):
+                goal = self._goal(number, message.controller)
+                if not goal.status.is_terminal:
+                    goal.finish(result_of(message.outcome))
+                    self._bus.announce(GoalFinished(goal))
+            case Fault(message=text, time=at):
+                self._bus.announce(Faulted(text, at))
+            case ResetDone(time=at):
+                self._bus.announce(WasReset(at))
+            case LateTicks(count=count, time=at):
+                self._bus.announce(Overran(count, at))
+            case Hello():
+                self._hello.set_result(message)
+
+    def _goal(self, number: int, controller: str) -> Goal:
+        """Return the goal of a number: the same one, whoever hears of it first."""
+        with self._lock:
+            if number not in self._goals:
+                self._goals[number] = Goal(controller)
+                if len(self._goals) > GOALS_KEPT:
+                    ended = (n for n, g in self._goals.items() if g.status.is_terminal)
+                    self._goals.pop(next(ended, -1), None)
+            return self._goals[number]
+
+    def _fail(self, failure: TransportError) -> None:
+        """Let nobody wait any longer."""
+        with self._lock:
+            self._failure = self._failure or failure
+            pending, self._pending = list(self._pending.values()), {}
+        futures: list[Future[Any]] = [*pending, self._hello]
+        for future in futures:
+            if not future.done():
+                future.set_exception(failure)
+
+
+Message = Hello | Reply | SnapshotMessage | GoalEnded | Fault | ResetDone | LateTicks
+_decoder: Final = msgspec.json.Decoder(Message)
+
+
+def _timeout(request: Request[Any]) -> float | None:
+    """Return how long an answer may take [wall s]; None for what lets time pass."""
+    return None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
+
+
+def _connect(name: str) -> socket.socket:
+    check_supported()
+    paths = [socket_path(folder, name) for folder in folders()]
+    for path in paths:
+        peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            peer.connect(str(path))
+        except (FileNotFoundError, ConnectionRefusedError):
+            peer.close()  # never started, or died without cleaning up
+        except OSError as error:
+            peer.close()
+            raise TransportError(f"cannot reach {path}: {error}") from None
+        else:
+            return peer
+    raise TransportError(_nobody_there(name, paths))
+
+
+def _nobody_there(name: str, paths: Sequence[Path]) -> str:
+    others = [other for other in running_names() if other != name]
+    hint = (
+        f"running: {', '.join(others)} (use --name)"
+        if others
+        else "start one with `tool0 bringup`"
+    )
+    return f"no bringup named '{name}' is running ({paths[0]}); {hint}"

@@ -1,0 +1,176 @@
+"""The handle on the objects around a robot: ``robot.scene``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import final, overload
+
+from tool0.api.channel import Channel
+from tool0.description.scene import DEFAULT_FRICTION, RGBA, SceneObject
+from tool0.description.shapes import Geometry, mesh
+from tool0.description.transform import Transform, from_quaternion
+from tool0.errors import ControlError, did_you_mean
+from tool0.hardware.engine import ObjectState
+from tool0.requests.objects import AddObject, PlaceObject, RemoveObject, shape_of
+from tool0.sensing.snapshot import Snapshot
+
+
+@final
+class SceneHandle:
+    """The objects around a robot, by name, in the order in which they were added."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+
+    @property
+    def objects(self) -> tuple[SceneObject, ...]:
+        """The objects now, each with the pose at which it started."""
+        return self._channel.snapshot.scene
+
+    @property
+    def states(self) -> Mapping[str, ObjectState]:
+        """Pose and velocity of each object, in the robot's root."""
+        return {state.name: state for state in self._channel.snapshot.objects}
+
+    def __iter__(self) -> Iterator[str]:
+        return (item.name for item in self.objects)
+
+    def __len__(self) -> int:
+        return len(self.objects)
+
+    def __contains__(self, name: object) -> bool:
+        return any(item.name == name for item in self.objects)
+
+    def __getitem__(self, name: str) -> SceneObject:
+        """Return the object called ``name``, or raise ControlError."""
+        objects = {item.name: item for item in self.objects}
+        if name not in objects:
+            raise _unknown(name, list(objects))
+        return objects[name]
+
+    def pose(self, name: str) -> Transform:
+        """Return the frame of an object in the robot's root, or raise ControlError."""
+        return object_pose(self._channel.snapshot, name)
+
+    @overload
+    def add(self, item: SceneObject, /) -> SceneObject: ...
+
+    @overload
+    def add(
+        self,
+        item: str,
+        shape: Geometry | Path | str,
+        /,
+        *,
+        xyz: Sequence[float] = ...,
+        rpy: Sequence[float] = ...,
+        mass: float | None = ...,
+        friction: float = ...,
+        rgba: RGBA | None = ...,
+    ) -> SceneObject: ...
+
+    def add(
+        self,
+        item: SceneObject | str,
+        shape: Geometry | Path | str | None = None,
+        /,
+        *,
+        xyz: Sequence[float] = (0.0, 0.0, 0.0),
+        rpy: Sequence[float] = (0.0, 0.0, 0.0),
+        mass: float | None = None,
+        friction: float = DEFAULT_FRICTION,
+        rgba: RGBA | None = None,
+    ) -> SceneObject:
+        """Add an object to the scene, at rest, and return it.
+
+        Motion continues.  The loop waits for it: some milliseconds in MuJoCo, more for
+        a large mesh, 0.2 s in Gazebo.  In real time it catches up.
+
+        Args:
+            item: Its name, or a complete object; the rest is then left out.
+            shape: ``Box``, ``Cylinder``, ``Sphere``, ``Mesh``, or a mesh's file in
+                metres (``tool0.scene.mesh`` scales others).
+            xyz: Position of its origin, in the robot's root [m].
+            rpy: Its orientation, fixed-axis roll, pitch, yaw [rad].
+            mass: [kg]; an object without one is fixed.
+            friction: Coulomb's coefficient for sliding.
+            rgba: Each within 0 … 1; a colour of its own, if left out.
+
+        Raises:
+            ConfigError: If the object is impossible, or has the name of a link.
+            ControlError: If a value has the wrong type or is out of bounds.
+            DescriptionError: If there is no such mesh.
+            ModelError: If the engine does not support the object.
+            EngineError: If an object has this name, or the engine refuses.
+        """
+        if isinstance(item, SceneObject):
+            name, shape = item.name, item.geometry
+            xyz, rpy = item.pose.xyz, item.pose.rpy
+            mass, friction, rgba = item.mass, item.friction, item.rgba
+        else:
+            name = item
+        if shape is None:
+            raise TypeError(f"object '{name}' needs a shape, as Box(size=…)")
+        geometry = mesh(shape) if isinstance(shape, (str, Path)) else shape
+        request = AddObject(
+            name=name,
+            shape=shape_of(geometry),
+            xyz=xyz,  # type: ignore[arg-type]  # any sequence: the channel checks it
+            rpy=rpy,  # type: ignore[arg-type]
+            mass=mass,
+            friction=friction,
+            rgba=rgba,
+        )
+        self._channel.call(request)
+        return self[name]
+
+    def remove(self, name: str) -> None:
+        """Remove an object from the scene, or raise EngineError if there is none."""
+        self._channel.call(RemoveObject(name=name))
+
+    def place(
+        self,
+        name: str,
+        position: Sequence[float],
+        quat_wxyz: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+        *,
+        linear: Sequence[float] = (0.0, 0.0, 0.0),
+        angular: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Put an object somewhere at once, at rest or moving; ``reset`` puts it back.
+
+        Args:
+            name: The object.
+            position: Of its origin, in the robot's root [m].
+            quat_wxyz: Its orientation there; of any length but zero.
+            linear: Velocity of its origin, in the root's axes [m/s].
+            angular: Angular velocity, in the root's axes [rad/s].
+
+        Raises:
+            ControlError: If a value has the wrong number of parts, or is not finite.
+            EngineError: If there is no such object, or it has no mass and is to move.
+        """
+        self._channel.call(
+            PlaceObject(
+                name=name,
+                xyz=position,  # type: ignore[arg-type]  # any sequence: see add
+                quat_wxyz=quat_wxyz,  # type: ignore[arg-type]
+                linear=linear,  # type: ignore[arg-type]
+                angular=angular,  # type: ignore[arg-type]
+            )
+        )
+
+
+def object_pose(snapshot: Snapshot, name: str) -> Transform:
+    """Return an object's pose then, in the robot's root, or raise ControlError."""
+    for state in snapshot.objects:
+        if state.name == name:
+            return from_quaternion(state.position, state.quat_wxyz)
+    raise _unknown(name, [state.name for state in snapshot.objects])
+
+
+def _unknown(name: str, names: list[str]) -> ControlError:
+    return ControlError(
+        f"there is no object '{name}' in the scene{did_you_mean(name, names)}"
+    )

@@ -1,0 +1,130 @@
+"""Handles on cameras and force-torque sensors."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+from tool0.api.channel import Channel, LocalChannel
+from tool0.description.camera import Camera
+from tool0.errors import RenderError
+from tool0.requests.sensors import (
+    ReadForceTorque,
+    ReadForceTorqueRate,
+    ReadForceTorqueSamples,
+    StartForceTorque,
+    StopForceTorque,
+    TakePicture,
+    TareForceTorque,
+)
+from tool0.sensing.force_torque import DEFAULT_CUTOFF
+from tool0.sensing.force_torque_sensor import WrenchReading
+
+if TYPE_CHECKING:
+    from tool0.sensing.cameras import CameraImage
+    from tool0.sensing.snapshot import Snapshot
+
+_LONGEST_WAIT = 0.5
+"""Longest wait of one request for a sample [wall s]."""
+
+
+@final
+class ForceTorque:
+    """What the tool exerts on a link: weight, inertia and contact forces.
+
+    In the axes of the link at its origin, with the sign of the UR's own ``wrench`` and
+    of Gazebo's sensor, ``child_to_parent``: a tool that hangs down pulls along +z.  It
+    costs nothing until it is started; the first reading starts it.  Gazebo reports
+    contacts only after the first request: the first sample there lacks them.
+    """
+
+    def __init__(self, link: str | None, channel: Channel) -> None:
+        self.link = link
+        """None for the robot's only ``tool0``."""
+        self._channel = channel
+
+    @property
+    def rate(self) -> float:
+        """Samples per simulated second [Hz]; 0 while it is not started."""
+        return self._channel.call(ReadForceTorqueRate(link=self.link))
+
+    def start(self, rate: float | None = None, cutoff: float = DEFAULT_CUTOFF) -> float:
+        """Start to sample without tare, again if it is running; return the rate [Hz].
+
+        Args:
+            rate: Samples per simulated second [Hz], 50 … 1000 and a divisor of the
+                control rate; 125 or the next divisor below, if left out.
+            cutoff: Of the low-pass filter [Hz].
+
+        Raises:
+            ControlError: If either is out of range.
+        """
+        request = StartForceTorque(link=self.link, rate=rate, cutoff=cutoff)
+        return self._channel.call(request)
+
+    def stop(self) -> None:
+        """Stop to sample, and forget the tare; stopping twice is allowed."""
+        self._channel.call(StopForceTorque(link=self.link))
+
+    def zero(self) -> None:
+        """Tare the sensor until it is started again, as UR's ``zero_ftsensor`` does.
+
+        A reset of the simulation keeps the tare, as a sensor would.
+        """
+        self._channel.call(TareForceTorque(link=self.link))
+
+    def read(self) -> WrenchReading:
+        """Return the newest sample; the first call starts the sensor."""
+        return self._channel.call(ReadForceTorque(link=self.link))
+
+    def samples(
+        self, since: int = -1, timeout: float | None = 0.0
+    ) -> tuple[WrenchReading, ...]:
+        """Return all samples after ``since``, oldest first; the last 4096 are kept.
+
+        Args:
+            since: The ``number`` of the last known sample; one from before the sensor
+                was started again counts as none.
+            timeout: Longest wait for the first [wall s]; None for ever.
+
+        Raises:
+            ControlError: If the simulation is closed meanwhile.
+            EngineError: If the physics failed.
+        """
+        end = time.monotonic() + (math.inf if timeout is None else timeout)
+        while True:
+            left = max(0.0, end - time.monotonic())
+            request = ReadForceTorqueSamples(
+                link=self.link, since=since, timeout=min(left, _LONGEST_WAIT)
+            )
+            found = self._channel.call(request)
+            if found or left == 0.0:
+                return found
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class CameraHandle:
+    """One camera of a robot."""
+
+    camera: Camera
+    _channel: Channel
+
+    def image(self, snapshot: Snapshot | None = None) -> CameraImage:
+        """Return what it sees now, or saw at ``snapshot``.
+
+        Raises:
+            RenderError: If there is no OpenGL, the robot is closed, or a snapshot is
+                given for a robot in another process.
+            ModelError: If MuJoCo does not support an object that Gazebo has.
+        """
+        if snapshot is None:
+            return self._channel.call(TakePicture(camera=self.camera.name))
+        if not isinstance(self._channel, LocalChannel):
+            raise RenderError(
+                "a robot in another process draws its newest state only; "
+                "leave the snapshot out"
+            )
+        return self._channel.simulation.cameras.render(self.camera, snapshot)

@@ -1,0 +1,198 @@
+"""Where a gripper that comes down from above can grasp an object, and where it goes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
+
+from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Sphere
+from tool0.description.transform import Pose, Transform, Vector3, to_transform
+from tool0.errors import ControlError
+from tool0.sensing.pads import grasp_frame, pad_links
+
+CLEARANCE = 0.003
+"""Between finger tips and what the object stands on [m]."""
+SLACK = 0.002
+"""Room that an object must leave between open pads, both sides together [m]."""
+_UPRIGHT = math.cos(math.radians(3.0))
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Grasp:
+    """A pose of the gripper in which it can grasp an object."""
+
+    pose: Transform
+    """Of the frame between the pads when they touch it, in the root."""
+    width: float
+    """Of the object between the pads [m]."""
+
+
+def find_grasps(
+    item: SceneObject, pose: Transform, largest: float
+) -> tuple[Grasp, ...]:
+    """Return the grasps of an upright object from above, at its middle.
+
+    Args:
+        item: A box, a sphere, or a cylinder that stands.
+        pose: Where it is, in the root.
+        largest: The gripper's widest opening [m].
+
+    Raises:
+        ControlError: If it stands on an edge, is a mesh, or is too wide.
+    """
+    geometry = item.geometry
+    if isinstance(geometry, Sphere):
+        widths = [(pose, 2.0 * geometry.radius)]
+    elif isinstance(geometry, Cylinder):
+        if abs(pose.rotation[2][2]) < _UPRIGHT:
+            raise ControlError(f"'{item.name}' must stand upright to be picked")
+        widths = [(pose, 2.0 * geometry.radius)]
+    elif isinstance(geometry, Box):
+        widths = list(_sides(item.name, geometry, pose))
+    else:
+        raise ControlError(f"'{item.name}' is a mesh; pick a box, cylinder or sphere")
+    fitting = [(frame, width) for frame, width in widths if width <= largest - SLACK]
+    if not fitting:
+        narrowest = min(width for _, width in widths)
+        raise ControlError(
+            f"'{item.name}' is {1000 * narrowest:.1f} mm wide, and the gripper opens "
+            f"to {1000 * largest:.1f} mm"
+        )
+    # Turned by half, the same pads touch the same sides; a round thing has no sides.
+    turns = (
+        (0.0, math.pi)
+        if isinstance(geometry, Box)
+        else [k * math.pi / 4 for k in range(8)]
+    )
+    return tuple(
+        Grasp(_from_above(frame, turn), width)
+        for frame, width in fitting
+        for turn in turns
+    )
+
+
+def half_height(item: SceneObject, pose: Transform) -> float:
+    """Return how far an upright object reaches below its middle [m]."""
+    geometry = item.geometry
+    if isinstance(geometry, Sphere):
+        return geometry.radius
+    if isinstance(geometry, Cylinder):
+        return geometry.length / 2.0
+    if isinstance(geometry, Box):
+        return geometry.size[_upright_axis(item.name, pose)] / 2.0
+    raise ControlError(f"'{item.name}' is a mesh; pick a box, cylinder or sphere")
+
+
+def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
+    """Return how far the fingers reach beyond the middle of the pads [m].
+
+    Raises:
+        ControlError: If the gripper has no two pads, or their shape is no box.
+    """
+    pad, _ = pad_links(model, gripper)
+    T_grasp_pad = grasp_frame(model, gripper, gripper.max_opening, pad).inverse()
+    corners = [
+        corner
+        for shape in model.link(pad).collisions
+        if isinstance(shape.geometry, Box)
+        for corner in box_corners(
+            shape.geometry, T_grasp_pad @ to_transform(shape.origin)
+        )
+    ]
+    if not corners:
+        raise ControlError(
+            f"how far the fingers of '{gripper.name}' reach is read from the collision "
+            f"box of '{pad}'; it has none"
+        )
+    return max(z for _, _, z in corners)
+
+
+def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, float]]:
+    """Yield frames with z up and y across two of the box's sides, and that width."""
+    up = _upright_axis(name, pose)
+    columns = list(zip(*pose.rotation, strict=True))
+    for k in range(3):
+        if k != up:
+            yaw = math.atan2(columns[k][1], columns[k][0]) - math.pi / 2.0
+            turned = to_transform(Pose(xyz=pose.position, rpy=(0.0, 0.0, yaw)))
+            yield turned, box.size[k]
+
+
+def _upright_axis(name: str, pose: Transform) -> int:
+    """Return which of the axes of an object is vertical, or raise ControlError."""
+    heights = [abs(part) for part in pose.rotation[2]]
+    up = heights.index(max(heights))
+    if heights[up] < _UPRIGHT:
+        raise ControlError(f"'{name}' must stand on one of its sides to be picked")
+    return up
+
+
+def _from_above(frame: Transform, turn: float) -> Transform:
+    """Return the frame of a gripper that looks down, its pads along y of ``frame``."""
+    yaw = math.atan2(frame.rotation[1][0], frame.rotation[0][0]) + turn
+    return to_transform(Pose(xyz=frame.position, rpy=(math.pi, 0.0, yaw)))
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Bin:
+    """A box that is open above, its sides along the root's axes."""
+
+    lower: Vector3
+    """Its corner, outside, in the root [m]."""
+    upper: Vector3
+
+    @property
+    def center(self) -> Vector3:
+        """The middle of its floor [m]."""
+        return (
+            (self.lower[0] + self.upper[0]) / 2.0,
+            (self.lower[1] + self.upper[1]) / 2.0,
+            self.lower[2],
+        )
+
+    def holds(self, pose: Transform) -> bool:
+        """Return whether an object's middle is in it."""
+        return all(
+            low < part < high
+            for low, part, high in zip(
+                self.lower, pose.position, self.upper, strict=True
+            )
+        )
+
+
+def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
+    """Return the bin with parts called ``NAME.part``.
+
+    Raises:
+        ControlError: If there is none.
+    """
+    parts = [item for item in objects if item.name.startswith(f"{name}.")]
+    corners = [
+        corner
+        for part in parts
+        if isinstance(part.geometry, Box)
+        for corner in box_corners(part.geometry, to_transform(part.pose))
+    ]
+    if not corners:
+        raise ControlError(
+            f"the scene has no bin '{name}': no box is called '{name}.floor' or alike"
+        )
+    xs, ys, zs = zip(*corners, strict=True)
+    return Bin((min(xs), min(ys), min(zs)), (max(xs), max(ys), max(zs)))
+
+
+def box_corners(box: Box, pose: Transform) -> list[Vector3]:
+    """Return the corners of a box with its middle at ``pose``, in the parent frame."""
+    x, y, z = (edge / 2.0 for edge in box.size)
+    return [
+        pose.apply((i * x, j * y, k * z))
+        for i in (-1, 1)
+        for j in (-1, 1)
+        for k in (-1, 1)
+    ]

@@ -1,0 +1,215 @@
+"""Watches a demo while simulated time passes: what a grip does, and video frames."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, final
+
+from tool0.api.scene import object_pose
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.transform import Transform, Vector3
+from tool0.errors import ControlError, EngineError
+from tool0.sensing.pads import pad_links
+from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
+
+if TYPE_CHECKING:
+    from tool0.api.gripper import Gripper
+    from tool0.api.robot import Robot
+
+FRAME_RATE = 30
+"""Frames per simulated second [Hz]."""
+_POLL_PERIOD = 0.5
+"""Longest wait for a snapshot [wall s]: a pause is noticed after that."""
+_TIME_ROUNDING = 1e-9  # [s]
+
+
+@final
+class GraspMonitor:
+    """Advances simulated time, and measures from every snapshot."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        gripper: Gripper,
+        item: str,
+        on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
+    ) -> None:
+        """Begin to measure what ``gripper`` does to the object ``item``.
+
+        Args:
+            robot: The robot.
+            gripper: One of its grippers.
+            item: The name of an object of its scene.
+            on_snapshot: Called with each snapshot, for recording.
+        """
+        self._robot = robot
+        self._item = item
+        self._on_snapshot = on_snapshot
+        self._subscription = robot.subscribe()
+        self._pads = pad_links(robot.description.model, gripper.geometry)
+        self._base = robot.description.model.joint(gripper.geometry.joint).parent
+        self._start: Vector3 | None = None
+        self.slip: float | None = None
+        """How far the object has moved between the pads since it was held [m]."""
+        self.peak_force = 0.0
+        """The largest that a pad has exerted on the object so far [N]."""
+        self.phases: dict[str, float] = {}
+        """Name → how long it took, simulated [s]."""
+        self._phase = ""
+        self._since = robot.time
+
+    def begin(self, phase: str) -> None:
+        """End the current phase, and begin another."""
+        now = self._robot.time
+        if self._phase:
+            self.phases[self._phase] = self.phases.get(self._phase, 0.0) + (
+                now - self._since
+            )
+        self._phase, self._since = phase, now
+
+    @property
+    def phase(self) -> str:
+        """The current phase."""
+        return self._phase
+
+    def until(self, done: Callable[[], bool], timeout: float) -> bool:
+        """Let time pass until ``done()``; return whether it was within ``timeout``.
+
+        Args:
+            done: Asked after each snapshot.
+            timeout: Simulated [s].
+
+        Raises:
+            ControlError: If the object is removed, or the robot is paused
+                and does not run in real time.
+            EngineError: If the physics failed.
+        """
+        end = self._robot.time + timeout
+        while not done():
+            if self._robot.time >= end:
+                return False
+            self._advance()
+        return True
+
+    def wait(self, duration: float) -> None:
+        """Let ``duration`` simulated seconds pass."""
+        self.until(lambda: False, duration)
+
+    def start_slip(self) -> None:
+        """Measure slip from here on: the object should not move between the pads."""
+        self._start = self._held_at(self._robot.snapshot)
+        self.slip = 0.0
+
+    def stop_slip(self) -> None:
+        """Measure slip no longer."""
+        self._start = None
+
+    def pose(self) -> Transform:
+        """Return where the object is, in the root."""
+        return self._robot.scene.pose(self._item)
+
+    def pad_force(self) -> float:
+        """Return the largest force between a pad and the object [N]."""
+        item, pads = self._item, self._pads
+        return max(
+            (
+                math.hypot(*contact.force)
+                for contact in self._robot.contacts()
+                if (contact.first == item and contact.second in pads)
+                or (contact.second == item and contact.first in pads)
+            ),
+            default=0.0,
+        )
+
+    def close(self) -> None:
+        """End the subscription."""
+        self._subscription.close()
+
+    def _advance(self) -> None:
+        robot = self._robot
+        if not robot.is_realtime:
+            robot.run(max(SNAPSHOT_PERIOD, robot.control_period))
+        snapshot = self._subscription.following(_POLL_PERIOD)
+        while snapshot is not None:
+            self._measure(snapshot)
+            snapshot = self._subscription.following(0.0)
+        self.peak_force = max(self.peak_force, self.pad_force())
+
+    def _measure(self, snapshot: Snapshot) -> None:
+        if snapshot.fault is not None:
+            raise EngineError(snapshot.fault)
+        if self._item not in {item.name for item in snapshot.scene}:
+            raise ControlError(f"the object '{self._item}' is gone")
+        self._on_snapshot(snapshot)
+        if self._start is not None and self.slip is not None:
+            moved = math.dist(self._start, self._held_at(snapshot))
+            self.slip = max(self.slip, moved)
+
+    def _held_at(self, snapshot: Snapshot) -> Vector3:
+        """Return where the object is from midway between the pads, in the gripper."""
+        position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
+        found = link_poses(self._robot.description.model, position)
+        (ax, ay, az), (bx, by, bz) = (found[pad].position for pad in self._pads)
+        middle = Transform(
+            position=((ax + bx) / 2.0, (ay + by) / 2.0, (az + bz) / 2.0),
+            rotation=found[self._base].rotation,
+        )
+        return middle.inverse().apply(object_pose(snapshot, self._item).position)
+
+
+@final
+class FrameRecorder:
+    """Records the snapshots of a demo that become frames of its video.
+
+    Drawing takes longer than simulating, so the frames are drawn after the demo.
+    """
+
+    def __init__(self, rate: int = FRAME_RATE) -> None:
+        """Take ``rate`` frames a simulated second [Hz]."""
+        self._rate = rate
+        self._due: float | None = None  # simulated time of the next frame [s]
+        self.frames: list[Snapshot] = []
+        """In order."""
+
+    def record(self, snapshot: Snapshot) -> None:
+        """Keep a snapshot if the next frame is due."""
+        period = 1.0 / self._rate
+        due = snapshot.time if self._due is None else self._due
+        if abs(snapshot.time - due) > period + _TIME_ROUNDING:
+            due = snapshot.time  # after a reset or a gap in the snapshots: a cut
+        if snapshot.time >= due - _TIME_ROUNDING:
+            self.frames.append(snapshot)
+            due += period
+        self._due = due
+
+    def write(
+        self,
+        path: Path,
+        robot: Robot,
+        camera: str,
+        progress: Callable[[str, float], None],
+    ) -> None:
+        """Draw the recorded snapshots as ``camera`` sees it, into an MP4.
+
+        Args:
+            path: The file, which is replaced.
+            robot: The robot that was recorded.
+            camera: One of its cameras.
+            progress: Called with the activity and the fraction that is done.
+
+        Raises:
+            ConfigError: If the file cannot be written.
+            RenderError: If nothing can draw or encode here.
+        """
+        from tool0.sensing.video import VideoWriter
+
+        view = robot.camera(camera)
+        size = view.camera
+        activity = f"writing {path.name}"
+        with VideoWriter(path, size.width, size.height, self._rate) as video:
+            for number, snapshot in enumerate(self.frames):
+                progress(activity, number / len(self.frames))
+                video.write(view.image(snapshot).rgb)
+        progress(activity, 1.0)

@@ -1,0 +1,97 @@
+"""The motion of several joints, sampled in the tick."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from operator import neg, sub
+from typing import final
+
+from tool0.control.segment import Polynomial, Sample, Segment, resting
+from tool0.control.spline import JointSpline, SplineSection
+from tool0.errors import ControlError
+
+
+@final
+class TrajectorySampler:
+    """Splines with a cursor: ``advance`` at a change, ``errors`` in every tick."""
+
+    __slots__ = (
+        "_moving",
+        "_polynomials",
+        "_rest",
+        "_zeros",
+        "arrived",
+        "current",
+        "next_change",
+        "splines",
+    )
+
+    def __init__(self, splines: Sequence[JointSpline], time: float) -> None:
+        self.splines = tuple(splines)
+        self.advance(time)
+
+    def advance(self, time: float) -> None:
+        """Find the segments that are active at ``time``, and when that changes."""
+        self.current: list[tuple[SplineSection, Segment]] = []
+        """The active segment of each joint, and its section."""
+        self.arrived: list[bool] = []
+        """Whether the joint is at the end of its last segment."""
+        self.next_change = math.inf
+        """When to call ``advance`` again [s]."""
+        polynomials: list[Polynomial] = []
+        for spline in self.splines:
+            section, segment, following = spline.active(time)
+            polynomial, change = _polynomial_at(segment, time)
+            polynomials.append(polynomial)
+            self.current.append((section, segment))
+            is_last = following == math.inf
+            self.arrived.append(is_last and time >= segment.end)
+            self.next_change = min(self.next_change, change, following)
+        self._polynomials = list(enumerate(polynomials))
+        self._moving = any(polynomial[2:] != _STILL for polynomial in polynomials)
+        self._rest = [polynomial[1] for polynomial in polynomials]
+        self._zeros = [0.0] * len(polynomials)
+
+    def errors(
+        self, time: float, positions: Sequence[float], velocities: Sequence[float]
+    ) -> tuple[list[float], list[float]]:
+        """Return desired minus measured positions, and the same of velocities."""
+        if not self._moving:
+            return list(map(sub, self._rest, positions)), list(map(neg, velocities))
+        errors: list[float] = []
+        rates: list[float] = []
+        for k, (t0, c0, c1, c2, c3, c4, c5, d2, d3, d4, d5) in self._polynomials:
+            t = time - t0
+            position = c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5))))
+            errors.append(position - positions[k])
+            velocity = c1 + t * (d2 + t * (d3 + t * (d4 + t * d5)))
+            rates.append(velocity - velocities[k])
+        return errors, rates
+
+    def desired(self, time: float) -> tuple[list[float], list[float]]:
+        """Return the desired positions and velocities."""
+        return self.errors(time, self._zeros, self._zeros)
+
+    def samples(self, time: float) -> list[Sample]:
+        """Return the desired motion of every joint at any time that is known."""
+        earliest = max(spline.begin for spline in self.splines)
+        if not time >= earliest:
+            raise ControlError(
+                f"no trajectory is known for {time} s, the oldest starts at {earliest}"
+            )
+        return [spline.sample(time) for spline in self.splines]
+
+
+_STILL = resting(0.0)[2:]
+
+
+def _polynomial_at(segment: Segment, time: float) -> tuple[Polynomial, float]:
+    """Return the polynomial for ``time``, and until when it holds."""
+    if time < segment.start:
+        return resting(segment.coefficients[0]), segment.start
+    if time < segment.end:
+        return segment.polynomial, segment.end
+    if time == segment.end:
+        return segment.polynomial, math.nextafter(time, math.inf)
+    return segment.rest, math.inf

@@ -1,0 +1,241 @@
+"""The motion of one joint: segments through the knots of its trajectories.
+
+Segments are made when they are asked for, so that a trajectory of very many points
+costs no more to accept than one of a few.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+from tool0.control.goal import Goal
+from tool0.control.segment import Motion, Sample, Segment, stop_ramp
+from tool0.control.tolerances import NO_TOLERANCES, JointTolerances
+from tool0.errors import GoalRejectedError
+
+
+class Knots(NamedTuple):
+    """Where one joint is to be, and when."""
+
+    times: Sequence[float]
+    """After the start of the trajectory [s], increasing."""
+    motion: Callable[[int], Motion]
+    """Returns the motion at one knot."""
+
+    @staticmethod
+    def of(path: Sequence[tuple[float, Motion]]) -> Knots:
+        """Return the knots with these times [s] and motions, at least one."""
+        times, motions = zip(*path, strict=True)
+        return Knots(times, motions.__getitem__)
+
+
+class SplineSection(NamedTuple):
+    """Segments through the knots of one trajectory.
+
+    Segment k leads to knot k, from knot k - 1 or, for ``first``, from ``origin``.
+    """
+
+    start: float
+    """When the trajectory starts [s]."""
+    knots: Knots
+    first: int
+    """The knot that the segment from ``origin`` leads to."""
+    origin: tuple[float, Motion]
+    """Time [s] and motion at the start of that segment."""
+    span: range
+    """The segments that are left of the section; at least one."""
+    goal: Goal | None
+    """Whose tolerances hold."""
+    tolerances: JointTolerances
+    made: Mapping[int, Segment]
+    """Segments that were made when the trajectory was accepted."""
+
+    @property
+    def begin(self) -> float:
+        """Start of the first segment that is left [s]."""
+        number = self.span[0]
+        if number == self.first:
+            return self.origin[0]
+        return self.start + self.knots.times[number - 1]
+
+    def active_number(self, time: float) -> int:
+        """Return which segment that is left is active at ``time``, or the nearest."""
+        # Only the times between segments are looked at.
+        return bisect_right(
+            self.knots.times,
+            time,
+            self.span[0],
+            self.span[-1],
+            key=self.start.__add__,
+        )
+
+    def between(self, begin: float, end: float) -> SplineSection:
+        """Return the section with the segments that are active in that time [s]."""
+        span = range(self.active_number(begin), self.active_number(end) + 1)
+        return self if span == self.span else self._replace(span=span)
+
+    def segment(self, number: int) -> Segment:
+        """Return one segment."""
+        made = self.made.get(number)
+        if made is not None:
+            return made
+        times, motion = self.knots
+        if number == self.first:
+            begin, origin = self.origin
+        else:
+            begin, origin = self.start + times[number - 1], motion(number - 1)
+        return Segment(begin, origin, self.start + times[number], motion(number))
+
+
+class JointSpline(NamedTuple):
+    """The motion of one joint.
+
+    Each section is active until the next one begins, and each segment until the next
+    one begins.  Before the first and after the last the joint rests.
+    """
+
+    sections: tuple[SplineSection, ...]
+    """At least one."""
+
+    @property
+    def begin(self) -> float:
+        """Start of the first segment [s]."""
+        return self.sections[0].begin
+
+    @property
+    def end(self) -> float:
+        """End of the last segment [s]."""
+        return self._last_segment().end
+
+    @property
+    def target(self) -> float:
+        """Where the joint is to end up [rad | m]."""
+        last = self._last_segment()
+        return last.sample(last.end).position
+
+    def _last_segment(self) -> Segment:
+        section = self.sections[-1]
+        return section.segment(section.span[-1])
+
+    def active(self, time: float) -> tuple[SplineSection, Segment, float]:
+        """Return what is active at ``time``, and when the next segment starts [s].
+
+        That is never, inf, for the last one.
+        """
+        number = self._active_section(time)
+        section = self.sections[number]
+        index = section.active_number(time)
+        segment = section.segment(index)
+        if index != section.span[-1]:
+            return section, segment, segment.end
+        if number + 1 == len(self.sections):
+            return section, segment, math.inf
+        return section, segment, self.sections[number + 1].begin
+
+    def _active_section(self, time: float) -> int:
+        number = len(self.sections) - 1
+        while number > 0 and self.sections[number].begin > time:
+            number -= 1
+        return number
+
+    def sample(self, time: float) -> Sample:
+        """Return the desired motion at ``time``."""
+        return self.active(time)[1].sample(time)
+
+    def with_goal(self, goal: Goal | None) -> JointSpline:
+        """Return the same motion, as that of ``goal``."""
+        return JointSpline(
+            tuple(section._replace(goal=goal) for section in self.sections)
+        )
+
+    def spliced(
+        self,
+        now: float,
+        start: float,
+        knots: Knots,
+        *,
+        first: int = 0,
+        suspects: Sequence[int],
+        goal: Goal | None = None,
+        tolerances: JointTolerances = NO_TOLERANCES,
+    ) -> JointSpline:
+        """Return this motion up to ``start``, a bridge, and a new motion.
+
+        Args:
+            now: The time from which on the spline is needed [s].
+            start: When the new trajectory starts [s].
+            knots: Those of the new trajectory.
+            first: The first of them that is used: after ``now`` and ``start``.
+            suspects: Which of the segments behind the bridge may be implausible.
+            goal: Whose tolerances hold on the new segments.
+            tolerances: Those tolerances.
+
+        The bridge leaves the old *desired* motion, at ``start`` or ``now``, whichever
+        is later; its order is set by the first knot, as in ROS.
+
+        Raises:
+            GoalRejectedError: If a segment is implausible.
+        """
+        leave = max(now, start)
+        origin = leave, Motion(*self.sample(leave))
+        made: dict[int, Segment] = {}
+        last, (time, motion) = first - 1, origin
+        for number in (first, *suspects):
+            if number != last + 1:
+                time, motion = start + knots.times[number - 1], knots.motion(number - 1)
+            end, target = start + knots.times[number], knots.motion(number)
+            made[number] = segment = Segment(time, motion, end, target)
+            if not segment.is_bounded():
+                raise GoalRejectedError(
+                    f"no joint can move from {motion} at {time:.6g} s "
+                    f"to {target} at {end:.6g} s"
+                )
+            last, time, motion = number, end, target
+        span = range(first, len(knots.times))
+        section = SplineSection(
+            start, knots, first, origin, span, goal, tolerances, made
+        )
+        kept = self.sections[
+            self._active_section(now) : self._active_section(leave) + 1
+        ]
+        return JointSpline((*(each.between(now, leave) for each in kept), section))
+
+
+def point_to_point(
+    time: float,
+    origin: Motion,
+    duration: float,
+    target: Motion,
+    goal: Goal | None = None,
+) -> JointSpline:
+    """Return the spline of one segment, from ``time`` [s] on."""
+    knots = Knots((duration,), lambda _: target)
+    start = time, origin
+    return JointSpline(
+        (SplineSection(time, knots, 0, start, range(1), goal, NO_TOLERANCES, {}),)
+    )
+
+
+def hold(time: float, position: float, goal: Goal | None = None) -> JointSpline:
+    """Return the spline of resting at ``position`` from ``time`` on."""
+    rest = Motion(position, 0.0, 0.0)
+    return point_to_point(time, rest, 0.0, rest, goal)
+
+
+def stop(
+    time: float,
+    now: Sample,
+    duration: float,
+    clamp: Callable[[float], float],
+    goal: Goal | None = None,
+) -> JointSpline:
+    """Return the spline that slows down as ROS does, but not beyond the limits."""
+    first, last = stop_ramp(time, now, duration)
+    ramp = Segment(time, first, time + duration, last)
+    position = ramp.sample(ramp.end).position
+    if clamp(position) != position:
+        last = Motion(clamp(position), 0.0, 0.0)
+    return point_to_point(time, first, duration, last, goal)

@@ -1,0 +1,179 @@
+"""Forward kinematics of a ``RobotModel`` in plain floats: poses and velocities."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import final
+
+from tool0.description.model import Joint, JointType, RobotModel
+from tool0.description.transform import (
+    Transform,
+    Vector3,
+    add,
+    cross,
+    subtract,
+    to_transform,
+)
+
+_ZERO: Vector3 = (0.0, 0.0, 0.0)
+
+
+def link_poses(
+    model: RobotModel, position: Mapping[str, float] | None = None
+) -> dict[str, Transform]:
+    """Return the pose of every link in the root link.
+
+    Args:
+        model: The robot.
+        position: Joint positions [rad | m] by name.  A joint left out is at 0, or
+            follows the one it mimics.
+
+    Raises:
+        ModelError: If ``position`` names a joint that the robot lacks.
+    """
+    given = position or {}
+    for name in sorted(given.keys() - model.joint_by_name.keys()):
+        model.joint(name)  # raises
+    found = {model.root: Transform()}
+    for joint in model.joints:
+        found[joint.child] = found[joint.parent] @ joint_transform(joint, given)
+    return found
+
+
+def link_pose(
+    model: RobotModel,
+    position: Mapping[str, float],
+    link: str,
+    relative_to: str | None = None,
+) -> Transform:
+    """Return the pose of ``link`` in ``relative_to``; None means the root link."""
+    found = link_poses(model, position)
+    T_root_link = found[model.link(link).name]
+    if relative_to is None:
+        return T_root_link
+    return found[model.link(relative_to).name].inverse() @ T_root_link
+
+
+def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
+    """Return the pose of the joint's child link in its parent link.
+
+    Args:
+        joint: The joint; planar and floating ones rest at 0.
+        position: Joint positions [rad | m] by name, as for ``link_poses``.
+    """
+    return to_transform(joint.origin) @ displacement(
+        joint, joint_position(joint, position)
+    )
+
+
+def displacement(joint: Joint, q: float) -> Transform:
+    """Return the joint's own motion at ``q`` [rad | m], in its frame at 0."""
+    x, y, z = joint.axis
+    if joint.type is JointType.PRISMATIC:
+        return Transform(position=(q * x, q * y, q * z))
+    if joint.type not in {JointType.REVOLUTE, JointType.CONTINUOUS}:
+        return Transform()
+    c, s = math.cos(q), math.sin(q)
+    v = 1.0 - c
+    return Transform(  # Rodrigues' formula
+        rotation=(
+            (c + x * x * v, x * y * v - z * s, x * z * v + y * s),
+            (y * x * v + z * s, c + y * y * v, y * z * v - x * s),
+            (z * x * v - y * s, z * y * v + x * s, c + z * z * v),
+        )
+    )
+
+
+def joint_position(joint: Joint, position: Mapping[str, float]) -> float:
+    """Return the position of ``joint``: as given, else by its mimic relation or 0."""
+    if joint.name in position:
+        return position[joint.name]
+    if joint.mimic is None:
+        return 0.0
+    return joint.mimic.multiplier * position.get(joint.mimic.joint, 0.0) + (
+        joint.mimic.offset
+    )
+
+
+def _joint_velocity(joint: Joint, velocity: Mapping[str, float]) -> float:
+    if joint.name in velocity:
+        return velocity[joint.name]
+    if joint.mimic is None:
+        return 0.0
+    return joint.mimic.multiplier * velocity.get(joint.mimic.joint, 0.0)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameMotion:
+    """Pose and velocity of a frame relative to a reference frame, in its axes."""
+
+    pose: Transform = field(default_factory=Transform)
+    linear: Vector3 = _ZERO
+    """Velocity of its origin [m/s]."""
+    angular: Vector3 = _ZERO
+    """[rad/s]"""
+
+    def carry(self, fixed: Transform) -> FrameMotion:
+        """Return the motion of a frame that is fixed to this one at ``fixed``."""
+        pose = self.pose @ fixed
+        arm = subtract(pose.position, self.pose.position)
+        return FrameMotion(
+            pose=pose,
+            linear=add(self.linear, cross(self.angular, arm)),
+            angular=self.angular,
+        )
+
+    def seen_from(self, other: FrameMotion) -> FrameMotion:
+        """Return this motion relative to that of ``other``, in the axes of ``other``.
+
+        As in Gazebo, the velocities are subtracted: the rotation of ``other`` adds
+        nothing.
+        """
+        T_other_reference = other.pose.inverse()
+        return FrameMotion(
+            pose=T_other_reference @ self.pose,
+            linear=T_other_reference.rotate(subtract(self.linear, other.linear)),
+            angular=T_other_reference.rotate(subtract(self.angular, other.angular)),
+        )
+
+    def placed_in(self, frame: Transform) -> FrameMotion:
+        """Return this motion, given in a frame at rest, in the parent of ``frame``."""
+        return FrameMotion(
+            pose=frame @ self.pose,
+            linear=frame.rotate(self.linear),
+            angular=frame.rotate(self.angular),
+        )
+
+
+def link_motions(
+    model: RobotModel, position: Mapping[str, float], velocity: Mapping[str, float]
+) -> dict[str, FrameMotion]:
+    """Return how every link moves in the root link.
+
+    Args:
+        model: The robot.
+        position: Joint positions [rad | m] by name, as for ``link_poses``.
+        velocity: Of the same joints [rad/s | m/s]; mimic joints that are left out
+            follow, others stand still.
+    """
+    poses = link_poses(model, position)
+    found = {model.root: FrameMotion()}
+    for joint in model.joints:
+        parent = found[joint.parent]
+        pose = poses[joint.child]
+        arm = subtract(pose.position, parent.pose.position)
+        linear = add(parent.linear, cross(parent.angular, arm))
+        angular = parent.angular
+        rate = _joint_velocity(joint, velocity)
+        if rate:  # the axis is the same before and after the joint's own motion
+            x, y, z = pose.rotate(joint.axis)
+            own = (rate * x, rate * y, rate * z)
+            if joint.type is JointType.PRISMATIC:
+                linear = add(linear, own)
+            else:
+                angular = add(angular, own)
+        found[joint.child] = FrameMotion(pose=pose, linear=linear, angular=angular)
+    return found

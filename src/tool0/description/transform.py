@@ -1,0 +1,231 @@
+"""Rigid transforms in plain floats: poses of URDF, matrices and quaternions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+from tool0.errors import ModelError
+
+if TYPE_CHECKING:  # NumPy is slow to import
+    import numpy as np
+    from numpy.typing import NDArray
+
+Vector3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+"""w, x, y, z"""
+Rotation = tuple[Vector3, Vector3, Vector3]
+"""Rows of a rotation matrix."""
+
+_IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pose:
+    """A frame in its parent, as URDF's ``<origin>`` writes it."""
+
+    xyz: Vector3 = (0.0, 0.0, 0.0)
+    """[m]"""
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+    """Fixed-axis roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Transform:
+    """The pose of one frame in another: ``T_a_c = T_a_b @ T_b_c``."""
+
+    position: Vector3 = (0.0, 0.0, 0.0)
+    """[m]"""
+    rotation: Rotation = _IDENTITY
+
+    def __matmul__(self, other: Transform) -> Transform:
+        """Return the pose of ``other``'s frame in the frame that this one is in."""
+        x, y, z = self.apply(other.position)
+        columns = tuple(zip(*other.rotation, strict=True))
+        rows = tuple(
+            tuple(sum(a * b for a, b in zip(row, column)) for column in columns)  # noqa: B905
+            for row in self.rotation
+        )
+        return Transform(position=(x, y, z), rotation=rows)  # type: ignore[arg-type]
+
+    def apply(self, point: Vector3) -> Vector3:
+        """Return ``point``, given in this frame, in the parent frame."""
+        x, y, z = point
+        px, py, pz = self.position
+        a, b, c = self.rotation
+        return (
+            px + a[0] * x + a[1] * y + a[2] * z,
+            py + b[0] * x + b[1] * y + b[2] * z,
+            pz + c[0] * x + c[1] * y + c[2] * z,
+        )
+
+    def rotate(self, vector: Vector3) -> Vector3:
+        """Return a free ``vector``, given in this frame's axes, in the parent's."""
+        return Transform(rotation=self.rotation).apply(vector)
+
+    def inverse(self) -> Transform:
+        """Return the transform that undoes this one."""
+        a, b, c = zip(*self.rotation, strict=True)
+        transposed = Transform(rotation=(a, b, c))
+        x, y, z = transposed.apply(self.position)
+        return Transform(position=(-x, -y, -z), rotation=transposed.rotation)
+
+    @property
+    def quat_wxyz(self) -> Quaternion:
+        """The rotation as a unit quaternion with w >= 0."""
+        (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = self.rotation
+        # Take the root of the largest component, so that none is divided by ~0.
+        squares = (
+            1 + xx + yy + zz,
+            1 + xx - yy - zz,
+            1 - xx + yy - zz,
+            1 - xx - yy + zz,
+        )
+        largest = squares.index(max(squares))
+        root = 2 * math.sqrt(squares[largest])
+        rows = (
+            (root / 4, (zy - yz) / root, (xz - zx) / root, (yx - xy) / root),
+            ((zy - yz) / root, root / 4, (xy + yx) / root, (xz + zx) / root),
+            ((xz - zx) / root, (xy + yx) / root, root / 4, (yz + zy) / root),
+            ((yx - xy) / root, (xz + zx) / root, (yz + zy) / root, root / 4),
+        )
+        w, x, y, z = rows[largest]
+        return (w, x, y, z) if w >= 0 else (-w, -x, -y, -z)
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """The homogeneous matrix, shape (4, 4)."""
+        import numpy as np
+
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.rotation
+        matrix[:3, 3] = self.position
+        return matrix
+
+    def __repr__(self) -> str:
+        """Return position and quaternion, rounded to the micrometre."""
+        position = ", ".join(_short(value) for value in self.position)
+        quat = ", ".join(_short(value) for value in self.quat_wxyz)
+        return f"Transform(position=({position}), quat_wxyz=({quat}))"
+
+
+def to_transform(pose: Pose) -> Transform:
+    """Return ``pose``, an ``<origin>`` of URDF, as a transform."""
+    roll, pitch, yaw = pose.rpy
+    cr, sr = math.cos(roll), math.sin(roll)
+    cp, sp = math.cos(pitch), math.sin(pitch)
+    cy, sy = math.cos(yaw), math.sin(yaw)
+    return Transform(
+        position=pose.xyz,
+        rotation=(
+            (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+            (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+            (-sp, cp * sr, cp * cr),
+        ),
+    )
+
+
+def pose_matrix(pose: Pose) -> NDArray[np.float64]:
+    """Return ``pose`` as a homogeneous matrix, shape (4, 4)."""
+    return to_transform(pose).matrix
+
+
+def to_pose(transform: Transform) -> Pose:
+    """Return ``transform`` as URDF's ``<origin>`` would write it."""
+    (xx, _, _), (yx, yy, yz), (zx, zy, zz) = transform.rotation
+    horizontal = math.hypot(xx, yx)
+    if horizontal > 1e-9:  # [1] above that, roll and yaw are distinct
+        rpy = (math.atan2(zy, zz), math.atan2(-zx, horizontal), math.atan2(yx, xx))
+    else:
+        rpy = (math.atan2(-yz, yy), math.atan2(-zx, horizontal), 0.0)
+    return Pose(xyz=transform.position, rpy=rpy)
+
+
+def from_quaternion(position: Sequence[float], quat_wxyz: Sequence[float]) -> Transform:
+    """Return the transform with a quaternion of any length above 0."""
+    px, py, pz = position
+    length = math.hypot(*quat_wxyz)
+    w, x, y, z = (part / length for part in quat_wxyz)
+    return Transform(
+        position=(px, py, pz),
+        rotation=(
+            (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+            (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+            (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+        ),
+    )
+
+
+def from_matrix(T: NDArray[np.float64]) -> Transform:
+    """Return a homogeneous matrix, shape (4, 4), as a transform."""
+    return Transform(
+        position=tuple(T[:3, 3].tolist()),
+        rotation=tuple(tuple(row) for row in T[:3, :3].tolist()),  # type: ignore[arg-type]
+    )
+
+
+AnyPose = Transform | Pose | Iterable[Sequence[float]]
+"""A pose; anything else is a homogeneous matrix, shape (4, 4)."""
+
+
+def as_matrix(pose: AnyPose) -> NDArray[np.float64]:
+    """Return a pose as a homogeneous matrix, shape (4, 4).
+
+    A rotation that is not quite orthogonal is replaced by the nearest that is.
+
+    Raises:
+        ModelError: If it is no pose.
+    """
+    import numpy as np
+
+    if isinstance(pose, Pose):
+        pose = to_transform(pose)
+    if isinstance(pose, Transform):
+        pose = pose.matrix
+    try:
+        T = np.array(pose, dtype=float)
+    except (TypeError, ValueError):
+        raise ModelError(
+            f"a pose must be a Transform, a Pose or a (4, 4) array, got {pose!r:.80}"
+        ) from None
+    if T.shape != (4, 4) or not np.isfinite(T).all():
+        raise ModelError(
+            f"a pose must be finite and of shape (4, 4), got {T.shape}: {T.tolist()}"
+        )
+    R = T[:3, :3]
+    is_rotation = np.abs(R @ R.T - np.eye(3)).max() < 1e-3 and np.linalg.det(R) > 0
+    if not is_rotation or np.abs(T[3] - [0, 0, 0, 1]).max() > 1e-9:
+        raise ModelError(
+            "the array is no pose: need a rotation above left and 0 0 0 1 below, "
+            f"got {T.tolist()}"
+        )
+    U, _, Vt = np.linalg.svd(R)
+    T[:3, :3] = U @ Vt
+    return T
+
+
+def add(a: Vector3, b: Vector3) -> Vector3:
+    """Return a + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def subtract(a: Vector3, b: Vector3) -> Vector3:
+    """Return a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def cross(a: Vector3, b: Vector3) -> Vector3:
+    """Return the vector product of a and b."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def _short(value: float) -> str:
+    return f"{round(value, 6) + 0.0:g}"

@@ -1,0 +1,102 @@
+"""Gazebo's contacts, with the names that the URDF and the scene have.
+
+libsdformat lumps links that are fixed into the link that they are fixed to, and names
+each shape by where it came from.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Iterator
+from typing import final
+
+import numpy as np
+
+from tool0.description.model import RobotModel
+from tool0.hardware.bodies import Matrix, MovingBody, fixed_to_world
+from tool0.hardware.engine import Contact
+
+_NUMBERS = struct.Struct("=10d")
+_REVERSED = np.array([1.0] * 4 + [-1.0] * 6)
+"""Factors of the numbers if the two things change places."""
+_GROUND = ("ground_plane", "ground")
+"""The name of the model in our own world, and the name that tool0 uses."""
+_LUMP = "_fixed_joint_lump__"
+"""Between the names of a lump and of the link in it, unless that begins as the lump."""
+_NUMBERED = re.compile(r"_collision(_\d+)?$")
+
+
+@final
+class LinkNames:
+    """The names of one robot's links in Gazebo and in the URDF."""
+
+    def __init__(
+        self, model: RobotModel, bodies: tuple[MovingBody, ...], *, own_world: bool
+    ) -> None:
+        """Name the links of ``model``, and the ground if the world is ours."""
+        self.own_world = own_world
+        self._robot = model.name
+        self._ground = dict([_GROUND]) if own_world else {}
+        self.body_of_link = {link: "" for link, _ in fixed_to_world(model)}
+        """URDF link → the Gazebo link that it was lumped into; "" for the world."""
+        for body in bodies:
+            for link, _ in body.links:
+                self.body_of_link[link] = body.joint.child
+
+    def owner(self, model: str, shape: str) -> str:
+        """Return the link or object that a shape of Gazebo's belongs to."""
+        if model == self._robot:
+            link = _NUMBERED.sub("", shape.rpartition(_LUMP)[2])
+            return link if link in self.body_of_link else shape
+        return self._ground.get(model, model)
+
+
+def unpack_contacts(
+    packed: bytes, names: LinkNames, root: Matrix
+) -> tuple[Contact, ...]:
+    """Return one contact for each pair, in the axes of the robot's root.
+
+    Args:
+        packed: All pairs of shapes, as the bridge sends them.
+        names: Of links.
+        root: The robot's root in the world, shape (4, 4): moved, not turned.
+    """
+    sums: dict[tuple[str, str], Matrix] = {}
+    for (first, second), numbers in _unpack(packed, names):
+        if (second, first) in sums:
+            sums[second, first] += numbers * _REVERSED
+        elif (first, second) in sums:
+            sums[first, second] += numbers
+        else:
+            sums[first, second] = numbers
+    return tuple(
+        _contact(first, second, total, root) for (first, second), total in sums.items()
+    )
+
+
+def _contact(first: str, second: str, total: Matrix, root: Matrix) -> Contact:
+    moment, force, torque = total[1:4], total[4:7], total[7:10]
+    point = moment / total[0]
+    rest = torque - np.cross(point, force)
+    return Contact(
+        first, second, _vector(point - root[:3, 3]), _vector(force), _vector(rest)
+    )
+
+
+def _vector(values: Matrix) -> tuple[float, float, float]:
+    x, y, z = map(float, values)
+    return x, y, z
+
+
+def _unpack(
+    packed: bytes, names: LinkNames
+) -> Iterator[tuple[tuple[str, str], Matrix]]:
+    """Yield each pair of names with its numbers (see ``ContactSum`` in bridge.cc)."""
+    rest = packed
+    while rest:
+        *words, rest = rest.split(b"\0", 4)
+        first, one, second, other = (word.decode() for word in words)
+        numbers = np.array(_NUMBERS.unpack_from(rest))
+        rest = rest[_NUMBERS.size :]
+        yield (names.owner(first, one), names.owner(second, other)), numbers

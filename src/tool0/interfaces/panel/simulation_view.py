@@ -1,0 +1,169 @@
+"""A running simulation, as the panel shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, final
+
+from tool0.errors import ConfigError
+from tool0.interfaces.panel.controller_info import controller_infos
+from tool0.interfaces.panel.event_watcher import EventWatcher
+from tool0.interfaces.panel.protocol import Frame, GripperState, PoseInfo, Scene, Status
+from tool0.interfaces.panel.robot_files import RobotFiles
+from tool0.interfaces.panel.robot_info import object_info, robot_info
+from tool0.interfaces.panel.source import Facts, Notification
+from tool0.sensing.grasp import GraspDetector
+
+if TYPE_CHECKING:
+    from tool0.description.scene import SceneObject
+    from tool0.runtime.simulation import Simulation
+    from tool0.sensing.snapshot import Snapshot
+
+_DIGITS = 6
+"""Of positions and the like: micrometres.  What rests is then the same every time."""
+
+
+@final
+class SimulationView:
+    """Makes frames and statuses of snapshots."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        description = simulation.description
+        self._files = RobotFiles(description)
+        first = simulation.snapshot
+        limits = simulation.joint_limits
+        self._facts = Facts(
+            mode="simulation",
+            engine=simulation.engine.name,
+            control_period=simulation.loop.control_period,
+            grasp_assist=simulation.grasp_assist,
+            robot=robot_info(description, first.joint_names, simulation.ground, limits),
+            files=self._files,
+        )
+        self._joints = {
+            name: replace(joint, limits=limits.get(name, joint.limits))
+            for name, joint in description.model.joint_by_name.items()
+        }
+        self._seen: Snapshot | None = None
+        self._objects = first.scene
+        self._scene = self._scene_of(0, first.scene)
+        self._frame = _frame_of(first, self._scene.number)
+        self._watcher = EventWatcher(simulation)
+        self._grasps = {
+            gripper.name: GraspDetector(gripper)
+            for gripper in description.model.grippers
+        }
+        self._grippers: list[GripperState] = []
+
+    @property
+    def facts(self) -> Facts:
+        return self._facts
+
+    def scene(self) -> Scene:
+        return self._scene
+
+    def frame(self) -> Frame:
+        snapshot = self._simulation.snapshot
+        if snapshot is not self._seen:
+            self._seen = snapshot
+            self._grippers = [
+                _gripper_state(name, detector, snapshot)
+                for name, detector in self._grasps.items()
+            ]
+            if snapshot.scene is not self._objects:
+                self._objects = snapshot.scene
+                self._scene = self._scene_of(self._scene.number + 1, snapshot.scene)
+            frame = _frame_of(snapshot, self._scene.number)
+            if frame != self._frame:
+                self._frame = frame
+        return self._frame
+
+    def status(self, clients: int) -> Status:
+        self.frame()  # what the grippers do is told by every snapshot
+        snapshot = self._simulation.snapshot
+        return Status(
+            paused=snapshot.is_paused,
+            stopped=snapshot.is_stopped,
+            fault=snapshot.fault,
+            speed=snapshot.speed,
+            real_time_factor=round(snapshot.real_time_factor, 2),
+            overruns=snapshot.overruns,
+            clients=clients,
+            controllers=controller_infos(
+                self._simulation.defined_controllers,
+                snapshot.controllers,
+                self._joints,
+            ),
+            grippers=self._grippers,
+            poses=self._poses(),
+            targets={
+                joint: _rounded(setpoint.target)
+                for joint, setpoint in snapshot.setpoints().items()
+            },
+        )
+
+    def notifications(self) -> Sequence[Notification]:
+        return self._watcher.notifications()
+
+    def close(self) -> None:
+        self._watcher.close()
+
+    def _scene_of(self, number: int, objects: Sequence[SceneObject]) -> Scene:
+        self._files.have(objects)
+        infos = [object_info(item, self._files) for item in objects]
+        return Scene(number=number, objects=infos)
+
+    def _poses(self) -> list[PoseInfo]:
+        book = self._simulation.poses
+        try:
+            poses = book.all()
+        except ConfigError as error:
+            self._watcher.report_once("warning", "log", str(error))
+            poses = book.own
+        return [
+            PoseInfo(name=pose.name, saved=pose.saved, positions=dict(pose.positions))
+            for pose in poses.values()
+        ]
+
+
+def _frame_of(snapshot: Snapshot, scene: int) -> Frame:
+    setpoints = snapshot.setpoints()
+    return Frame(
+        time=_rounded(snapshot.time),
+        position=[_rounded(value) for value in snapshot.position],
+        velocity=[_rounded(value) for value in snapshot.velocity],
+        effort=[_rounded(value) for value in snapshot.effort],
+        desired=[
+            _rounded(setpoints[name].position) if name in setpoints else None
+            for name in snapshot.joint_names
+        ],
+        objects=[
+            (
+                (_rounded(x), _rounded(y), _rounded(z)),
+                (_rounded(qw), _rounded(qx), _rounded(qy), _rounded(qz)),
+            )
+            for (x, y, z), (qw, qx, qy, qz) in (
+                (item.position, item.quat_wxyz) for item in snapshot.objects
+            )
+        ],
+        scene=scene,
+    )
+
+
+def _gripper_state(
+    name: str, detector: GraspDetector, snapshot: Snapshot
+) -> GripperState:
+    grasp = detector.observe(snapshot)
+    return GripperState(
+        name=name,
+        opening=round(grasp.opening, 4),
+        motion=grasp.motion,
+        gobj=grasp.gobj,
+        width=None if grasp.width is None else round(grasp.width, 4),
+    )
+
+
+def _rounded(value: float) -> float:
+    return round(value, _DIGITS) + 0.0  # no minus zero

@@ -1,0 +1,1 @@
+"""One server for every connection, over the Unix socket and over WebSocket."""

@@ -1,0 +1,134 @@
+"""What a server serves: something that answers requests."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any, Final, Protocol, final
+
+from tool0.errors import ControlError, did_you_mean
+from tool0.requests.arm import MoveLinear, MoveTo
+from tool0.requests.codec import outcome_of
+from tool0.requests.controllers import SwitchControllers
+from tool0.requests.gripper import Grip
+from tool0.requests.messages import (
+    EventMessage,
+    Fault,
+    GoalEnded,
+    LateTicks,
+    Mode,
+    ResetDone,
+)
+from tool0.requests.motion import (
+    CommandTrajectory,
+    FollowTrajectory,
+    MoveJoints,
+    SteerJoints,
+)
+from tool0.requests.poses import GoToPose
+from tool0.requests.table import Request, answer
+from tool0.requests.time import EmergencyStop, Reset
+from tool0.runtime.bus import Event, Faulted, GoalFinished, Overran
+from tool0.runtime.simulation import Simulation
+
+
+class Backend(Protocol):
+    """Answers the requests of all connections.
+
+    ``carry_out`` may take time and is called by worker threads; the rest is called by
+    the server's thread alone.
+    """
+
+    @property
+    def mode(self) -> Mode: ...
+
+    @property
+    def simulation(self) -> Simulation | None:
+        """None without physics."""
+
+    def carry_out(self, request: Request[Any]) -> Any:
+        """Return the response, or raise Tool0Error."""
+
+    def check_setpoint(self, request: Request[Any]) -> None:
+        """Raise Tool0Error for a streamed setpoint that can never be carried out."""
+
+    def superseded(self, request: Request[Any]) -> Collection[str]:
+        """Return the streams of setpoints that a request ends, by ``stream_key``."""
+
+
+def stream_key(request: Request[Any]) -> str:
+    """Return which stream a setpoint belongs to: its controller's."""
+    return getattr(request, "controller", "")
+
+
+@final
+class SimulationBackend:
+    """A running simulation."""
+
+    mode: Final = "simulation"
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+
+    @property
+    def simulation(self) -> Simulation:
+        return self._simulation
+
+    def carry_out(self, request: Request[Any]) -> Any:
+        return answer(self._simulation, request)
+
+    def check_setpoint(self, request: Request[Any]) -> None:
+        if not isinstance(request, SteerJoints):
+            return
+        defined = self._simulation.defined_controllers
+        name = request.controller
+        if name not in defined:
+            raise ControlError(
+                f"no controller '{name}' in the YAML{did_you_mean(name, defined)}"
+            )
+        for joint in request.positions:
+            self._simulation.description.model.joint(joint)
+
+    def superseded(self, request: Request[Any]) -> Collection[str]:
+        simulation = self._simulation
+        match request:
+            case CommandTrajectory(controller=name) | FollowTrajectory(controller=name):
+                return (name,)
+            case SwitchControllers(stop=names):
+                return names
+            case Grip():
+                grippers = simulation.description.model.grippers
+                named = {item.name: item.joint for item in grippers}
+                joint = named.get(request.gripper or next(iter(named), ""))
+                return [
+                    status.name
+                    for status in simulation.snapshot.controllers
+                    if any(joint in joints for _, joints in status.claimed)
+                ]
+            case (
+                GoToPose()
+                | MoveJoints()
+                | MoveTo()
+                | MoveLinear()
+                | Reset()
+                | EmergencyStop(engaged=True)
+            ):
+                return tuple(simulation.defined_controllers)
+        return ()
+
+
+def event_message(simulation: Simulation, event: Event) -> EventMessage:
+    """Return an event as it is sent."""
+    match event:
+        case GoalFinished(goal):
+            assert goal.result is not None  # it has finished
+            return GoalEnded(
+                goal=simulation.goals.number(goal),
+                controller=goal.controller,
+                outcome=outcome_of(goal.result),
+            )
+        case Faulted(message, time):
+            return Fault(message=message, time=time)
+        case Overran(count, time):
+            return LateTicks(count=count, time=time)
+        case _:
+            return ResetDone(time=event.time)

@@ -1,0 +1,229 @@
+"""All connections of one robot: each may read it, and may drive it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import os
+from collections.abc import Callable, Collection
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Any, Final, final
+
+from tool0.control.goal import Goal
+from tool0.errors import ControlError, Tool0Error
+from tool0.interfaces.server.backend import Backend
+from tool0.interfaces.server.session import Ident, Session, Transport, is_urgent
+from tool0.interfaces.server.setpoint_streams import SetpointStreams, StreamedSetpoint
+from tool0.interfaces.server.snapshot_streams import SnapshotStreams
+from tool0.requests.codec import (
+    PROTOCOL,
+    encode,
+    encode_error,
+    encode_reply,
+    outcome_of,
+)
+from tool0.requests.messages import GoalEnded, Hello
+from tool0.requests.motion import GoalStarted, SteerJoints
+from tool0.requests.streams import Subscribe, SubscribeView, Unsubscribe
+from tool0.requests.table import Request
+
+logger = logging.getLogger(__name__)
+
+WORKERS: Final = 16
+"""Requests that are carried out at once; further ones wait."""
+_GOODBYE: Final = 0.5
+"""Longest wait for a peer to hear that the server ends [wall s]."""
+
+
+@final
+class Hub:
+    """Carries out requests and feeds streams.  It lives in the server's event loop."""
+
+    def __init__(self, backend: Backend, name: str) -> None:
+        self.backend = backend
+        self._name = name
+        self.sessions: set[Session] = set()
+        self._setpoints = SetpointStreams(self._carry_out_setpoint)
+        self._snapshots = (
+            None if backend.simulation is None else SnapshotStreams(backend.simulation)
+        )
+        self._workers = ThreadPoolExecutor(WORKERS, "tool0-server-worker")
+        # An emergency stop never waits for the requests of others.
+        self._urgent_worker = ThreadPoolExecutor(1, "tool0-server-stop")
+        self._urgent: set[asyncio.Task[None]] = set()
+        self.attach_view: Callable[[Session], None] | None = None
+        """Lets a session receive what the panel shows; None without a panel."""
+        self.when_refused: Callable[[str], None] = lambda message: None
+        """Called when a streamed setpoint was refused."""
+        self.setpoint_requests: tuple[type[Request[Any]], ...] = (SteerJoints,)
+        """Requests that are streams of setpoints when they have no id."""
+
+    async def serve(self, transport: Transport) -> None:
+        """Serve a peer until it goes."""
+        session = Session(transport)
+        self.sessions.add(session)
+        session.tell(encode(self._hello()))
+        try:
+            await session.serve(self._take_at_once, self._answer)
+        finally:
+            self.sessions.discard(session)
+            if self._snapshots is not None:
+                self._snapshots.remove(session)
+
+    async def close(self) -> None:
+        """Say goodbye to every peer; requests in progress are still carried out."""
+        self._setpoints.close()
+        if self._snapshots is not None:
+            self._snapshots.close()
+        sessions = list(self.sessions)
+        await asyncio.gather(*map(_part, sessions))
+        self._workers.shutdown(wait=False, cancel_futures=True)
+        self._urgent_worker.shutdown(wait=False)
+
+    def drop_stuck(self) -> None:
+        """Drop the connections that take nothing."""
+        for session in list(self.sessions):
+            if session.is_stuck():
+                session.drop()
+
+    def _hello(self) -> Hello:
+        from importlib.metadata import version
+
+        return Hello(
+            protocol=PROTOCOL,
+            version=version("tool0"),
+            name=self._name,
+            pid=os.getpid(),
+            mode=self.backend.mode,
+        )
+
+    # ---- requests -------------------------------------------------------------------
+
+    def _take_at_once(
+        self, session: Session, ident: Ident, request: Request[Any]
+    ) -> bool:
+        if ident is None and isinstance(request, self.setpoint_requests):
+            try:
+                self.backend.check_setpoint(request)
+            except Exception as error:
+                session.tell(encode_error(None, _logged(error)))
+            else:
+                self._setpoints.submit(StreamedSetpoint(session, request))
+            return True
+        if not is_urgent(request):
+            return False
+        self._setpoints.drop(self._superseded(request))
+        answer = self._carry_out(session, ident, request, self._urgent_worker)
+        task = asyncio.create_task(answer)
+        self._urgent.add(task)
+        task.add_done_callback(self._urgent.discard)
+        return True
+
+    async def _answer(
+        self, session: Session, ident: Ident, request: Request[Any]
+    ) -> None:
+        if isinstance(request, Subscribe | Unsubscribe | SubscribeView):
+            self._change_streams(session, ident, request)
+            return
+        await self._setpoints.settle(self._superseded(request))
+        await self._carry_out(session, ident, request, self._workers)
+
+    def _change_streams(
+        self,
+        session: Session,
+        ident: Ident,
+        request: Subscribe | Unsubscribe | SubscribeView,
+    ) -> None:
+        refusal = None
+        if isinstance(request, SubscribeView):
+            if self.attach_view is None:
+                refusal = "this bring-up has no panel (--headless)"
+        elif self._snapshots is None:
+            refusal = "a robot without physics has no snapshots"
+        if refusal is not None:
+            session.tell(encode_error(ident, ControlError(refusal)))
+            return
+        session.tell(encode_reply(ident, request, None))
+        if isinstance(request, SubscribeView):
+            assert self.attach_view is not None
+            self.attach_view(session)
+        elif self._snapshots is not None:
+            self._snapshots.remove(session)
+            if isinstance(request, Subscribe):
+                self._snapshots.add(session, request.rate)
+
+    def _superseded(self, request: Request[Any]) -> Collection[str]:
+        return self.backend.superseded(request)
+
+    async def _carry_out(
+        self,
+        session: Session,
+        ident: Ident,
+        request: Request[Any],
+        workers: ThreadPoolExecutor,
+    ) -> None:
+        loop = asyncio.get_running_loop()
+        try:
+            text, goals = await loop.run_in_executor(
+                workers, self._reply, ident, request
+            )
+        except Exception as error:
+            session.tell(encode_error(ident, _logged(error)))
+            return
+        if ident is not None:
+            session.tell(text)
+        for number, goal in goals:
+            goal.when_finished(partial(self._tell_end, loop, session, number))
+
+    def _reply(
+        self, ident: Ident, request: Request[Any]
+    ) -> tuple[bytes, list[tuple[int, Goal]]]:
+        """Return the reply and the goals that the request started, in a worker."""
+        response = self.backend.carry_out(request)
+        started = response if isinstance(response, tuple) else (response,)
+        simulation = self.backend.simulation
+        goals = [
+            (item.goal, simulation.goals.find(item.goal))
+            for item in started
+            if isinstance(item, GoalStarted) and simulation is not None
+        ]
+        return encode_reply(ident, request, response), goals
+
+    def _tell_end(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        session: Session,
+        number: int,
+        goal: Goal,
+    ) -> None:
+        """Tell the connection that started a goal how it ended, from any thread."""
+        assert goal.result is not None  # it has finished
+        message = GoalEnded(
+            goal=number, controller=goal.controller, outcome=outcome_of(goal.result)
+        )
+        with contextlib.suppress(RuntimeError):  # the server has ended
+            loop.call_soon_threadsafe(session.tell, encode(message))
+
+    async def _carry_out_setpoint(self, setpoint: StreamedSetpoint) -> None:
+        loop = asyncio.get_running_loop()
+        carry_out = self.backend.carry_out
+        try:
+            await loop.run_in_executor(self._workers, carry_out, setpoint.request)
+        except Exception as error:
+            sender = setpoint.sender
+            if isinstance(sender, Session) and sender in self.sessions:
+                sender.tell(encode_error(None, _logged(error)))
+            self.when_refused(str(error))
+
+
+async def _part(session: Session) -> None:
+    with contextlib.suppress(Exception):  # it may be gone, or stuck
+        await asyncio.wait_for(session.close(), _GOODBYE)
+
+
+def _logged(error: Exception) -> Exception:
+    if not isinstance(error, Tool0Error):
+        logger.error("a request failed", exc_info=error)
+    return error

@@ -1,0 +1,218 @@
+"""One connection: what waits to be sent to it, and how fast it may ask."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import Awaitable, Callable
+from typing import Any, Final, Protocol, final
+
+from tool0.errors import TransportError
+from tool0.requests.codec import RequestReadError, decode_request, encode_error
+from tool0.requests.table import Request, entry_of
+
+logger = logging.getLogger(__name__)
+
+MAX_QUEUE: Final = 256
+"""Replies and events that may wait for a page that reads slowly."""
+MAX_SNAPSHOTS: Final = 1024
+"""Snapshots that may wait for a slow reader, before it loses the oldest."""
+STUCK_AFTER: Final = 10.0
+"""Wall time after which a connection that takes nothing is dropped [s]."""
+RATE: Final = 200.0
+"""Messages that a page may send per second in the long run; sliders send 30."""
+BURST: Final = 1000.0
+"""Messages that it may send at once."""
+_CHUNK: Final = 4096
+"""Bytes that count as one message."""
+_MAX_WAITING: Final = 64
+"""Requests of one connection that may wait for each other."""
+
+Ident = int | str | None
+
+
+class MessageTooLongError(Exception):
+    """A message longer than the transport allows; the stream may be lost after it."""
+
+
+class Transport(Protocol):
+    """Carries text to and from one peer."""
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether the peer is a program of this user, which is not slowed down."""
+
+    async def send(self, text: bytes) -> None:
+        """Send one message; ConnectionError if the peer has gone."""
+
+    async def receive(self) -> bytes | str | None:
+        """Return the next message; None if the peer has gone.
+
+        Raises:
+            MessageTooLongError: If it is too long to be read.
+        """
+
+    async def close(self) -> None:
+        """Say goodbye and end."""
+
+    def abort(self) -> None:
+        """End at once."""
+
+
+@final
+class Session:
+    """Sends the newest state at the reader's pace; nobody waits for it."""
+
+    def __init__(self, transport: Transport) -> None:
+        self._transport = transport
+        self._wake = asyncio.Event()
+        self._queue: deque[bytes] = deque()
+        self._snapshots: deque[bytes] = deque()
+        self.missed = 0
+        """Snapshots that were dropped since the last one that was queued."""
+        self._latest: dict[str, bytes] = {}
+        self._waiting: asyncio.Queue[tuple[Ident, Request[Any]] | None]
+        self._waiting = asyncio.Queue(_MAX_WAITING)
+        self._loop = asyncio.get_running_loop()
+        self._allowance = BURST
+        self._allowance_at = self._loop.time()
+        self._sending_since: float | None = None
+        self._tasks: list[asyncio.Task[None]] = []
+        self._is_gone = False
+        """Whether it can neither send nor receive any more."""
+
+    def is_stuck(self) -> bool:
+        """Return whether it has taken nothing for too long."""
+        since = self._sending_since
+        return since is not None and self._loop.time() - since > STUCK_AFTER
+
+    def tell(self, text: bytes) -> None:
+        """Send ``text`` after what waits; a page with too much waiting is dropped."""
+        if len(self._queue) >= MAX_QUEUE and not self._transport.is_trusted:
+            self.drop()
+            return
+        self._queue.append(text)
+        self._wake.set()
+
+    def tell_snapshot(self, text: bytes) -> None:
+        """Send a snapshot of a stream; a slow reader loses the oldest ones."""
+        if len(self._snapshots) >= MAX_SNAPSHOTS:
+            self._snapshots.popleft()
+            self.missed += 1
+        self._snapshots.append(text)
+        self._wake.set()
+
+    def show(self, kind: str, text: bytes) -> None:
+        """Send ``text`` in place of an older one of its kind that was not sent yet."""
+        self._latest[kind] = text
+        self._wake.set()
+
+    def drop(self) -> None:
+        """End the connection at once."""
+        self._transport.abort()
+        self.end()
+
+    def end(self) -> None:
+        """Send and read nothing more."""
+        for task in self._tasks:
+            task.cancel()
+
+    async def close(self) -> None:
+        """Say goodbye and end."""
+        self.end()
+        await self._transport.close()
+
+    async def serve(
+        self,
+        at_once: Callable[[Session, Ident, Request[Any]], bool],
+        in_turn: Callable[[Session, Ident, Request[Any]], Awaitable[None]],
+    ) -> None:
+        """Send and receive until the connection ends and its requests are answered.
+
+        Args:
+            at_once: Takes a request that need not wait for others; returns whether it
+                did.
+            in_turn: Carries out the other requests, one after the other.
+        """
+        worker = asyncio.create_task(self._work(in_turn))
+        parts = (self._send(), self._read(at_once))
+        self._tasks = [worker, *map(asyncio.create_task, parts)]
+        try:
+            await asyncio.wait([worker])
+        finally:
+            self.end()
+            ends = await asyncio.gather(*self._tasks, return_exceptions=True)
+        for end in ends:
+            if isinstance(end, Exception):
+                logger.error("a connection failed", exc_info=end)
+
+    async def _send(self) -> None:
+        try:
+            while True:
+                await self._wake.wait()
+                self._wake.clear()
+                while (text := self._next()) is not None:
+                    self._sending_since = self._loop.time()
+                    await self._transport.send(text)
+                    self._sending_since = None
+        except ConnectionError:
+            self._is_gone = True
+
+    def _next(self) -> bytes | None:
+        if self._queue:
+            return self._queue.popleft()
+        if self._snapshots:
+            return self._snapshots.popleft()
+        if self._latest:
+            return self._latest.pop(next(iter(self._latest)))
+        return None
+
+    async def _read(
+        self, at_once: Callable[[Session, Ident, Request[Any]], bool]
+    ) -> None:
+        try:
+            await self._read_all(at_once)
+        except MessageTooLongError as error:
+            self.tell(encode_error(None, TransportError(str(error))))
+        except ConnectionError:
+            pass  # there is nobody to answer
+        except Exception:
+            logger.exception("a connection failed")
+        self._is_gone = True
+        await self._waiting.put(None)
+
+    async def _read_all(
+        self, at_once: Callable[[Session, Ident, Request[Any]], bool]
+    ) -> None:
+        while (text := await self._transport.receive()) is not None:
+            if not self._transport.is_trusted:
+                # Meanwhile nothing is read, and TCP makes the page wait.
+                await self._pace(1 + len(text) // _CHUNK)
+            try:
+                ident, request = decode_request(text)
+            except RequestReadError as error:
+                self.tell(encode_error(error.ident, error.error))
+                continue
+            if not at_once(self, ident, request):
+                await self._waiting.put((ident, request))
+
+    async def _pace(self, cost: int) -> None:
+        """Wait until the page may have sent ``cost`` messages more."""
+        now = self._loop.time()
+        gained = (now - self._allowance_at) * RATE
+        self._allowance = min(BURST, self._allowance + gained) - cost
+        self._allowance_at = now
+        if self._allowance < 0.0 and not self._is_gone:
+            await asyncio.sleep(-self._allowance / RATE)
+
+    async def _work(
+        self, in_turn: Callable[[Session, Ident, Request[Any]], Awaitable[None]]
+    ) -> None:
+        while (item := await self._waiting.get()) is not None:
+            await in_turn(self, *item)
+
+
+def is_urgent(request: Request[Any]) -> bool:
+    """Return whether a request overtakes others."""
+    return entry_of(type(request)).is_urgent

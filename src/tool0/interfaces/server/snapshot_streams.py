@@ -1,0 +1,117 @@
+"""Streams of every snapshot and event to the connections that subscribed.
+
+The bus is polled in the server's thread: publishing costs the tick the same with any
+number of subscribers.  A snapshot is encoded once for all of a rate.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import Final, final
+
+from tool0.interfaces.server.backend import event_message
+from tool0.interfaces.server.session import Session
+from tool0.requests.codec import encode, snapshot_message
+from tool0.runtime.bus import Subscription
+from tool0.runtime.simulation import Simulation
+from tool0.sensing.snapshot import Snapshot
+
+logger = logging.getLogger(__name__)
+
+POLL_PERIOD: Final = 0.004
+"""[wall s]: twice the shortest snapshot period; nothing is missed in between."""
+
+
+@final
+class _Reader:
+    """One rate's subscription and its sessions."""
+
+    def __init__(self, subscription: Subscription, rate: float) -> None:
+        self.subscription = subscription
+        self.period = 1.0 / rate
+        self.sessions: dict[Session, bool] = {}
+        """Whether each has received a complete snapshot."""
+        self.last: Snapshot | None = None
+
+    def is_due(self, snapshot: Snapshot) -> bool:
+        """Return whether a snapshot belongs to a stream of this rate."""
+        last = self.last
+        return last is None or not (
+            0.0 <= snapshot.time - last.time < self.period - 1e-6
+        )
+
+    def send(self, snapshot: Snapshot) -> None:
+        """Queue a snapshot for every session."""
+        if not self.is_due(snapshot):
+            return
+        before, self.last = self.last, snapshot
+        changes = encode(snapshot_message(snapshot, before))
+        for session, is_complete in self.sessions.items():
+            if session.missed or not is_complete:
+                missed, session.missed = session.missed, 0
+                text = encode(snapshot_message(snapshot, None, missed))
+                self.sessions[session] = True
+                session.tell_snapshot(text)
+            else:
+                session.tell_snapshot(changes)
+
+
+@final
+class SnapshotStreams:
+    """Sends snapshots and events to subscribed sessions, in the event loop."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._readers: dict[float, _Reader] = {}
+        self._task: asyncio.Task[None] | None = None
+
+    def add(self, session: Session, rate: float) -> None:
+        """Let ``session`` receive ``rate`` snapshots per simulated second [Hz]."""
+        if rate not in self._readers:
+            subscription = self._simulation.bus.subscribe(
+                1.0 / rate, self._simulation.update_snapshot_period
+            )
+            self._readers[rate] = _Reader(subscription, rate)
+            self._in_background(self._simulation.update_snapshot_period)
+        self._readers[rate].sessions[session] = False
+        if self._task is None:
+            self._task = asyncio.create_task(self._poll())
+
+    def remove(self, session: Session) -> None:
+        """Send ``session`` no more."""
+        for rate, reader in list(self._readers.items()):
+            if reader.sessions.pop(session, None) is not None and not reader.sessions:
+                del self._readers[rate]
+                self._in_background(reader.subscription.close)
+
+    def close(self) -> None:
+        """End every stream."""
+        if self._task is not None:
+            self._task.cancel()
+        for reader in self._readers.values():
+            self._in_background(reader.subscription.close)
+        self._readers.clear()
+
+    def _in_background(self, operation: object) -> None:
+        """Run what waits for the tick in a thread of its own."""
+        asyncio.get_running_loop().run_in_executor(None, operation)  # type: ignore[arg-type]
+
+    async def _poll(self) -> None:
+        while self._readers:
+            for reader in list(self._readers.values()):
+                try:
+                    self._send_new(reader)
+                except Exception:  # one stream's trouble is not the end of all
+                    logger.exception("a snapshot could not be sent")
+            await asyncio.sleep(POLL_PERIOD)
+        self._task = None
+
+    def _send_new(self, reader: _Reader) -> None:
+        for snapshot in reader.subscription.pending():
+            reader.send(snapshot)
+        events = reader.subscription.events
+        while events:
+            text = encode(event_message(self._simulation, events.popleft()))
+            for session in reader.sessions:
+                session.tell(text)

@@ -1,0 +1,349 @@
+"""Requests to an arm, by poses of its tool.
+
+Poses are those of ``tool`` in link ``tip`` (of ``tip`` itself, if left out; of the
+arm's flange, if that is left out too) in the frame of link ``relative_to`` (of the
+robot's root, if left out).  The start of a motion is the commanded posture: errors of
+the controller do not add up over many motions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any
+
+from msgspec import Meta, Struct, field
+
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.transform import Pose, Transform
+from tool0.errors import ControlError
+from tool0.kinematics.inverse import Branch, Solution
+from tool0.requests.fields import JointPositions, SpeedScale
+from tool0.requests.motion import GoalStarted, follow, started
+from tool0.requests.table import Request, handles
+from tool0.runtime.simulation import Simulation
+
+if TYPE_CHECKING:
+    from tool0.kinematics.chain import ArmChain, Array
+    from tool0.kinematics.inverse import InverseKinematics
+
+Row = tuple[float, float, float, float]
+AnyPose = Pose | tuple[Row, Row, Row, Row]
+"""Position and fixed-axis angles [m, rad], or a homogeneous matrix, shape (4, 4)."""
+
+_AFTER_ANY_MOTION = 1e6
+"""Time after which every motion has ended [s]."""
+AT_REST = 1e-6
+"""Slower than this counts as standing still [rad/s, rad/s²]."""
+
+
+class ArmInfo(Struct, frozen=True, kw_only=True):
+    """An arm: six revolute joints that end at a link ``…tool0``."""
+
+    name: str
+    """The prefix of its links."""
+    base: str
+    """The link that carries it."""
+    tip: str
+    """The link at its end."""
+    joint_names: tuple[str, ...]
+    """From the base on."""
+
+
+class ListArms(Request[tuple[ArmInfo, ...]], frozen=True):
+    """Every arm of the robot."""
+
+
+class ReadToolPose(Request[Transform], frozen=True):
+    """The measured pose of the tool."""
+
+    unchecked = ("tool",)
+
+    arm: str | None = None
+    """The robot's only one, if left out."""
+    tip: str | None = None
+    tool: AnyPose | None = None
+    relative_to: str | None = None
+
+
+class ReadBranch(Request[Branch], frozen=True):
+    """The kind of posture in which the arm stands, of eight."""
+
+    arm: str | None = None
+
+
+class SolveInverseKinematics(Request[tuple[Solution, ...]], frozen=True):
+    """The postures that put the tool at a pose, the nearest first.
+
+    One for each branch, with the whole turns that bring every joint nearest to
+    ``near`` within its limits.  Collisions are not considered.
+    """
+
+    unchecked = ("pose", "tool")
+
+    pose: AnyPose
+    arm: str | None = None
+    tip: str | None = None
+    """A link that is fixed to the flange."""
+    tool: AnyPose | None = None
+    relative_to: str | None = None
+    near: JointPositions = field(default_factory=dict)
+    """Joint → position [rad]; others count as they stand."""
+    branch: Branch | None = None
+    """Only postures of this kind."""
+
+
+class MoveTo(Request[GoalStarted], frozen=True):
+    """Move the tool to a pose, the joints as fast as their limits allow.
+
+    The tool's path is a curve; the nearest posture is taken.
+    """
+
+    unchecked = ("pose", "tool")
+
+    pose: AnyPose
+    speed: SpeedScale = 0.5
+    arm: str | None = None
+    tip: str | None = None
+    tool: AnyPose | None = None
+    relative_to: str | None = None
+    near: JointPositions = field(default_factory=dict)
+    branch: Branch | None = None
+
+
+class MoveLinear(Request[GoalStarted], frozen=True):
+    """Move the tool to a pose along a straight line, from rest.
+
+    It rotates about one axis meanwhile, and slows down where a joint would exceed its
+    velocity or acceleration.  The whole line is checked before anything moves.
+    """
+
+    unchecked = ("pose", "tool")
+
+    pose: AnyPose
+    speed: Annotated[float, Meta(gt=0.0)] = 0.25
+    """Of the tool [m/s]; this and the acceleration are the defaults of UR's movel."""
+    acceleration: Annotated[float, Meta(gt=0.0)] = 1.2
+    """Of the tool [m/s²]; the rotation gets a ramp of the same duration."""
+    angular_speed: Annotated[float, Meta(gt=0.0)] = 1.0
+    """Of the tool [rad/s]."""
+    arm: str | None = None
+    tip: str | None = None
+    tool: AnyPose | None = None
+    relative_to: str | None = None
+
+
+@handles(ListArms)
+def _list(simulation: Simulation, request: ListArms) -> tuple[ArmInfo, ...]:
+    return tuple(
+        ArmInfo(
+            name=name, base=chain.base, tip=chain.tip, joint_names=chain.joint_names
+        )
+        for name, chain in simulation.arms.items()
+    )
+
+
+@handles(ReadToolPose)
+def _pose(simulation: Simulation, request: ReadToolPose) -> Transform:
+    from tool0.description.transform import from_matrix
+
+    chain, model = simulation.arm(request.arm), simulation.description.model
+    found = link_poses(model, _measured(simulation))
+    T_tip_tool = from_matrix(_tool(simulation, chain, request))
+    T_root_tool = found[chain.tip] @ T_tip_tool
+    if request.relative_to is None:
+        return T_root_tool
+    return found[model.link(request.relative_to).name].inverse() @ T_root_tool
+
+
+@handles(ReadBranch)
+def _branch(simulation: Simulation, request: ReadBranch) -> Branch:
+    import numpy as np
+
+    chain, measured = simulation.arm(request.arm), _measured(simulation)
+    q = np.array([measured[name] for name in chain.joint_names])
+    return _kinematics(chain).branch(q)
+
+
+@handles(SolveInverseKinematics)
+def _solve(
+    simulation: Simulation, request: SolveInverseKinematics | MoveTo
+) -> tuple[Solution, ...]:
+    import numpy as np
+
+    chain = simulation.arm(request.arm)
+    names = chain.joint_names
+    standing = _commanded(simulation, chain)
+    reference = np.array([standing[name] for name in names])
+    for joint, position in request.near.items():
+        if joint not in names:
+            raise ControlError(
+                f"near: '{joint}' is not a joint of the arm: {', '.join(names)}"
+            )
+        reference[names.index(joint)] = position
+    T_base_tool = _in_base(simulation, chain, request, standing)
+    T_base_tip = T_base_tool @ np.linalg.inv(_tool(simulation, chain, request))
+    return _kinematics(chain).solutions(T_base_tip, reference, request.branch)
+
+
+@handles(MoveTo)
+def _move_to(simulation: Simulation, request: MoveTo) -> GoalStarted:
+    from tool0.runtime.joint_motion import import_planner
+
+    chain = simulation.arm(request.arm)
+    controller = _controller(simulation, chain)
+    positions = _solve(simulation, request)[0].positions
+    import_planner()
+    core = simulation.core
+    (goal,) = simulation.loop.call(
+        lambda: core.move_joints(positions, request.speed, controller)
+    )
+    return started(simulation, goal)
+
+
+@handles(MoveLinear)
+def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
+    import numpy as np
+
+    from tool0.kinematics.line import LinePath
+    from tool0.runtime.linear_motion import LinearLimits, LinearMotion
+
+    limits = LinearLimits(
+        speed=request.speed,
+        acceleration=request.acceleration,
+        angular_speed=request.angular_speed,
+    )
+    chain, model = simulation.arm(request.arm), simulation.description.model
+    controller = _controller(simulation, chain)
+    standing = _at_rest(simulation, controller)
+    start = np.array([standing[name] for name in chain.joint_names])
+    T_tip_tool = _tool(simulation, chain, request)
+    T_base_tip = chain.forward(start[None]).T_base_tip[0]
+    positions = {**_measured(simulation), **standing}
+    end = _in_base(simulation, chain, request, positions)
+    T_root_base = link_poses(model, positions)[chain.base].matrix
+    line = LinePath(T_base_tip @ T_tip_tool, end, T_tip_tool, T_root_base)
+    points = LinearMotion(_kinematics(chain), line, start, limits).points()
+    if _at_rest(simulation, controller) != standing:
+        raise ControlError("the arm was moved while its line was planned")
+    goal = TrajectoryGoal(
+        points=[_with_other_joints(point, chain, standing) for point in points],
+        joint_names=list(standing),
+    )
+    return follow(simulation, controller, goal)
+
+
+def _kinematics(chain: ArmChain) -> InverseKinematics:
+    """Return an arm's inverse kinematics; ControlError unless it is built like a UR."""
+    from tool0.kinematics.inverse import InverseKinematics
+
+    return InverseKinematics(chain)
+
+
+def _measured(simulation: Simulation) -> dict[str, float]:
+    snapshot = simulation.snapshot
+    return dict(zip(snapshot.joint_names, snapshot.position, strict=True))
+
+
+def _controller(simulation: Simulation, chain: ArmChain) -> str:
+    """Return the running trajectory controller of the arm's joints."""
+    for status in simulation.snapshot.controllers:
+        claimed = {joint for _, joints in status.claimed for joint in joints}
+        if (
+            status.state == "running"
+            and status.type.endswith("/JointTrajectoryController")
+            and claimed.issuperset(chain.joint_names)
+        ):
+            return status.name
+    raise ControlError(
+        f"no running JointTrajectoryController claims the joints of '{chain.tip}', "
+        f"so nothing moves; start one that does: {', '.join(chain.joint_names)}"
+    )
+
+
+def _commanded(simulation: Simulation, chain: ArmChain) -> Mapping[str, float]:
+    """Return the positions of all joints: the arm's as commanded, if they are."""
+    measured, core = _measured(simulation), simulation.core
+    try:
+        name = _controller(simulation, chain)
+        state = simulation.loop.call(
+            lambda: core.trajectory_controller(name).setpoint().state(), publishes=False
+        )
+    except ControlError:
+        return measured
+    commanded = zip(state.joint_names, state.desired.positions, strict=True)
+    return {**measured, **dict(commanded)}
+
+
+def _at_rest(simulation: Simulation, name: str) -> Mapping[str, float]:
+    """Return where a controller's joints stand, or raise ControlError."""
+    core = simulation.core
+
+    def read() -> Any:
+        controller = core.trajectory_controller(name)
+        state = controller.setpoint().state()
+        return state, controller.query_state(state.time + _AFTER_ANY_MOTION)
+
+    state, end = simulation.loop.call(read, publishes=False)
+    now = state.desired
+    still = max(map(abs, (*now.velocities, *now.accelerations))) < AT_REST
+    there = zip(now.positions, end.positions, strict=True)
+    if not still or max(abs(q - last) for q, last in there) > AT_REST:
+        raise ControlError(
+            f"move_linear starts at rest, and '{name}' is moving; wait for its goal, "
+            "or cancel that"
+        )
+    return dict(zip(state.joint_names, now.positions, strict=True))
+
+
+def _with_other_joints(
+    point: TrajectoryPoint, chain: ArmChain, standing: Mapping[str, float]
+) -> TrajectoryPoint:
+    """Return a point of the arm's joints as one of all that ``standing`` names."""
+    names = chain.joint_names
+    if tuple(standing) == names:
+        return point
+    positions = {**standing, **dict(zip(names, point.positions, strict=True))}
+    columns = [
+        dict(zip(names, values or (), strict=True))
+        for values in (point.velocities, point.accelerations)
+    ]
+    velocities, accelerations = (
+        [column.get(name, 0.0) for name in standing] for column in columns
+    )
+    return TrajectoryPoint(
+        list(positions.values()), velocities, accelerations, point.time_from_start
+    )
+
+
+def _tool(simulation: Simulation, chain: ArmChain, request: Any) -> Array:
+    """Return the tool's pose in the flange, shape (4, 4)."""
+    import numpy as np
+
+    from tool0.description.transform import as_matrix
+    from tool0.kinematics.chain import fixed_transform
+
+    T = np.eye(4) if request.tool is None else as_matrix(request.tool)
+    if request.tip is None or request.tip == chain.tip:
+        return T
+    model = simulation.description.model
+    T_tip_tool: Array = fixed_transform(model, chain.tip, request.tip).matrix @ T
+    return T_tip_tool
+
+
+def _in_base(
+    simulation: Simulation,
+    chain: ArmChain,
+    request: Any,
+    position: Mapping[str, float],
+) -> Array:
+    """Return the requested pose in the link that carries the arm, shape (4, 4)."""
+    from tool0.description.transform import as_matrix
+
+    model = simulation.description.model
+    found = link_poses(model, position)
+    T = as_matrix(request.pose)
+    if request.relative_to is not None:
+        T = found[model.link(request.relative_to).name].matrix @ T
+    T_base_tool: Array = found[chain.base].inverse().matrix @ T
+    return T_base_tool

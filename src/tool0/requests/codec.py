@@ -1,0 +1,387 @@
+"""Requests, responses, errors and snapshots as JSON, for every connection.
+
+A request is ``{"id": 1, "method": "step", "params": {"ticks": 5}}``.  Its answer is
+``{"type": "reply", "id": 1, "result": 0.005}``, or with ``"error"`` in place of the
+result.  Without an id, only an error is answered.  ``bytes`` are base64.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Any, Final, NamedTuple, final
+
+import msgspec
+from msgspec import UNSET, Raw, Struct, UnsetType
+
+from tool0 import errors
+from tool0.control.goal import GoalResult, GripperResult, Result
+from tool0.control.manager import ControllerStatus
+from tool0.errors import (
+    DivergenceError,
+    GoalRejectedError,
+    RequestError,
+    Tool0Error,
+    TransportError,
+    did_you_mean,
+)
+from tool0.hardware.engine import ObjectState
+from tool0.requests.objects import ObjectInfo, info_of, object_of
+from tool0.requests.sensors import Picture, image_of, picture_of
+from tool0.requests.table import (
+    Entry,
+    Request,
+    entries,
+    entry_of,
+    method_name,
+    plain,
+)
+from tool0.sensing.cameras import CameraImage
+from tool0.sensing.snapshot import JointSetpoint, Snapshot
+
+PROTOCOL: Final = 2
+"""Raised by one when a program written for the old protocol could be misled."""
+_SHOWN: Final = 40
+"""Characters of an unknown word that an answer repeats."""
+
+
+# ---- errors and outcomes -------------------------------------------------------------
+
+
+class ErrorInfo(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """Why a request failed."""
+
+    type: str
+    """A class of tool0's error tree, such as ``ClaimError``."""
+    message: str
+    code: int | None = None
+    """Of a GoalRejectedError."""
+    joint: str | None = None
+    """Of a DivergenceError."""
+    time: float | None = None
+    """Of a DivergenceError [s]."""
+
+
+class Outcome(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """How a goal ended: a GoalResult, or a GripperResult if it has a position."""
+
+    status: str
+    error_code: int = 0
+    error_string: str = ""
+    position: float | None = None
+    effort: float | None = None
+    stalled: bool | None = None
+    reached_goal: bool | None = None
+
+
+_ERRORS: Final[dict[str, type[Tool0Error]]] = {
+    name: kind
+    for name, kind in vars(errors).items()
+    if isinstance(kind, type) and issubclass(kind, Tool0Error) and name[0] != "_"
+}
+
+
+def error_info(error: BaseException) -> ErrorInfo:
+    """Return ``error`` as it is sent; only our own keep their type."""
+    if not isinstance(error, Tool0Error):
+        return ErrorInfo(
+            type="InternalError",
+            message=f"the request failed with {error!r}; the bring-up's log says more",
+        )
+    known = next(kind for kind in type(error).__mro__ if kind in _ERRORS.values())
+    return ErrorInfo(
+        type=known.__name__,
+        message=str(error),
+        code=error.code if isinstance(error, GoalRejectedError) else None,
+        joint=error.joint if isinstance(error, DivergenceError) else None,
+        time=error.time if isinstance(error, DivergenceError) else None,
+    )
+
+
+def error_of(info: ErrorInfo) -> Tool0Error:
+    """Return the error that was sent."""
+    kind = _ERRORS.get(info.type, TransportError)
+    if kind is GoalRejectedError:
+        return GoalRejectedError(
+            info.message,
+            GoalRejectedError.INVALID_GOAL if info.code is None else info.code,
+        )
+    if kind is DivergenceError:
+        return DivergenceError(str(info.joint), info.time or 0.0)
+    if kind is RequestError:
+        return RequestError(*info.message.split(": ", 1))
+    return kind(info.message)
+
+
+def outcome_of(result: Result) -> Outcome:
+    """Return a goal's result as it is sent."""
+    if isinstance(result, GoalResult):
+        return Outcome(
+            status=result.status.value,
+            error_code=result.error_code,
+            error_string=result.error_string,
+        )
+    return Outcome(
+        status=result.status.value,
+        position=result.position,
+        effort=result.effort,
+        stalled=result.stalled,
+        reached_goal=result.reached_goal,
+    )
+
+
+def result_of(outcome: Outcome) -> Result:
+    """Return the result that was sent."""
+    from tool0.control.goal import GoalStatus
+
+    status = GoalStatus(outcome.status)
+    if outcome.position is None:
+        return GoalResult(
+            status=status,
+            error_code=outcome.error_code,
+            error_string=outcome.error_string,
+        )
+    return GripperResult(
+        status=status,
+        position=outcome.position,
+        effort=outcome.effort or 0.0,
+        stalled=bool(outcome.stalled),
+        reached_goal=bool(outcome.reached_goal),
+    )
+
+
+# ---- snapshots -----------------------------------------------------------------------
+
+
+class SnapshotMessage(Struct, frozen=True, kw_only=True, tag="snapshot"):
+    """The whole robot at one instant, in the order of ``joint_names``."""
+
+    time: float
+    """Simulated [s]."""
+    tick: int
+    joint_names: tuple[str, ...]
+    position: tuple[float, ...]
+    """[rad | m]"""
+    velocity: tuple[float, ...]
+    """[rad/s | m/s]"""
+    effort: tuple[float, ...]
+    """[N·m | N]"""
+    setpoints: dict[str, JointSetpoint]
+    """Joint → [position, velocity, target], of joints that are moved by position."""
+    objects: tuple[ObjectState, ...]
+    """Poses and velocities in the robot's root, in the order of ``scene``."""
+    is_paused: bool
+    is_stopped: bool
+    """Whether the emergency stop is engaged."""
+    real_time_factor: float
+    overruns: int
+    fault: str | None
+    speed: float | None
+    controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
+    """In a stream: only when they changed."""
+    scene: tuple[ObjectInfo, ...] | UnsetType = UNSET
+    """In a stream: only when an object was added or removed."""
+    missed: int = 0
+    """In a stream: snapshots before this one that a slow reader has lost."""
+
+
+def snapshot_message(
+    snapshot: Snapshot, before: Snapshot | None = None, missed: int = 0
+) -> SnapshotMessage:
+    """Return a snapshot as it is sent, after ``before`` in a stream."""
+    return SnapshotMessage(
+        time=snapshot.time,
+        tick=snapshot.tick,
+        joint_names=snapshot.joint_names,
+        position=snapshot.position,
+        velocity=snapshot.velocity,
+        effort=snapshot.effort,
+        setpoints=dict(snapshot.setpoints()),
+        objects=snapshot.objects,
+        is_paused=snapshot.is_paused,
+        is_stopped=snapshot.is_stopped,
+        real_time_factor=snapshot.real_time_factor,
+        overruns=snapshot.overruns,
+        fault=snapshot.fault,
+        speed=snapshot.speed,
+        controllers=UNSET
+        if before is not None and before.controllers == snapshot.controllers
+        else snapshot.controllers,
+        scene=UNSET
+        if before is not None and before.scene is snapshot.scene
+        else tuple(map(info_of, snapshot.scene)),
+        missed=missed,
+    )
+
+
+def snapshot_of(message: SnapshotMessage, before: Snapshot | None = None) -> Snapshot:
+    """Return the snapshot that was sent, after ``before`` in a stream."""
+    controllers, scene = message.controllers, message.scene
+    old_controllers = () if before is None else before.controllers
+    old_scene = () if before is None else before.scene
+    return Snapshot(
+        time=message.time,
+        tick=message.tick,
+        joint_names=message.joint_names,
+        position=message.position,
+        velocity=message.velocity,
+        effort=message.effort,
+        controllers=old_controllers if controllers is UNSET else controllers,
+        is_paused=message.is_paused,
+        is_stopped=message.is_stopped,
+        real_time_factor=message.real_time_factor,
+        overruns=message.overruns,
+        fault=message.fault,
+        speed=message.speed,
+        received_setpoints=message.setpoints,
+        scene=old_scene if scene is UNSET else tuple(map(object_of, scene)),
+        objects=message.objects,
+    )
+
+
+# ---- requests and replies ------------------------------------------------------------
+
+
+class Envelope(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A request as it arrives."""
+
+    method: str
+    id: int | str | None = None
+    """Repeated in the reply; without one, only an error is answered."""
+    params: Raw = Raw(b"{}")
+
+
+class Reply(Struct, frozen=True, kw_only=True, tag="reply"):
+    """The answer to one request."""
+
+    id: int | str | None
+    """The request's; null if none could be read."""
+    result: Raw | UnsetType = UNSET
+    error: ErrorInfo | UnsetType = UNSET
+
+
+class _WireForm(NamedTuple):
+    """How a response that is not plain data is sent."""
+
+    kind: Any
+    write: Callable[[Any], Any]
+    read: Callable[[Any], Any]
+
+
+_WIRE_FORMS: Final[Mapping[Any, _WireForm]] = {
+    CameraImage: _WireForm(Picture, picture_of, image_of),
+    Snapshot: _WireForm(SnapshotMessage, snapshot_message, snapshot_of),
+}
+_encoder = msgspec.json.Encoder(enc_hook=plain)
+_envelopes = msgspec.json.Decoder(Envelope)
+
+
+@final
+class RequestReadError(Exception):
+    """Text that is no valid request, with what can be answered."""
+
+    def __init__(self, ident: int | str | None, error: Tool0Error) -> None:
+        super().__init__(str(error))
+        self.ident = ident
+        self.error = error
+
+
+def encode(message: Struct) -> bytes:
+    """Return a message as JSON, without a newline."""
+    return _encoder.encode(message)
+
+
+def encode_request(ident: int, request: Request[Any]) -> bytes:
+    """Return a request as JSON, without a newline."""
+    return _encoder.encode(
+        {"id": ident, "method": method_name(type(request)), "params": request}
+    )
+
+
+def decode_request(text: bytes | str) -> tuple[int | str | None, Request[Any]]:
+    """Return the id and the request in ``text``.
+
+    Raises:
+        RequestReadError: If it is no request; nothing was done then.
+    """
+    try:
+        envelope = _envelopes.decode(text)
+    except (msgspec.DecodeError, RecursionError) as error:
+        problem = (
+            f'this is no request, {{"id": …, "method": …, "params": {{…}}}}: {error}'
+        )
+        raise RequestReadError(_id_in(text), TransportError(problem)) from None
+    method = envelope.method
+    entry = entries().get(method)
+    if entry is None or entry.is_local:
+        near = did_you_mean(method[:_SHOWN], set(entries()))
+        problem = f"unknown method '{method[:_SHOWN]}'{near}"
+        raise RequestReadError(envelope.id, TransportError(problem))
+    try:
+        return envelope.id, _params_decoder(entry.request).decode(envelope.params)
+    except (msgspec.DecodeError, RecursionError, Tool0Error) as error:
+        raise RequestReadError(
+            envelope.id, _explained(entry, envelope.params, error)
+        ) from None
+
+
+def encode_reply(
+    ident: int | str | None, request: Request[Any], response: Any
+) -> bytes:
+    """Return the answer to a request that succeeded."""
+    form = _WIRE_FORMS.get(entry_of(type(request)).response)
+    result = _encoder.encode(response if form is None else form.write(response))
+    return encode(Reply(id=ident, result=Raw(result)))
+
+
+def encode_error(ident: int | str | None, error: BaseException) -> bytes:
+    """Return the answer to a request that failed."""
+    return encode(Reply(id=ident, error=error_info(error)))
+
+
+def decode_response(request: Request[Any], result: Raw) -> Any:
+    """Return the response to ``request``, or raise TransportError if it is none."""
+    response = entry_of(type(request)).response
+    form = _WIRE_FORMS.get(response)
+    try:
+        value = _decoder(response if form is None else form.kind).decode(result)
+        return value if form is None else form.read(value)
+    except (msgspec.DecodeError, ValueError) as error:
+        raise TransportError(f"the answer is not as expected: {error}") from None
+
+
+@cache
+def _decoder(kind: Any) -> Any:
+    return msgspec.json.Decoder(kind)
+
+
+@cache
+def _params_decoder(kind: type[Request[Any]]) -> Any:
+    return msgspec.json.Decoder(kind)
+
+
+def _id_in(text: bytes | str) -> int | str | None:
+    """Return the id of a malformed request, if it can be found."""
+    try:
+        given = msgspec.json.decode(text)
+    except (msgspec.DecodeError, RecursionError):
+        return None
+    ident = given.get("id") if isinstance(given, dict) else None
+    is_id = isinstance(ident, int | str) and not isinstance(ident, bool)
+    return ident if is_id else None
+
+
+def _explained(entry: Entry, params: Raw, error: Exception) -> Tool0Error:
+    """Return what is wrong with a request's parameters."""
+    if isinstance(error, Tool0Error):
+        return error
+    try:
+        given = msgspec.json.decode(params)
+    except (msgspec.DecodeError, RecursionError) as worse:
+        return TransportError(f"{entry.name}: {worse}")
+    valid = set(entry.request.__struct_fields__)
+    for field in given if isinstance(given, dict) else ():
+        if field not in valid:
+            near = did_you_mean(field[:_SHOWN], valid)
+            return RequestError(entry.name, f"no field '{field[:_SHOWN]}'{near}")
+    return RequestError(entry.name, str(error))

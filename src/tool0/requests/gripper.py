@@ -1,0 +1,138 @@
+"""Requests to a parallel gripper, by the opening between its pads."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Annotated
+
+from msgspec import Meta
+
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.description.model import ParallelGripper
+from tool0.errors import ControlError, ModelError
+from tool0.hardware.drive_limits import DriveLimits
+from tool0.requests.fields import Name
+from tool0.requests.motion import GoalStarted, follow, started
+from tool0.requests.table import Request, handles
+from tool0.runtime.gripper_motion import opening_motion
+from tool0.runtime.simulation import Simulation
+from tool0.sensing.grasp import GraspState, judge, wanted_openings
+
+SQUEEZED = 0.001
+"""Distance by which the commanded opening must be inside the measured one to count as
+squeezing [m]."""
+
+
+class Grip(Request[GoalStarted], frozen=True):
+    """Move the pads of a gripper to an opening.
+
+    Speed and force are settings of the drive, as on the real gripper: they hold until
+    another goal moves its joint.
+    """
+
+    gripper: Name | None = None
+    """The robot's only one, if left out."""
+    opening: float | None = None
+    """Distance between the pads [m], 0 … the gripper's maximum."""
+    position: float | None = None
+    """Instead of an opening: position of the driven joint [rad]."""
+    speed: float | None = None
+    """Of the pads relative to each other [m/s]; the fastest, if left out."""
+    force: float | None = None
+    """Largest force at each pad [N]; the strongest, if left out."""
+    effort: Annotated[float, Meta(gt=0.0)] | None = None
+    """Instead of a force: largest torque of the driven joint [N·m]."""
+
+
+class ReadGripper(Request[GraspState], frozen=True):
+    """What a gripper does: whether it moves, has arrived, or holds something."""
+
+    gripper: Name | None = None
+    """The robot's only one, if left out."""
+
+
+@handles(Grip)
+def _grip(simulation: Simulation, request: Grip) -> GoalStarted:
+    gripper = simulation.gripper(request.gripper)
+    opening = _opening(gripper, request)
+    target, joint = gripper.position(opening), gripper.joint
+    speed = gripper.speed[1] if request.speed is None else request.speed
+    force = request.force
+    if force is None and request.effort is None:
+        force = gripper.force[1]
+    bounds = DriveLimits(
+        gripper=gripper, speed=speed, force=force, effort=request.effort
+    )
+    core, loop = simulation.core, simulation.loop
+    for status in simulation.snapshot.controllers:
+        claimed = {name for _, joints in status.claimed for name in joints}
+        if status.state != "running" or joint not in claimed:
+            continue
+        if status.type.endswith("/GripperActionController"):
+            effort = request.effort
+            if request.force is not None:
+                effort = simulation.joint_limits[joint].effort
+            command = partial(core.command_gripper, status.name, target, effort, bounds)
+            return started(simulation, loop.call(command))
+        if status.type.endswith("/JointTrajectoryController"):
+            trajectory = TrajectoryGoal(
+                points=_plan(simulation, gripper, opening, speed), joint_names=[joint]
+            )
+            return follow(simulation, status.name, trajectory, {joint: bounds})
+    raise ControlError(
+        f"no running controller drives '{joint}'; start a JointTrajectory"
+        "Controller or a GripperActionController that claims it"
+    )
+
+
+@handles(ReadGripper)
+def _read(simulation: Simulation, request: ReadGripper) -> GraspState:
+    return judge(simulation.gripper(request.gripper), simulation.bus.history())
+
+
+def _opening(gripper: ParallelGripper, request: Grip) -> float:
+    """Return the requested opening [m]."""
+    if (request.opening is None) == (request.position is None):
+        raise ControlError("grip: give either 'opening' [m] or 'position' [rad]")
+    if request.opening is not None:
+        return request.opening
+    # The opening law is periodic, and at the joint's end slightly above its maximum:
+    # a position is in reach if its opening leads back to it.
+    position, limit = request.position or 0.0, gripper.max_opening
+    opening = min(max(gripper.opening(position), 0.0), limit)
+    if not abs(gripper.position(opening) - position) <= 0.02:
+        ends = sorted((gripper.position(limit), gripper.position(0.0)))
+        raise ModelError(
+            f"gripper position {position} rad is outside "
+            f"[{ends[0]:.4f}, {ends[1]:.4f}] rad"
+        )
+    return opening
+
+
+def _plan(
+    simulation: Simulation, gripper: ParallelGripper, end: float, speed: float
+) -> list[TrajectoryPoint]:
+    """Return the motion to ``end`` [m] from where the pads are.
+
+    A squeeze continues into a tighter one without letting go.  An opening starts with
+    a setpoint where the pads are: the controller wants them further inside, and would
+    otherwise squeeze on with all that the new goal allows.
+    """
+    snapshot = simulation.snapshot
+    here = snapshot.position[snapshot.joint_names.index(gripper.joint)]
+    now = max(0.0, gripper.opening(here))
+    wanted = wanted_openings(snapshot, gripper)
+    ahead = 0.0 if wanted is None else wanted[0] - now
+    if ahead * (end - now) > 0.0:
+        start = end if abs(ahead) > abs(end - now) else now + ahead
+        return opening_motion(gripper, start, end, speed)
+    motion = opening_motion(gripper, now, end, speed)
+    if abs(ahead) <= SQUEEZED:
+        return motion
+    at_once = simulation.loop.control_period
+    later = [
+        replace(point, time_from_start=point.time_from_start + at_once)
+        for point in motion
+    ]
+    return [TrajectoryPoint([here], [0.0], time_from_start=at_once), *later]

@@ -1,0 +1,183 @@
+"""Requests to cameras and force-torque sensors."""
+
+from __future__ import annotations
+
+import time
+import zlib
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from tool0.description.camera import Camera
+from tool0.description.transform import Transform
+from tool0.errors import ControlError
+from tool0.requests.fields import Name, Vector3
+from tool0.requests.table import Request, handles
+from tool0.runtime.simulation import Simulation
+from tool0.sensing.cameras import CameraImage
+from tool0.sensing.force_torque import DEFAULT_CUTOFF
+from tool0.sensing.force_torque_sensor import WrenchReading
+
+POLL_PERIOD = 0.05  # [wall s] between checks whether the loop still runs
+
+
+class ListCameras(Request[tuple[Camera, ...]], frozen=True):
+    """Every camera of the robot."""
+
+
+class TakePicture(Request[CameraImage], frozen=True):
+    """What a camera sees now: colours and depth."""
+
+    camera: Name
+
+
+class StartForceTorque(Request[float], frozen=True):
+    """Start to sample the wrench at a link; the response is the rate [Hz]."""
+
+    link: Name | None = None
+    """The robot's only ``tool0``, if left out."""
+    rate: float | None = None
+    """Samples per simulated second [Hz], 50 … 1000 and a divisor of the control rate;
+    125 or the next divisor below, if left out."""
+    cutoff: float = DEFAULT_CUTOFF
+    """Of the low-pass filter [Hz]."""
+
+
+class StopForceTorque(Request[None], frozen=True):
+    """Stop to sample, and forget the tare."""
+
+    link: Name | None = None
+
+
+class ReadForceTorqueRate(Request[float], frozen=True):
+    """Samples per simulated second [Hz]; 0 while the sensor is not started."""
+
+    link: Name | None = None
+
+
+class TareForceTorque(Request[None], frozen=True):
+    """Make the present reading zero, as UR's ``zero_ftsensor`` does."""
+
+    link: Name | None = None
+
+
+class ReadForceTorque(Request[WrenchReading], frozen=True):
+    """The newest sample; the first one starts the sensor."""
+
+    link: Name | None = None
+
+
+class ReadForceTorqueSamples(Request[tuple[WrenchReading, ...]], frozen=True):
+    """All samples after one, oldest first; the last 4096 are kept."""
+
+    link: Name | None = None
+    since: Annotated[int, Meta(ge=-1)] = -1
+    """Number of the last sample that is known already."""
+    timeout: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
+    """Longest wait for the first [wall s]."""
+
+
+class Picture(Struct, frozen=True, kw_only=True):
+    """A camera image as it is sent: arrays row by row, little endian, by zlib."""
+
+    time: float
+    """Simulated time [s]."""
+    width: int
+    """[pixels]"""
+    height: int
+    """[pixels]"""
+    K: tuple[Vector3, Vector3, Vector3]
+    """The intrinsics, shape (3, 3)."""
+    T_root_camera: Transform
+    rgb: bytes
+    """uint8, shape (height, width, 3)."""
+    depth: bytes
+    """float32 [m], shape (height, width)."""
+
+
+def picture_of(image: CameraImage) -> Picture:
+    """Return an image as it is sent."""
+    height, width = image.depth.shape
+    return Picture(
+        time=image.time,
+        width=width,
+        height=height,
+        K=image.K.tolist(),
+        T_root_camera=image.T_root_camera,
+        rgb=zlib.compress(image.rgb.astype("u1").tobytes(), 1),
+        depth=zlib.compress(image.depth.astype("<f4").tobytes(), 1),
+    )
+
+
+def image_of(picture: Picture) -> CameraImage:
+    """Return the image that was sent."""
+    import numpy as np
+
+    shape = picture.height, picture.width
+    rgb = np.frombuffer(zlib.decompress(picture.rgb), "u1").reshape(*shape, 3)
+    depth = np.frombuffer(zlib.decompress(picture.depth), "<f4").reshape(shape)
+    return CameraImage(
+        time=picture.time,
+        rgb=rgb,
+        depth=depth,
+        K=np.array(picture.K),
+        T_root_camera=picture.T_root_camera,
+    )
+
+
+@handles(ListCameras)
+def _list(simulation: Simulation, request: ListCameras) -> tuple[Camera, ...]:
+    return tuple(simulation.cameras.values())
+
+
+@handles(TakePicture)
+def _picture(simulation: Simulation, request: TakePicture) -> CameraImage:
+    cameras = simulation.cameras
+    return cameras.render(cameras[request.camera])
+
+
+@handles(StartForceTorque)
+def _start(simulation: Simulation, request: StartForceTorque) -> float:
+    sensors = simulation.force_torque
+    return sensors.start(sensors.link(request.link), request.rate, request.cutoff)
+
+
+@handles(StopForceTorque)
+def _stop(simulation: Simulation, request: StopForceTorque) -> None:
+    sensors = simulation.force_torque
+    sensors.stop(sensors.link(request.link))
+
+
+@handles(ReadForceTorqueRate)
+def _rate(simulation: Simulation, request: ReadForceTorqueRate) -> float:
+    sensors = simulation.force_torque
+    return sensors.rate(sensors.link(request.link))
+
+
+@handles(TareForceTorque)
+def _tare(simulation: Simulation, request: TareForceTorque) -> None:
+    sensors = simulation.force_torque
+    sensors.sensor(sensors.link(request.link)).zero()
+
+
+@handles(ReadForceTorque)
+def _read(simulation: Simulation, request: ReadForceTorque) -> WrenchReading:
+    sensors = simulation.force_torque
+    return sensors.sensor(sensors.link(request.link)).latest()
+
+
+@handles(ReadForceTorqueSamples)
+def _samples(
+    simulation: Simulation, request: ReadForceTorqueSamples
+) -> tuple[WrenchReading, ...]:
+    sensors, loop = simulation.force_torque, simulation.loop
+    sensor = sensors.sensor(sensors.link(request.link))
+    end = time.monotonic() + request.timeout
+    while True:
+        left = max(0.0, end - time.monotonic())
+        found = sensor.samples(request.since, min(left, POLL_PERIOD))
+        if found or left == 0.0:
+            return found
+        loop.check()
+        if loop.is_closed:
+            raise ControlError("the simulation was closed")

@@ -1,0 +1,145 @@
+"""Requests that read the robot: what it is, its state, its run so far."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from msgspec import Struct
+
+from tool0.description.forward_kinematics import link_pose
+from tool0.description.transform import Transform
+from tool0.requests.fields import Name
+from tool0.requests.table import Request, handles
+from tool0.runtime.simulation import Simulation
+from tool0.sensing.snapshot import Snapshot
+
+
+class LimitsInfo(Struct, frozen=True, kw_only=True):
+    """Limits of a joint; None where there is no limit."""
+
+    lower: float | None
+    upper: float | None
+    velocity: float | None
+    effort: float | None
+
+
+class SimulationInfo(Struct, frozen=True, kw_only=True):
+    """What does not change while a bring-up runs."""
+
+    engine: str
+    control_period: float
+    """Simulated time of a tick [s]."""
+    is_realtime: bool
+    """Whether time passes by itself."""
+    spawn_z: float
+    """Height of the robot's root above the world's origin [m]."""
+    ground: float | None
+    """Height of the ground in the robot's root [m]; None without ground."""
+    grasp_assist: bool
+    joint_limits: dict[str, LimitsInfo]
+    defined_controllers: dict[str, str]
+    """Controllers of the YAML, loaded or not: name → type."""
+    parameters: dict[str, Any]
+    """The whole YAML, as plain values."""
+    warnings: tuple[str, ...]
+    """Findings about the YAML."""
+
+
+class DescriptionInfo(Struct, frozen=True, kw_only=True):
+    """The robot's description."""
+
+    urdf: str
+    """The robot as one URDF document."""
+    source: str
+    """The xacro or URDF file it was read from."""
+    arm: str | None
+    """Its name in the catalogue; None for your own robot."""
+    gripper: str | None
+    prefix: str
+
+
+class ReadDescription(Request[DescriptionInfo], frozen=True):
+    """The robot's description as URDF."""
+
+
+class ReadInfo(Request[SimulationInfo], frozen=True):
+    """What does not change while a bring-up runs."""
+
+
+class ReadSnapshot(Request[Snapshot], frozen=True):
+    """The newest state of the whole robot."""
+
+
+class ReadLinkPose(Request[Transform], frozen=True):
+    """The measured frame of a link."""
+
+    link: Name
+    relative_to: str | None = None
+    """The link in whose frame it is; the root, if left out."""
+
+
+class ReadSummary(Request[dict[str, Any]], frozen=True):
+    """The run so far in plain values."""
+
+
+@handles(ReadInfo)
+def _info(simulation: Simulation, request: ReadInfo) -> SimulationInfo:
+    return SimulationInfo(
+        engine=simulation.engine.name,
+        control_period=simulation.loop.control_period,
+        is_realtime=simulation.loop.is_realtime,
+        spawn_z=simulation.spawn_z,
+        ground=simulation.ground,
+        grasp_assist=simulation.grasp_assist,
+        joint_limits={
+            name: LimitsInfo(
+                lower=_finite(limits.lower),
+                upper=_finite(limits.upper),
+                velocity=_finite(limits.velocity),
+                effort=_finite(limits.effort),
+            )
+            for name, limits in simulation.joint_limits.items()
+        },
+        defined_controllers=dict(simulation.defined_controllers),
+        parameters=dict(simulation.parameters),
+        warnings=tuple(map(str, simulation.warnings)),
+    )
+
+
+@handles(ReadDescription)
+def _description(simulation: Simulation, request: ReadDescription) -> DescriptionInfo:
+    description = simulation.description
+    return DescriptionInfo(
+        urdf=description.urdf,
+        source=str(description.source),
+        arm=description.arm,
+        gripper=description.gripper,
+        prefix=description.prefix,
+    )
+
+
+@handles(ReadSnapshot)
+def _snapshot(simulation: Simulation, request: ReadSnapshot) -> Snapshot:
+    return simulation.snapshot
+
+
+@handles(ReadLinkPose)
+def _link_pose(simulation: Simulation, request: ReadLinkPose) -> Transform:
+    snapshot = simulation.snapshot
+    position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
+    return link_pose(
+        simulation.description.model,
+        position,
+        request.link,
+        relative_to=request.relative_to,
+    )
+
+
+@handles(ReadSummary)
+def _summary(simulation: Simulation, request: ReadSummary) -> dict[str, Any]:
+    return simulation.summary()
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

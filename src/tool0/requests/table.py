@@ -1,0 +1,234 @@
+"""The request table: what can be asked of a running robot, and who answers.
+
+A request is a frozen struct.  Its fields state their units and bounds, its type
+parameter is the response, and one handler carries it out.  The Python handles, the
+Unix socket, the panel's WebSocket, ROS 1 and the command line create requests and
+contain no logic of their own.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import typing
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from numbers import Integral, Real
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, final
+
+import msgspec
+
+from tool0.errors import RequestError
+
+if TYPE_CHECKING:
+    from tool0.runtime.simulation import Simulation
+
+Response = TypeVar("Response")
+
+
+class Request(
+    msgspec.Struct,
+    Generic[Response],
+    frozen=True,
+    kw_only=True,
+    forbid_unknown_fields=True,
+):
+    """One operation on a running robot, answered by a ``Response``."""
+
+    unchecked: ClassVar[tuple[str, ...]] = ()
+    """Fields that the handler checks itself: large ones, as a trajectory's points."""
+
+
+RequestType = TypeVar("RequestType", bound=Request[Any])
+Handler = Callable[["Simulation", Any], Any]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One row of the table."""
+
+    name: str
+    """The method's name on a connection: the class's name in snake_case."""
+    request: type[Request[Any]]
+    handler: Handler
+    in_tick: bool
+    """Whether the handler runs in the thread of the tick, between two ticks."""
+    publishes: bool
+    """Whether a snapshot follows, so that the next reader sees the effect."""
+    is_urgent: bool
+    """Whether it overtakes the requests of its connection that wait."""
+    is_local: bool
+    """Whether the response only makes sense inside the process."""
+
+    @property
+    def response(self) -> Any:
+        """The response's type, resolved."""
+        return _response_type(self.request)
+
+
+_BY_TYPE: dict[type[Request[Any]], Entry] = {}
+_BY_NAME: dict[str, Entry] = {}
+
+
+def handles(
+    request: type[RequestType],
+    *,
+    in_tick: bool = False,
+    publishes: bool | None = None,
+    urgent: bool = False,
+    local: bool = False,
+) -> Callable[[Callable[[Simulation, RequestType], Any]], Handler]:
+    """Register the decorated function as the handler of ``request``.
+
+    Args:
+        request: The request; its name must be new.
+        in_tick: Whether to run the handler in the thread of the tick, between two
+            ticks: quick, and with the engine and the controllers at hand.  Otherwise
+            it runs in the thread that asks, and may take its time.
+        publishes: Whether a snapshot follows; as ``in_tick`` if left out.
+        urgent: Whether it overtakes waiting requests of the same connection.
+        local: Whether only this process can ask for it.
+    """
+    name = method_name(request)
+    if name in _BY_NAME:
+        raise TypeError(f"request '{name}' has a handler already")
+
+    def register(handler: Handler) -> Handler:
+        _BY_TYPE[request] = _BY_NAME[name] = Entry(
+            name=name,
+            request=request,
+            handler=handler,
+            in_tick=in_tick,
+            publishes=in_tick if publishes is None else publishes,
+            is_urgent=urgent,
+            is_local=local,
+        )
+        return handler
+
+    return register
+
+
+def method_name(request: type[Request[Any]]) -> str:
+    """Return the name on a connection: ``MoveJoints`` is ``move_joints``."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", request.__name__).lower()
+
+
+def entry_of(request: type[Request[Any]]) -> Entry:
+    """Return the row of a request class; KeyError if it has no handler."""
+    load_all()
+    return _BY_TYPE[request]
+
+
+def entries() -> Mapping[str, Entry]:
+    """Return the whole table, by method name."""
+    load_all()
+    return _BY_NAME
+
+
+@cache
+def load_all() -> None:
+    """Import every module that declares requests of our own."""
+    from importlib import import_module
+
+    for module in _MODULES:
+        import_module(f"tool0.requests.{module}")
+
+
+_MODULES = (
+    "arm",
+    "controllers",
+    "gripper",
+    "motion",
+    "objects",
+    "poses",
+    "sensors",
+    "state",
+    "streams",
+    "time",
+)
+
+
+# ---- checking ------------------------------------------------------------------------
+
+
+def checked(request: RequestType) -> RequestType:
+    """Return ``request`` with plain values, or raise what is wrong with one of them.
+
+    numpy's numbers and arrays become Python's, and every value is compared with the
+    type and the bounds of its field, as it is when it arrives on a connection.
+
+    Raises:
+        RequestError: If a value has the wrong type, is not finite, or is out of bounds.
+    """
+    kind = type(request)
+    values = {}
+    for field, annotation in _field_types(kind).items():
+        value = getattr(request, field)
+        if field not in kind.unchecked:
+            try:
+                value = msgspec.convert(plain(value), annotation, from_attributes=True)
+            except (msgspec.ValidationError, ValueError, TypeError) as error:
+                raise RequestError(method_name(kind), f"'{field}': {error}") from None
+        values[field] = value
+    return kind(**values)
+
+
+def plain(value: Any) -> Any:
+    """Return ``value`` made of Python's own numbers and sequences, all finite.
+
+    Raises:
+        ValueError: If a number is NaN or infinite.
+    """
+    match value:
+        case None | bool() | str() | msgspec.Struct():
+            return value
+        case Integral():
+            return int(value)
+        case Real():
+            if not math.isfinite(value):
+                raise ValueError(f"must be finite, got {value}")
+            return float(value)
+        case Mapping():
+            return {key: plain(item) for key, item in value.items()}
+        case Sequence():
+            return [plain(item) for item in value]
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+@cache
+def _field_types(kind: type[Request[Any]]) -> Mapping[str, Any]:
+    hints = typing.get_type_hints(kind, include_extras=True)
+    return {field: hints[field] for field in kind.__struct_fields__}
+
+
+@cache
+def _response_type(kind: type[Request[Any]]) -> Any:
+    for base in _generic_bases(kind):
+        if typing.get_origin(base) is Request:
+            return typing.get_args(base)[0]
+    raise TypeError(f"{kind.__name__} does not say what its response is")
+
+
+def _generic_bases(kind: type) -> Iterator[Any]:
+    for parent in kind.__mro__:
+        yield from parent.__dict__.get("__orig_bases__", ())
+
+
+# ---- answering -----------------------------------------------------------------------
+
+
+def answer(simulation: Simulation, request: Request[Response]) -> Response:
+    """Carry out ``request`` and return its response, or raise what the handler raises.
+
+    The request's values were checked before.
+    """
+    entry = entry_of(type(request))
+    if entry.in_tick:
+        response: Response = simulation.loop.call(
+            lambda: entry.handler(simulation, request), publishes=entry.publishes
+        )
+        return response
+    response = entry.handler(simulation, request)
+    return response

@@ -1,0 +1,216 @@
+"""A robot in simulation with all that belongs to it: what request handlers work on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, final
+
+from tool0.description.camera import Camera
+from tool0.description.catalogue import RobotDescription
+from tool0.description.finding import Finding
+from tool0.description.model import JointLimits, ParallelGripper
+from tool0.errors import ControlError, did_you_mean
+from tool0.runtime.bus import Bus, Subscription
+from tool0.runtime.core import Core
+from tool0.runtime.goals import GoalRegistry
+from tool0.runtime.loop import Loop
+from tool0.runtime.poses import PoseBook
+from tool0.sensing.cameras import Cameras
+from tool0.sensing.force_torque import ForceTorqueSensors
+from tool0.sensing.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from tool0.kinematics.chain import ArmChain
+
+MAX_SNAPSHOT_RATE = 500.0
+"""Snapshots per simulated second that a subscriber may ask for [Hz]."""
+
+
+@final
+class Simulation:
+    """Description, engine, controllers, loop and sensors of one running robot."""
+
+    def __init__(
+        self,
+        *,
+        description: RobotDescription,
+        core: Core,
+        loop: Loop,
+        bus: Bus,
+        poses: PoseBook,
+        defined_controllers: Mapping[str, str],
+        parameters: Mapping[str, object],
+        spawn_z: float = 0.0,
+        ground: float | None = None,
+        cameras: Mapping[str, Camera],
+        warnings: Sequence[Finding] = (),
+    ) -> None:
+        self.description = description
+        self.core = core
+        """Only for the thread of the tick."""
+        self.engine = core.engine
+        self.loop = loop
+        self.bus = bus
+        self.poses = poses
+        self.defined_controllers = defined_controllers
+        """The type of each controller of the YAML, loaded or not, in its order."""
+        self.parameters = parameters
+        """The whole YAML, as plain values."""
+        self.joint_limits: Mapping[str, JointLimits] = core.hardware.limits
+        """Of each driven joint: the URDF's, or what the YAML puts in their place."""
+        self.spawn_z = spawn_z
+        """Height of the robot's root above the world's origin [m]."""
+        self.ground = ground
+        """Height of the ground [m], in the robot's root; None if there is none."""
+        self.warnings = tuple(warnings)
+        """Findings about the controllers' YAML."""
+        self.cameras = Cameras(
+            description.model, cameras, ground, lambda: self.snapshot
+        )
+        self.force_torque = ForceTorqueSensors(
+            description,
+            joint_names=core.engine.joint_names,
+            dt=core.engine.dt,
+            gravity=core.engine.world.gravity,
+            control_period=loop.control_period,
+            start=lambda sensor: loop.call(
+                lambda: core.start_sensor(sensor), publishes=False
+            ),
+            stop=lambda sensor: loop.call(
+                lambda: core.stop_sensor(sensor), publishes=False
+            ),
+        )
+        self.goals = GoalRegistry()
+        self._wall_start = time.perf_counter()
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """The newest state, at most one snapshot period old."""
+        snapshot = self.bus.latest
+        if snapshot is None:  # the loop publishes one before a Simulation can exist
+            raise ControlError("no snapshot was published yet")
+        return snapshot
+
+    def subscribe(self, rate: float | None = None) -> Subscription:
+        """Return a reader of snapshots and events.
+
+        Args:
+            rate: Snapshots per simulated second, up to 500 [Hz]; 125 if left out.
+
+        Raises:
+            ControlError: If the rate is out of range.
+        """
+        if rate is None:
+            return self.bus.subscribe()
+        if not 0.0 < rate <= MAX_SNAPSHOT_RATE:
+            raise ControlError(
+                f"rate {rate} Hz is outside (0, {MAX_SNAPSHOT_RATE:g}] Hz"
+            )
+        subscription = self.bus.subscribe(1.0 / rate, self.update_snapshot_period)
+        self.update_snapshot_period()
+        return subscription
+
+    def update_snapshot_period(self) -> None:
+        """Publish as often as the fastest subscriber asks for."""
+        bus, loop = self.bus, self.loop
+        if not loop.is_closed:
+            loop.call(lambda: loop.publish_every(bus.shortest_period), publishes=False)
+
+    @property
+    def grasp_assist(self) -> bool:
+        """Whether what a gripper holds is fixed to it."""
+        return self.core.grasp_assist is not None
+
+    def gripper(self, name: str | None) -> ParallelGripper:
+        """Return a gripper by name, or the only one; raise ControlError otherwise."""
+        grippers = {item.name: item for item in self.description.model.grippers}
+        if name is None:
+            if len(grippers) != 1:
+                names = ", ".join(grippers) or "none"
+                raise ControlError(
+                    f"'gripper' needs exactly one gripper, this robot has: {names}"
+                )
+            return next(iter(grippers.values()))
+        if name not in grippers:
+            hint = did_you_mean(name, set(grippers))
+            raise ControlError(f"unknown gripper '{name}'{hint}")
+        return grippers[name]
+
+    @cached_property
+    def arms(self) -> Mapping[str, ArmChain]:
+        """The arms by name: six revolute joints that end at a link ``…tool0``."""
+        from tool0.kinematics.chain import find_chains  # numpy, only when needed
+
+        return find_chains(self.description.model)
+
+    def arm(self, name: str | None) -> ArmChain:
+        """Return an arm by name, or the only one; raise ControlError otherwise."""
+        from tool0.kinematics.chain import why_no_arm
+
+        arms = self.arms
+        if name is not None:
+            if name not in arms:
+                raise ControlError(f"no arm '{name}'{did_you_mean(name, set(arms))}")
+            return arms[name]
+        if len(arms) == 1:
+            return next(iter(arms.values()))
+        if arms:
+            raise ControlError(
+                f"'arm' needs exactly one arm, this robot has: {', '.join(arms)}; "
+                "use arms[name]"
+            )
+        why = why_no_arm(self.description.model)
+        raise ControlError(f"this robot has no arm that poses could be given to: {why}")
+
+    def summary(self) -> dict[str, object]:
+        """Return the run so far as plain values, for JSON."""
+        snapshot, loop = self.snapshot, self.loop
+        wall_time = time.perf_counter() - self._wall_start
+        sim_time = loop.steps * loop.control_period
+        rows = zip(
+            snapshot.joint_names,
+            snapshot.position,
+            snapshot.velocity,
+            snapshot.effort,
+            strict=True,
+        )
+        return {
+            "engine": self.engine.name,
+            "sim_time": sim_time,
+            "wall_time": wall_time,
+            "real_time_factor": sim_time / wall_time,
+            "steps": loop.steps,
+            "overruns": loop.overruns,
+            "controllers": [
+                {
+                    "name": status.name,
+                    "type": status.type,
+                    "state": status.state,
+                    "claimed": [name for _, names in status.claimed for name in names],
+                }
+                for status in snapshot.controllers
+            ],
+            "joints": {
+                name: {"position": position, "velocity": velocity, "effort": effort}
+                for name, position, velocity, effort in rows
+            },
+            "max_drift": loop.max_drift,
+            "warnings": [
+                {
+                    "file": str(item.location.file or "<string>"),
+                    "line": item.location.line,
+                    "key": item.key,
+                    "message": item.text,
+                }
+                for item in self.warnings
+            ],
+        }
+
+    def close(self) -> None:
+        """End the simulation; closing twice is allowed."""
+        try:
+            self.cameras.close()
+        finally:
+            self.loop.close()
