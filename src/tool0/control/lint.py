@@ -11,7 +11,7 @@ from tool0.control.config import (
     ControllerConfig,
     joint_limit_parameters,
 )
-from tool0.control.controller_types import TYPES, parameters_of, readers_of
+from tool0.control.controller_types import TYPES, parameters_of, readers_of, siblings
 from tool0.control.parameters import joint_entries
 from tool0.description.finding import Finding
 from tool0.description.model import RobotModel
@@ -214,14 +214,7 @@ class _Controller:
                 f"{self.type} has no use for {first}: its interface needs no PID",
                 "remove it",
             )
-        outer = pattern.rpartition("/")[0]
-        prefix = f"{outer}/" if outer else ""
-        siblings = {
-            parameter.removeprefix(prefix).partition("/")[0]
-            for parameter in read
-            if parameter.startswith(prefix)
-        }
-        near = nearest_name(path.rpartition("/")[2], siblings)
+        near = nearest_name(path.rpartition("/")[2], siblings(pattern, read))
         return entry.finding(
             "unread-key", f"{self.kind} does not read it", _or_remove(near)
         )

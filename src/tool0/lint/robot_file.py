@@ -181,13 +181,7 @@ def _at_most(findings: Iterator[Finding]) -> Iterator[Finding]:
     """Yield at most ``_MOST`` and one more, which says that there are others."""
     for count, finding in enumerate(findings, 1):
         if count > _MOST:
-            yield Finding(
-                location=finding.location,
-                rule=finding.rule,
-                severity=finding.severity,
-                key=finding.key,
-                message=f"and more such as this: {finding.message}",
-                remedy=finding.remedy,
-            )
+            message = f"and more such as this: {finding.message}"
+            yield replace(finding, message=message)
             return
         yield finding

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import final
 
 from tool0.control.controller_types import TYPES as TYPES_OF_ROS1
+from tool0.control.controller_types import siblings
 from tool0.description.finding import Finding, Severity, error_at
 from tool0.description.yaml_tree import Entry
 from tool0.errors import nearest_name
@@ -234,13 +235,7 @@ class _Ros2Controller:
         self, leaf: Entry, path: list[str], pattern: str, read: frozenset[str]
     ) -> Finding:
         others = [name for name, keys in TYPES.items() if pattern in keys]
-        siblings = {
-            candidate.split("/")[len(path) - 1]
-            for candidate in read
-            if candidate.count("/") >= len(path) - 1
-            and candidate.split("/")[: len(path) - 1] == pattern.split("/")[:-1]
-        }
-        near = nearest_name(path[-1], siblings, _TYPO)
+        near = nearest_name(path[-1], siblings(pattern, read), _TYPO)
         severity: Severity = "error"
         kind = self._type.partition("/")[2]
         if near is not None:
