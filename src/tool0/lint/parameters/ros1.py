@@ -16,7 +16,7 @@ from tool0.control.parameters import (
 from tool0.description.finding import Finding, error_at
 from tool0.description.yaml_tree import Entry
 from tool0.errors import ConfigError, nearest_name
-from tool0.lint.parameters.joint_names import JointNames
+from tool0.lint.parameters.joint_names import unknown_joints
 from tool0.lint.robot.facts import RobotFacts
 
 OTHER_TYPES: Final = (
@@ -56,7 +56,6 @@ def controller_findings(
         config: What it holds.
         robot: The robot that it is for, if it is known.
     """
-    names = JointNames(robot)
     joints = None
     if robot is not None:  # fixed ones take no command
         joints = [j.name for j in robot.joints.values() if j.is_movable]
@@ -69,7 +68,7 @@ def controller_findings(
     wrong = {f.key.partition("/")[0] for f in linted if f.severity == "error"}
     for name, entry in config.tree.root.children.items():
         if name in config.names:
-            found = _Ros1Controller(config, name, entry, robot, names).findings()
+            found = _Ros1Controller(config, name, entry, robot).findings()
             for finding in found:
                 is_reported = finding.rule == "missing-key" and any(
                     f"did you mean '{finding.key.rpartition('/')[2]}'" in other.remedy
@@ -80,7 +79,7 @@ def controller_findings(
                     yield finding
         elif robot is None and "pid_gains" in entry.children:
             gains = entry.children["pid_gains"]  # the linter knows no joints
-            yield from names.unknown(list(gains.children.items()))
+            yield from unknown_joints(list(gains.children.items()), robot)
 
 
 def _is_controller(finding: Finding, config: ControllerConfig) -> bool:
@@ -110,10 +109,9 @@ class _Ros1Controller:
         name: str,
         entry: Entry,
         robot: RobotFacts | None,
-        names: JointNames,
     ) -> None:
         self._config, self._name, self._entry = config, name, entry
-        self._robot, self._names = robot, names
+        self._robot = robot
         self._keys = entry.children
         self._type_entry = self._keys["type"]
         self._type = str(self._type_entry.scalar)
@@ -125,7 +123,7 @@ class _Ros1Controller:
         joints = [(str(item.scalar), item) for item in joint_entries(self._entry)]
         wrong = [
             *self._missing(),
-            *self._names.unknown(joints),
+            *unknown_joints(joints, self._robot),
             *self._interfaces(joints),
         ]
         if not wrong or self._robot is None:

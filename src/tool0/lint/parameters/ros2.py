@@ -10,7 +10,7 @@ from tool0.control.controller_types import siblings
 from tool0.description.finding import Finding, Severity, error_at
 from tool0.description.yaml_tree import Entry
 from tool0.errors import nearest_name
-from tool0.lint.parameters.joint_names import JointNames
+from tool0.lint.parameters.joint_names import unknown_joints
 from tool0.lint.parameters.ros2_tables import (
     COMMON,
     MANAGER,
@@ -149,7 +149,7 @@ class _Ros2Controller:
             for entry in (self._keys[key].items or [self._keys[key]])
         ]
         if self._robot is not None or len(joints) > 1:
-            yield from JointNames(self._robot).unknown(joints)
+            yield from unknown_joints(joints, self._robot)
         yield from self._interfaces(joints)
         yield from self._unread_keys(patterns, {n for n, _ in joints})
 
