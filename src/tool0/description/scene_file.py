@@ -45,7 +45,7 @@ from tool0.description.shapes import (
     find_mesh,
 )
 from tool0.description.transform import Pose
-from tool0.description.yaml_tree import Entry, read_files
+from tool0.description.yaml_tree import YamlEntry, read_files
 from tool0.description.yaml_values import Namespace
 from tool0.errors import (
     ConfigError,
@@ -119,7 +119,7 @@ def load_scene(path: Path | str) -> Scene:
     return Scene(tuple(objects.values()), locations, _cameras(root.items("cameras")))
 
 
-def _objects(entry: Entry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
+def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
     """Return the objects of an entry: one, or the walls of a bin."""
     values = Namespace.of(entry)
     values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
@@ -215,7 +215,7 @@ _BIN = "bin"
 _KINDS = (*_SHAPES, _BIN)
 
 
-def _cameras(entries: Iterable[Entry]) -> tuple[Camera, ...]:
+def _cameras(entries: Iterable[YamlEntry]) -> tuple[Camera, ...]:
     found: dict[str, Camera] = {}
     for entry in entries:
         camera = _camera(entry)
@@ -229,7 +229,7 @@ def _cameras(entries: Iterable[Entry]) -> tuple[Camera, ...]:
     return tuple(found.values())
 
 
-def _camera(entry: Entry) -> Camera:
+def _camera(entry: YamlEntry) -> Camera:
     values = Namespace.of(entry)
     values.only("name", "link", "pose", *_CAMERA_PIXELS, *_CAMERA_NUMBERS)
     given: dict[str, Any] = {  # keywords of two types
@@ -279,7 +279,7 @@ def _pose(values: Namespace, *other_keys: str) -> Pose:
 
 
 @contextmanager
-def _located(entry: Entry) -> Iterator[None]:
+def _located(entry: YamlEntry) -> Iterator[None]:
     """Add the location of ``entry`` to an error without one."""
     try:
         yield

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 from tool0.description.finding import Finding
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import nearest_name
 from tool0.lint.robot.facts import RobotFacts
 
@@ -23,7 +23,7 @@ def usual_joints() -> frozenset[str]:
 
 
 def unknown_joints(
-    entries: Sequence[tuple[str, Entry]], robot: RobotFacts | None
+    entries: Sequence[tuple[str, YamlEntry]], robot: RobotFacts | None
 ) -> Iterator[Finding]:
     """Yield a finding for each joint of one list that the robot lacks.
 

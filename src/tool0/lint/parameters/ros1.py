@@ -14,7 +14,7 @@ from tool0.control.parameters import (
     joint_entries,
 )
 from tool0.description.finding import Finding, error_at
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, nearest_name
 from tool0.lint.parameters.joint_names import unknown_joints
 from tool0.lint.robot.facts import RobotFacts
@@ -107,7 +107,7 @@ class _Ros1Controller:
         self,
         config: ControllerConfig,
         name: str,
-        entry: Entry,
+        entry: YamlEntry,
         robot: RobotFacts | None,
     ) -> None:
         self._config, self._name, self._entry = config, name, entry
@@ -168,7 +168,7 @@ class _Ros1Controller:
             message = f"there is no controller type '{written}', so it does not load"
         yield self._type_entry.finding("unknown-type", message, remedy)
 
-    def _interfaces(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
+    def _interfaces(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield joints that this controller cannot command."""
         wanted = INTERFACE_OF_PACKAGE.get(self._type.partition("/")[0])
         robot = self._robot
@@ -202,7 +202,7 @@ class _Ros1Controller:
                         "change the controller's type, or the interface",
                     )
 
-    def _gains(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
+    def _gains(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield joints without the gains that this controller needs."""
         patterns = parameters_of(self._type)
         for pattern, path in (
@@ -224,7 +224,7 @@ class _Ros1Controller:
                     f"write {self._name}/{path.format(name)}: {{p: …, i: …, d: …}}",
                 )
 
-    def _values(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
+    def _values(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield what else keeps the controller from loading."""
         robot = RobotJoints.assumed((name for name, _ in joints), self._type)
         try:
