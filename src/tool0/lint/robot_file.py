@@ -39,7 +39,7 @@ _MOST = 50
 
 @final
 @dataclass(frozen=True, slots=True)
-class ReadRobot:
+class ParsedRobot:
     """A robot as far as it could be read."""
 
     facts: RobotFacts | None
@@ -66,7 +66,7 @@ def read_robot(
     packages: Mapping[str, Path],
     *,
     spawned: bool = False,
-) -> ReadRobot:
+) -> ParsedRobot:
     """Return the robot of a file, and what is wrong with it.
 
     Args:
@@ -80,23 +80,23 @@ def read_robot(
             document = parse_file(file) if args is None else expand(file, args)
         except Tool0Error as error:
             rule = "bad-xml" if args is None else "xacro-fails"
-            return ReadRobot(None, (_as_finding(error, rule, file),))
+            return ParsedRobot(None, (_as_finding(error, rule, file),))
         root = document.documentElement
         if not isinstance(root, LocatedElement) or root.tagName != "robot":
             name = "nothing" if root is None else f"<{root.tagName}>"
             wrong = Tool0Error(f"begins with {name}, and no <robot>")
-            return ReadRobot(None, (_as_finding(wrong, "no-robot", file),))
+            return ParsedRobot(None, (_as_finding(wrong, "no-robot", file),))
         findings = tuple(robot_findings(root, packages, spawned=spawned))
         facts = facts_of(root)
         if any(finding.severity == "error" for finding in findings):
-            return ReadRobot(facts, findings)
+            return ParsedRobot(facts, findings)
         try:  # what else keeps tool0 from simulating it, though ROS may take it
             read_model(document)
         except Tool0Error as error:
             found = _as_finding(error, "no-model", file)
             if found.location not in {finding.location for finding in findings}:
                 findings += (replace(found, severity="warning"),)
-        return ReadRobot(facts, findings)
+        return ParsedRobot(facts, findings)
 
 
 def read_xacro_source(file: Path, packages: Mapping[str, Path]) -> XacroSource:
