@@ -122,18 +122,6 @@ def test_lost_indentation_is_one_finding_and_the_rest_is_read_all_the_same() -> 
     assert "'type' after it is not indented" in found[0].message
 
 
-def test_the_files_of_the_post() -> None:
-    folder = DATA / "controllers"
-    gazebo = of_yaml((folder / "gazebo_controller.yaml").read_text(encoding="utf-8"))
-    assert summary(gazebo) == [
-        (3, "misplaced-key", "ros_control/pid_gains"),
-        (7, "unknown-joint", "ros_control/pid_gains/right_outer_knuckle_joint"),
-    ]
-    assert "'right_finger_joint'" in gazebo[1].remedy
-    arm = of_yaml((folder / "ur5_controllers.yaml").read_text(encoding="utf-8"))
-    assert [item[1] for item in summary(arm)] == ["misplaced-key"] * 4
-
-
 def test_joints_of_an_unknown_robot_are_not_judged() -> None:
     text = ARM.replace("elbow_joint", "knee").replace("wrist_1_joint", "toe")
     assert of_yaml(text) == []
