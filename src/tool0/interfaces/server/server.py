@@ -97,7 +97,6 @@ class Server:
             await service.stop()
         await hub.close()
 
-
     async def _release(self) -> None:
         for service in self._services:
             await service.release()

@@ -4,10 +4,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from served import use_folder
 
-from tool0.errors import TransportError
 from tool0.api.address import Claim, folders, running_names, socket_path
+from tool0.errors import TransportError
 
 HOLDER = """
 import sys
@@ -17,6 +16,15 @@ claim.path.touch()
 print("held", flush=True)
 sys.stdin.read()
 """
+
+
+def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:
+    """Let this test's sockets be below ``folder`` only; return where."""
+    folder.chmod(0o700)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(folder))
+    monkeypatch.setenv("TMPDIR", str(folder))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    return folder / "tool0"
 
 
 @pytest.fixture(autouse=True)
