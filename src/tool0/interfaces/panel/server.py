@@ -63,7 +63,7 @@ def load() -> None:
 class WebService:
     """Serves a hub's robot as a web page; see ``server.Service``.
 
-    The address can be used at once; the page comes as soon as the server is loaded.
+    The address can be used at once; the page is served as soon as the server is loaded.
     """
 
     def __init__(
@@ -224,10 +224,9 @@ class Panel:
 
         Args:
             robot: A robot of this process, or one without physics.
-            host: The name or address to listen at; only this machine's own programs
-                can come in if left out.
+            host: The name or address to listen at; the loopback if left out.
             port: 8085 if left out, or a free one if that is taken.
-            token: What pages must show; a new one, if host or port is given without.
+            token: Required from pages; see ``open_endpoint``.
             endpoint: A listening socket, instead of host, port and token.
 
         Raises:
@@ -252,7 +251,7 @@ class Panel:
         return self._service.await_page(timeout)
 
     def close(self) -> None:
-        """Say goodbye to every page and end; closing twice is allowed."""
+        """Close every connection and end; closing twice is allowed."""
         self._server.close()
 
     def __enter__(self) -> Panel:

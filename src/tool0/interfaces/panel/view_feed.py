@@ -76,15 +76,15 @@ class ViewFeed:
     def attach(self, session: Session) -> None:
         """Send a session the view from now on."""
         notices = list(self._book.kept)
-        session.tell(
+        session.send(
             encode(msgspec.structs.replace(self._source.info, notices=notices))
         )
         self._update_frame()
-        session.show("scene", self._scene_text)
+        session.send_latest("scene", self._scene_text)
         self._sessions.add(session)
         self._update_status()
-        session.show("status", self._status_text)
-        session.show("frame", self._frame_text)
+        session.send_latest("status", self._status_text)
+        session.send_latest("frame", self._frame_text)
 
     def close(self) -> None:
         """Stop."""
@@ -123,8 +123,8 @@ class ViewFeed:
             self._scene, self._scene_text = scene, encode(scene)
         for session in self._sessions:
             if is_new:
-                session.show("scene", self._scene_text)
-            session.show("frame", self._frame_text)
+                session.send_latest("scene", self._scene_text)
+            session.send_latest("frame", self._frame_text)
 
     def _update_status(self) -> None:
         status = self._source.status(len(self._sessions))
@@ -132,7 +132,7 @@ class ViewFeed:
             return
         self._status, self._status_text = status, encode(status)
         for session in self._sessions:
-            session.show("status", self._status_text)
+            session.send_latest("status", self._status_text)
 
     def _notify(self, notification: Notification) -> None:
         notice = self._book.note(notification)
@@ -140,7 +140,7 @@ class ViewFeed:
             return
         text = encode(notice)
         for session in list(self._sessions):
-            session.tell(text)
+            session.send(text)
 
     def _notify_refusal(self, message: str) -> None:
         self._notify(

@@ -27,7 +27,7 @@ class Service(Protocol):
         """Accept peers, in the server's event loop."""
 
     async def stop(self) -> None:
-        """Stop to accept peers; the hub then says goodbye to those that are there."""
+        """Stop to accept peers; the hub then closes the connections."""
 
     async def release(self) -> None:
         """End what is left and free the address, also if it was never started."""
@@ -58,7 +58,7 @@ class Server:
         self._thread.start()
 
     def close(self) -> None:
-        """Say goodbye to every peer and end; closing twice is allowed."""
+        """Close every connection and end; closing twice is allowed."""
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._stop.set)
             self._thread.join(_CLOSES_WITHIN)
@@ -104,7 +104,7 @@ class Server:
 
 
 async def _end_tasks() -> None:
-    """End what is left in the loop, such as a peer that never said goodbye."""
+    """End what is left in the loop, such as a peer that never closed."""
     tasks = asyncio.all_tasks() - {asyncio.current_task()}
     for task in tasks:
         task.cancel()

@@ -102,7 +102,7 @@ def _listen(claim: Claim) -> socket.socket:
     """Return a listening socket that only this user can open."""
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
-        # The folder is 0700 already, so nobody can come in before the chmod.
+        # The folder is 0700 already, so no other user can connect before the chmod.
         listener.bind(str(claim.path))
         claim.path.chmod(0o600)
         listener.listen(16)
