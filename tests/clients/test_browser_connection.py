@@ -103,7 +103,7 @@ def test_two_browsers_see_and_drive_the_same_robot(
     other.send_joint("elbow_joint", 1.2)
     for tab in (one, other):
         tab.shows_joint("elbow_joint", 1.2, NEAR)
-    one.text("driving-state", "elsewhere")
+    one.text("driving-state", "another client")
     other.get("estop").click()
     one.get("estop-banner").wait_for()
 

@@ -97,7 +97,7 @@ def test_the_grasp_assist_is_shown_on_every_tab(open_tab: OpenTab) -> None:
         tab = open_tab(panel.url)
         for name in ("motion", "log"):
             tab.get(f"tab-{name}").click()
-            tab.text("grasp-assist", "cheat")
+            tab.text("grasp-assist", "assist")
         tab.close()  # before its server
 
 

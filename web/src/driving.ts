@@ -1,4 +1,4 @@
-/** Driving a trajectory controller by sliders: who may, what is wanted, and when it ends. */
+/** Driving a trajectory controller by sliders: which one, to where, and when it ends. */
 import { effect, signal } from "@preact/signals";
 import type { Signal } from "@preact/signals";
 import { connection } from "./connection";
@@ -6,7 +6,7 @@ import { frames } from "./frames";
 import type { ControllerInfo, ErrorInfo, Status } from "./protocol";
 import { connectionState, jointIndex, status } from "./store";
 
-/** Why driving ended without being asked to. */
+/** Why driving ended by itself. */
 export type EndReason = "stopped" | "controller" | "reset" | "lost" | "elsewhere";
 
 /** Another page's target must differ for so long, since messages cross. */
@@ -49,7 +49,7 @@ export function controllerOf(now: Status | null): ControllerInfo | undefined {
   );
 }
 
-/** Begin to drive from where the robot is wanted now, so that nothing moves. */
+/** Begin to drive from the present setpoints, so that nothing moves. */
 export function enable(): void {
   const now = status.value;
   const controller = controllerOf(now);
@@ -63,7 +63,7 @@ export function enable(): void {
   );
 }
 
-/** Let the sliders follow the robot again; what it was told it still does. */
+/** Let the sliders follow the robot again; it still completes its last command. */
 export function disable(reason: EndReason | null = null): void {
   if (goals.value === null) return;
   connection.dropStreams();

@@ -25,17 +25,17 @@ export function begin(name: string, target: Target | null): void {
   moving.value = target && { name, target, problem: null };
 }
 
-/** Want it somewhere else; nothing is asked of the server yet. */
+/** Change where it is to go; nothing is sent yet. */
 export function aimAt(target: Target): void {
   const now = moving.peek();
   if (now) moving.value = { ...now, target };
 }
 
-/** Have it put where it is wanted. */
+/** Send the request. */
 export async function putThere(): Promise<void> {
-  const asked = moving.peek();
-  if (!asked) return;
-  const { name, target } = asked;
+  const move = moving.peek();
+  if (!move) return;
+  const { name, target } = move;
   const problem = await connection.request("place_object", {
     name,
     xyz: [...target.position],

@@ -72,7 +72,7 @@ describe("the objects", () => {
 
   it("are told with what they are and where", () => {
     expect(screen.getByTestId("object-row-table").textContent).toContain(
-      "Box 500 × 1000 × 80 mm, stands still",
+      "Box 500 × 1000 × 80 mm, fixed",
     );
     const pose = screen.getByTestId("object-pose-cube").textContent;
     expect(pose).toMatch(/500\.0 {2}-100\.0 {2}250\.0 mm +0\.000 {2}0\.000 {2}1\.571/);
@@ -201,6 +201,8 @@ describe("the grasp assist", () => {
     await act(() => {
       server().say(view({ grasp_assist: true }));
     });
-    expect(screen.getByTestId("grasp-assist").textContent).toBe("Grasp assist (cheat)");
+    expect(screen.getByTestId("grasp-assist").textContent).toBe(
+      "Grasp assist (not physical)",
+    );
   });
 });

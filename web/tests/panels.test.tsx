@@ -70,7 +70,7 @@ describe("the emergency stop", () => {
     server().end();
     press("estop");
     await pass(10);
-    expect(screen.getByTestId("connection-banner").textContent).toContain("goes on");
+    expect(screen.getByTestId("connection-banner").textContent).toContain("continues");
   });
 });
 

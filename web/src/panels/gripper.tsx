@@ -169,7 +169,7 @@ interface SettingProps {
   onChange: (value: number) => void;
 }
 
-/** What the drive is told with the next motion; nothing, if there is no choice. */
+/** A setting of the drive for the next motion; nothing, if there is no choice. */
 function Setting({ caption, testId, onChange, ...props }: SettingProps) {
   const { label, unit, min, max, value } = props;
   if (max <= min) return null;

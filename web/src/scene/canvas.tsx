@@ -61,14 +61,14 @@ function onKey(viewer: Viewer, event: KeyboardEvent): void {
   event.preventDefault();
 }
 
-/** Tell the viewer what the page knows, as it changes; the answer ends it. */
+/** Update the viewer when the store changes; the result ends that. */
 function follow(
   viewer: Viewer,
-  tell: (failures: readonly string[]) => void,
+  report: (failures: readonly string[]) => void,
 ): () => void {
   const ends = [
     effect(() => {
-      if (scene.value) void viewer.surround(scene.value).then(tell);
+      if (scene.value) void viewer.surround(scene.value).then(report);
     }),
     effect(() => {
       viewer.paint(coloursOf(shownTheme.value));
