@@ -16,7 +16,7 @@ from tool0.cli import GOAL_FAILED, OK
 from tool0.cli.bringup import quiet_overruns
 from tool0.cli.bringup_text import finite, panel_line
 from tool0.cli.options import PanelOptions
-from tool0.cli.progress import Progress
+from tool0.cli.progress import ProgressBar
 from tool0.errors import ConfigError
 from tool0.runtime.writable import require_writable
 
@@ -195,7 +195,7 @@ def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
     )
     if arguments.video is None:
         return report
-    with Progress() as progress:
+    with ProgressBar() as progress:
         film.write(arguments.video, robot, arguments.camera, progress)
     return replace(report, video=str(arguments.video))
 

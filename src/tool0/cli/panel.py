@@ -54,7 +54,7 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     Returns:
         The thread that opens it; None if there is nobody to see it.
     """
-    from tool0.interfaces.panel.desktop import has_desktop
+    from tool0.interfaces.panel.probes import has_desktop
 
     is_seen = console.isatty() and has_desktop(os.environ, sys.platform)
     if not (options.open and is_seen):

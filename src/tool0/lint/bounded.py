@@ -1,30 +1,23 @@
-"""Work that may never end, or eat all memory, done in a process of its own.
+"""Reading a person's files in a child process, with limits of time and memory.
 
-A person's xacro is a program, and ten lines of YAML can hold a billion values.
+A xacro is a program, and ten lines of YAML can hold a billion values.
 """
 
 from __future__ import annotations
 
-import contextlib
-import os
-import pickle
-import select
-import signal
-import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 from tool0.errors import Tool0Error
+from tool0.installation.child_process import ChildProcessFailedError, call_in_child
 
 R = TypeVar("R")
 P = ParamSpec("P")
 
-PATIENCE = 10.0
+TIMEOUT = 10.0
 """[wall s]; the largest robots take a tenth of it."""
 MEMORY = 2 << 30
 """[bytes] beyond what this process holds."""
-_CHUNK = 1 << 20
 
 
 class OutOfBoundsError(Tool0Error):
@@ -38,88 +31,16 @@ def bounded(
 ) -> R:
     """Return what ``work`` returns, which must be picklable.
 
-    Where there is no fork (Windows), it is done here, without bounds.
-
     Raises:
-        OutOfBoundsError: If it takes too long, too much memory, or crashes.
+        OutOfBoundsError: If it takes too long or too much memory, or crashes.
         Exception: What it raises itself.
     """
-    if not hasattr(os, "fork"):
-        return work(*arguments, **keywords)
-    end, start = os.pipe()
-    child = os.fork()
-    if not child:
-        os.close(end)
-        _work(start, lambda: work(*arguments, **keywords))
-    os.close(start)
     try:
-        packet = _receive(end)
-    finally:
-        os.close(end)
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(child, signal.SIGKILL)
-        _, status = os.waitpid(child, 0)
-    if not packet:
-        raise OutOfBoundsError(f"reading it crashed (status {status})")
-    error, answer = pickle.loads(packet)  # our own child wrote it
-    if error is not None:
-        raise error
-    result: R = answer
-    return result
-
-
-def _receive(end: int) -> bytes:
-    packet, deadline = bytearray(), time.monotonic() + PATIENCE
-    while True:
-        left = deadline - time.monotonic()
-        if left <= 0.0 or not select.select([end], [], [], left)[0]:
-            raise OutOfBoundsError(
-                f"reading it takes longer than {PATIENCE:g} s: look for a number "
-                "beyond measure, or for something that contains itself"
-            )
-        chunk = os.read(end, _CHUNK)
-        if not chunk:
-            return bytes(packet)
-        packet += chunk
-
-
-def _work(start: int, work: Callable[[], object]) -> None:
-    """Do it in the child, send what comes of it, and end."""
-    packet = b""
-    try:
-        _limit()
-        packet = pickle.dumps((None, work()))
-    except MemoryError:
-        packet = pickle.dumps(
-            (OutOfBoundsError(f"reading it takes more than {MEMORY >> 20} MiB"), None)
+        return call_in_child(
+            lambda: work(*arguments, **keywords), timeout=TIMEOUT, memory=MEMORY
         )
-    except BaseException as error:  # the parent raises it
-        packet = _as_picklable(error)
-    finally:
-        with contextlib.suppress(OSError), os.fdopen(start, "wb") as stream:
-            stream.write(packet)
-        os._exit(0)
-
-
-def _limit() -> None:
-    import faulthandler
-    import resource
-
-    faulthandler.disable()  # a crash is told once, by the parent
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends us
-    seconds = int(PATIENCE) + 1  # also when the parent was killed
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
-    with contextlib.suppress(OSError, ValueError):
-        pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[0]
-        held = int(pages) * resource.getpagesize()
-        resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, held + MEMORY))
-
-
-def _as_picklable(error: BaseException) -> bytes:
-    error.__traceback__ = error.__cause__ = error.__context__ = None
-    with contextlib.suppress(Exception):
-        packet: bytes = pickle.dumps((error, None))
-        pickle.loads(packet)  # errors may fail at it only here
-        return packet
-    text = f"{type(error).__name__}: {error}"
-    return pickle.dumps((OutOfBoundsError(f"reading it failed: {text}"), None))
+    except ChildProcessFailedError as error:
+        raise OutOfBoundsError(
+            f"it could not be read: {error}; look for a number that is far too large, "
+            "or for something that contains itself"
+        ) from None

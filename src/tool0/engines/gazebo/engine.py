@@ -265,7 +265,7 @@ class GazeboEngine:
             if world is None:
                 world = self.server.folder / "empty.world"
                 world.write_text(EMPTY_WORLD)
-            self.server.start(world.resolve(), seen=gui)
+            self.server.start(world.resolve(), has_window=gui)
             peer, version = listener.accept(self._dt, self.server.check, START_PATIENCE)
         finally:
             listener.close()

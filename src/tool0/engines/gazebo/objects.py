@@ -13,7 +13,7 @@ STIFFNESS, DAMPING = 1e5, 10.0
 MIN_DEPTH, MAX_VEL = 1e-5, 0.1
 """Overlap that is left alone [m], and the fastest that a deeper one is undone [m/s].
 
-The direct solver overlooks the second; what holds instead is in bridge/leash.cc.
+The direct solver overlooks the second; what holds instead is in bridge/preload.cc.
 """
 
 

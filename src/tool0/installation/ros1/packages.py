@@ -1,4 +1,4 @@
-"""What of ROS 1 is used, how to see whether it is there, and who packages it."""
+"""What tool0 uses of ROS 1, whether it is installed, and its packages."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from typing import Final, final
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Part:
-    """Something that is there or not as a whole."""
+class RosComponent:
+    """A part of ROS 1 that is installed as a whole."""
 
     name: str
     purpose: str
-    """What cannot be done without it."""
+    """What needs it."""
     modules: tuple[str, ...] = ()
     """Python modules to import."""
     programs: tuple[str, ...] = ()
@@ -33,9 +33,15 @@ class Part:
     is_needed: bool = False
     """Whether nothing works without it."""
 
+    @property
+    def contents(self) -> tuple[str, ...]:
+        """All that it consists of, by name."""
+        definitions = (f"{name}/msg" for name in self.definitions)
+        return (*self.modules, *self.programs, *self.nodes, *definitions)
 
-PARTS: Final = (
-    Part(
+
+COMPONENTS: Final = (
+    RosComponent(
         name="rospy",
         purpose="the client library",
         modules=("rospy", "rosgraph"),
@@ -43,7 +49,7 @@ PARTS: Final = (
         ros=("rospy", "rosgraph"),
         is_needed=True,
     ),
-    Part(
+    RosComponent(
         name="actionlib",
         purpose="actions: trajectories and the gripper",
         modules=("actionlib",),
@@ -51,7 +57,7 @@ PARTS: Final = (
         ros=("actionlib",),
         is_needed=True,
     ),
-    Part(
+    RosComponent(
         name="messages",
         purpose="types of topics and services",
         modules=(
@@ -78,7 +84,7 @@ PARTS: Final = (
         ),
         is_needed=True,
     ),
-    Part(
+    RosComponent(
         name="roscore",
         purpose="a master of one's own: --roscore",
         modules=("rosmaster", "roslaunch"),
@@ -87,21 +93,21 @@ PARTS: Final = (
         debian=("python3-rosmaster", "python3-roslaunch", "rosout"),
         ros=("rosmaster", "roslaunch", "rosout"),
     ),
-    Part(
+    RosComponent(
         name="robot_state_publisher",
         purpose="/tf by the usual node; without it tool0 publishes /tf itself",
         nodes=("robot_state_publisher/robot_state_publisher",),
         debian=("ros-robot-state-publisher",),
         ros=("robot_state_publisher",),
     ),
-    Part(
+    RosComponent(
         name="tf2",
         purpose="looking transforms up in Python",
         modules=("tf2_ros",),
         debian=("python3-tf2-ros",),
         ros=("tf2_ros",),
     ),
-    Part(
+    RosComponent(
         name="tools",
         purpose="rostopic, rosservice, rosnode, rosparam, rosmsg",
         programs=("rostopic", "rosservice", "rosnode", "rosparam", "rosmsg"),
@@ -111,7 +117,7 @@ PARTS: Final = (
         ),
         ros=("rostopic", "rosservice", "rosnode", "rosparam", "rosmsg"),
     ),
-    Part(
+    RosComponent(
         name="rviz",
         purpose="seeing the robot in RViz",
         programs=("rviz",),
@@ -121,24 +127,24 @@ PARTS: Final = (
 )
 
 
-def wanted(*, rviz: bool) -> tuple[Part, ...]:
-    """Return the parts to install."""
-    return tuple(part for part in PARTS if rviz or part.name != "rviz")
+def required_components(*, rviz: bool) -> tuple[RosComponent, ...]:
+    """Return the components to install."""
+    return tuple(one for one in COMPONENTS if rviz or one.name != "rviz")
 
 
-def lacks(part: Part) -> tuple[str, ...]:
-    """Return what of the part is not there, by name; nothing is imported.
+def missing_of(component: RosComponent) -> tuple[str, ...]:
+    """Return what of the component is missing, by name; nothing is imported.
 
     Debian's modules are on no path before ``import_ros``.
     """
     roots = prefixes()
     return (
-        *(name for name in part.modules if not importlib.util.find_spec(name)),
-        *(name for name in part.programs if not shutil.which(name)),
-        *(name for name in part.nodes if find_node(name) is None),
+        *(name for name in component.modules if not importlib.util.find_spec(name)),
+        *(name for name in component.programs if not shutil.which(name)),
+        *(name for name in component.nodes if find_node(name) is None),
         *(
             f"{name}/msg"
-            for name in part.definitions
+            for name in component.definitions
             if not any((root / "share" / name / "msg").is_dir() for root in roots)
         ),
     )

@@ -1,21 +1,17 @@
-// Preloaded into gzserver and gzclient: keeps them on this machine, and tied to us,
-// keeps ODE from shooting things out of each other, and tells the bridge of contacts.
+// Preloaded into gzserver and gzclient: keeps them on this machine, limits the speed at
+// which ODE separates bodies that overlap, and reports contacts to the bridge.
 //
 // Gazebo's transport listens on every network interface; here it gets the loopback
-// one, unless TOOL0_LISTEN is "all".  And when the pipe that TOOL0_LIFELINE numbers
-// closes, because the process that started them is gone, however it went, they end.
+// one, unless TOOL0_LISTEN is "all".
 
 #include <arpa/inet.h>
 #include <dlfcn.h>
 #include <netinet/in.h>
-#include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
-#include <thread>
 
 #include <gazebo/physics/ode/ode_inc.h>
 
@@ -58,18 +54,3 @@ extern "C" dJointID dJointCreateContact(dWorldID world, dJointGroupID group,
   if (tool0_touched) tool0_touched(joint, &calm.geom);
   return joint;
 }
-
-namespace {
-
-[[gnu::constructor]] void HoldOn() {
-  const char* number = std::getenv("TOOL0_LIFELINE");
-  if (!number) return;
-  std::thread([fd = std::atoi(number)] {
-    pollfd lifeline{fd, 0, 0};  // only its end counts
-    while (::poll(&lifeline, 1, -1) < 0) {
-    }
-    ::_exit(0);
-  }).detach();
-}
-
-}  // namespace

@@ -7,15 +7,14 @@ from pathlib import Path
 from typing import final
 
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.installation import find_installation
+from tool0.installation.gazebo.installation import find_installation, read_marker
 from tool0.installation.gazebo.plugin import compiler, expected_libraries
-from tool0.installation.gazebo.prefix import read_marker
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Readiness:
-    """What ``tool0 gazebo status`` tells."""
+class GazeboStatus:
+    """What ``tool0 gazebo status`` prints."""
 
     version: str | None = None
     """Of the Gazebo that would run; None if there is none."""
@@ -32,11 +31,11 @@ class Readiness:
     is_compiled: bool = False
     """Whether what runs inside Gazebo is compiled."""
     missing: tuple[str, ...] = ()
-    """What keeps it from running, or from running with a window; each with a remedy."""
+    """What prevents it from running, or from having a window; each with a remedy."""
 
     @property
     def can_run(self) -> bool:
-        """Whether a simulation can be started: what is compiled then, can be."""
+        """Whether a simulation can start: the bridge is compiled, or can be."""
         has_bridge = self.is_compiled or self.compiler is not None
         return self.version is not None and has_bridge
 
@@ -67,26 +66,26 @@ class Readiness:
         ]
 
 
-def readiness() -> Readiness:
-    """Look what is there; nothing is started or compiled."""
+def gazebo_status() -> GazeboStatus:
+    """Return the status; nothing is started or compiled."""
     command = compiler()
-    words = None if command is None else " ".join(command)
-    no_compiler = () if words else ("a C++ compiler: apt install g++",)
+    shown = None if command is None else " ".join(command)
+    no_compiler = () if shown else ("a C++ compiler: apt install g++",)
     try:
         found = find_installation()
     except EngineUnavailableError as error:
-        return Readiness(compiler=words, missing=(str(error), *no_compiler))
+        return GazeboStatus(compiler=shown, missing=(str(error), *no_compiler))
     libraries = expected_libraries(found)
-    is_compiled = libraries.bridge.is_file() and libraries.leash.is_file()
+    is_compiled = libraries.bridge.is_file() and libraries.preload.is_file()
     marker = None if found.prefix is None else read_marker(found.prefix)
     no_window = () if found.client else ("a window: tool0 gazebo install --gui",)
-    return Readiness(
+    return GazeboStatus(
         version=found.version,
         prefix=found.prefix,
         size=None if marker is None else marker.size,
         server=found.server,
         client=found.client,
-        compiler=words,
+        compiler=shown,
         is_compiled=is_compiled,
         missing=(*(() if is_compiled else no_compiler), *no_window),
     )
