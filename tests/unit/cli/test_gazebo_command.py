@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from tool0.cli import FAILED, OK, main
-from tool0.cli.progress import Progress
+from tool0.cli.progress import ProgressBar
 from tool0.installation.gazebo.installation import private_prefix
-from tool0.installation.gazebo.prefix import Marker, write_marker
+from tool0.installation.gazebo.installation import Marker, write_marker
 
 CONFIG = '#define GAZEBO_VERSION_FULL "11.1.0"\n'
 

@@ -8,7 +8,7 @@ from debian_mirror import CAN_BE_MADE, VERSION, Mirror, make_mirror
 
 from tool0.errors import ConfigError, EngineUnavailableError
 from tool0.installation.gazebo.install import Wish, ready, uninstall
-from tool0.installation.gazebo.installation import Installation, private_prefix
+from tool0.installation.gazebo.installation import GazeboInstallation, private_prefix
 
 pytestmark = [
     pytest.mark.slow,

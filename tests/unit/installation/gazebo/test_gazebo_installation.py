@@ -4,7 +4,7 @@ import pytest
 
 from tool0.errors import EngineUnavailableError
 from tool0.installation.gazebo.installation import find_installation, private_prefix
-from tool0.installation.gazebo.prefix import Marker, write_marker
+from tool0.installation.gazebo.installation import Marker, write_marker
 
 
 @pytest.fixture(autouse=True)
@@ -100,7 +100,7 @@ def test_a_prefix_runs_from_where_it_is() -> None:
 
 
 def test_the_compiler_is_never_pointed_to_the_system_s_own_headers() -> None:
-    from tool0.installation.gazebo.prefix import include_folders
+    from tool0.installation.gazebo.installation import include_folders
 
     assert Path("/usr/include") not in include_folders(Path("/usr"))
 

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.installation import Installation
+from tool0.installation.gazebo.installation import GazeboInstallation
 from tool0.installation.gazebo.plugin import bridge_libraries, plugin_folder
 
-INSTALLATION = Installation(
+INSTALLATION = GazeboInstallation(
     version="11.1.0",
     prefix=None,
     server=Path("/usr/bin/gzserver"),
@@ -44,7 +44,7 @@ def set_compiler(folder: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> No
 
 def test_compiles_each_once(calls: Path) -> None:
     libraries = bridge_libraries(INSTALLATION)
-    assert libraries.bridge.read_text() == libraries.leash.read_text() == "made\n"
+    assert libraries.bridge.read_text() == libraries.preload.read_text() == "made\n"
     assert bridge_libraries(INSTALLATION) == libraries
     assert len(calls.read_text().splitlines()) == 2
     assert "-isystem/somewhere/include" in calls.read_text()
@@ -62,7 +62,7 @@ def test_what_was_compiled_outlives_the_compiler(
     libraries = bridge_libraries(INSTALLATION)
     monkeypatch.setenv("CXX", "no-such-compiler")
     assert bridge_libraries(INSTALLATION) == libraries
-    libraries.leash.unlink()
+    libraries.preload.unlink()
     with pytest.raises(EngineUnavailableError, match=r"apt install g\+\+"):
         bridge_libraries(INSTALLATION)
 
@@ -73,7 +73,7 @@ def test_several_may_compile_at_once(calls: Path) -> None:
     assert len(set(made)) == 1
     assert {path.name for path in plugin_folder().iterdir()} == {
         made[0].bridge.name,
-        made[0].leash.name,
+        made[0].preload.name,
     }
 
 

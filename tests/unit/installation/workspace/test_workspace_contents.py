@@ -4,7 +4,7 @@ from pathlib import PurePosixPath
 from xml.etree import ElementTree
 
 from tool0.description.packages import BUNDLED
-from tool0.installation.workspace.contents import PACKAGES, UPSTREAM_PACKAGES, contents
+from tool0.installation.workspace.layout import PACKAGES, UPSTREAM_PACKAGES, contents
 
 MESHES_ARGUMENT = (
     "tool0_description/launch/view_ur5_robotiq_2f_85.launch",

@@ -10,7 +10,7 @@ import pytest
 from tool0.errors import ConfigError
 from tool0.installation.workspace import writing
 from tool0.installation.workspace.changes import Action
-from tool0.installation.workspace.contents import contents
+from tool0.installation.workspace.layout import contents
 from tool0.installation.workspace.record import NAME
 from tool0.installation.workspace.writing import Written, write_workspace
 
