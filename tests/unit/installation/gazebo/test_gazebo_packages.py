@@ -5,7 +5,11 @@ from pathlib import Path
 import pytest
 
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.unpack import make_links_relative, size_on_disk, unpack
+from tool0.installation.gazebo.packages import (
+    make_links_relative,
+    size_on_disk,
+    unpack,
+)
 
 needs_dpkg = pytest.mark.skipif(
     shutil.which("dpkg-deb") is None, reason="needs dpkg-deb"
@@ -49,8 +53,9 @@ def test_unpacks_several_into_one_folder_without_what_is_dropped(
 def test_a_damaged_package_is_named_and_removed(tmp_path: Path) -> None:
     package = build(tmp_path, "one", "usr/lib/x/liba.so")
     package.write_bytes(package.read_bytes()[:-40])
-    with pytest.raises(EngineUnavailableError, match=r"cannot unpack 'one\.deb'"):
+    with pytest.raises(EngineUnavailableError) as error:
         unpack([package], tmp_path, lambda _: None)
+    assert "one.deb" in str(error.value)
     assert not package.exists()
 
 
