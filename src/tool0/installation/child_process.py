@@ -37,6 +37,10 @@ class ChildProcessFailedError(Tool0Error):
     """Work in a child process was given up: a limit, a crash, or an unknown error."""
 
 
+class ChildLimitExceededError(ChildProcessFailedError):
+    """Work in a child process took too long, or too much memory."""
+
+
 # --- programs ---
 
 
@@ -220,8 +224,9 @@ def call_in_child(work: Callable[[], R], *, timeout: float, memory: int) -> R:
         memory: What it may allocate beyond what this process holds [bytes].
 
     Raises:
-        ChildProcessFailedError: If it exceeds a limit or crashes, or raises an error
-            that cannot be pickled.
+        ChildLimitExceededError: If it exceeds a limit.
+        ChildProcessFailedError: If it crashes, or raises an error that cannot be
+            pickled.
         Exception: What it raises itself.
     """
     if sys.platform == "win32":
@@ -256,7 +261,7 @@ def _receive(answer: int, timeout: float) -> bytes:
     while True:
         left = deadline - time.monotonic()
         if left <= 0.0 or not select.select([answer], [], [], left)[0]:
-            raise ChildProcessFailedError(f"it takes longer than {timeout:g} s")
+            raise ChildLimitExceededError(f"it takes longer than {timeout:g} s")
         chunk = os.read(answer, _CHUNK)
         if not chunk:
             return bytes(packet)
@@ -293,7 +298,7 @@ def _work(work: Callable[[], object], answer: int, memory: int) -> NoReturn:
         packet = pickle.dumps((None, work()))
     except MemoryError:
         limit = f"it takes more than {memory >> 20} MiB of memory"
-        packet = pickle.dumps((ChildProcessFailedError(limit), None))
+        packet = pickle.dumps((ChildLimitExceededError(limit), None))
     except BaseException as error:  # the parent raises it
         packet = _pickled(error)
     finally:

@@ -9,7 +9,11 @@ from collections.abc import Callable
 from typing import ParamSpec, TypeVar
 
 from tool0.errors import Tool0Error
-from tool0.installation.child_process import ChildProcessFailedError, call_in_child
+from tool0.installation.child_process import (
+    ChildLimitExceededError,
+    ChildProcessFailedError,
+    call_in_child,
+)
 
 R = TypeVar("R")
 P = ParamSpec("P")
@@ -39,8 +43,10 @@ def bounded(
         return call_in_child(
             lambda: work(*arguments, **keywords), timeout=TIMEOUT, memory=MEMORY
         )
-    except ChildProcessFailedError as error:
+    except ChildLimitExceededError as error:
         raise OutOfBoundsError(
             f"it could not be read: {error}; look for a number that is far too large, "
             "or for something that contains itself"
         ) from None
+    except ChildProcessFailedError as error:
+        raise OutOfBoundsError(f"it could not be read: {error}") from None
