@@ -71,7 +71,6 @@ class ChildProcess:
             grace: Time between SIGINT and SIGKILL when it is ended [wall s]; 0 for
                 SIGKILL at once.
         """
-        self.name = Path(command[0]).name
         self._log = tempfile.TemporaryFile()  # noqa: SIM115  # closed with the child
         self._is_closed = False
         self._pid: int | None = None
@@ -89,7 +88,7 @@ class ChildProcess:
                 stderr=errors,
             )
             return
-        self._connection, theirs = socket.socketpair()
+        self._connection, theirs = _connection_pair()
         with theirs:
             self._process = subprocess.Popen(
                 [sys.executable, "-I", "-S", supervisor.__file__],
@@ -204,6 +203,14 @@ def run_program(
     return subprocess.CompletedProcess(command, status, *texts)
 
 
+def _connection_pair() -> tuple[socket.socket, socket.socket]:
+    """Return two connected sockets that block, whatever the default timeout is."""
+    ours, theirs = socket.socketpair()
+    ours.setblocking(True)  # rospy sets a default timeout, which makes them not block
+    theirs.setblocking(True)
+    return ours, theirs
+
+
 def last_lines(text: str, n_lines: int = 6) -> str:
     """Return the last lines that are not empty, indented, to show in a message."""
     lines = [line for line in text.splitlines() if line.strip()]
@@ -231,7 +238,7 @@ def call_in_child(work: Callable[[], R], *, timeout: float, memory: int) -> R:
     """
     if sys.platform == "win32":
         return work()
-    connection, their_connection = socket.socketpair()
+    connection, their_connection = _connection_pair()
     answer, their_answer = os.pipe()
     child = os.fork()
     if not child:

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -116,6 +117,17 @@ def test_the_environment_is_for_the_program_alone(tmp_path: Path) -> None:
     with ChildProcess(command, environment=environment, folder=tmp_path) as child:
         assert child.wait(TIMEOUT) == 0
         assert child.last_output(1) == f"  b {tmp_path.resolve()}"
+
+
+def test_a_default_timeout_of_sockets_does_not_matter() -> None:
+    before = socket.getdefaulttimeout()
+    socket.setdefaulttimeout(60.0)  # as rospy does
+    try:
+        with ChildProcess(["sh", "-c", "exit 3"]) as child:
+            assert child.wait(TIMEOUT) == 3
+        assert call(lambda: 4) == 4
+    finally:
+        socket.setdefaulttimeout(before)
 
 
 # --- run_program ---
