@@ -22,8 +22,8 @@ from benchmarks import (
     streams,
     tick,
 )
-from tool0.installation.gazebo.readiness import readiness
-from tool0.installation.ros1.readiness import readiness as ros1_readiness
+from tool0.installation.gazebo.status import gazebo_status
+from tool0.installation.ros1.status import ros1_status
 
 
 @dataclass(frozen=True)
@@ -74,11 +74,11 @@ def figures() -> Iterator[Figure]:
         ratio = streams.tick_cost_ratio(readers, rate)
         name = f"tick's CPU, {readers} readers at {rate:g} Hz ÷ none"
         yield Figure(name, ratio, 1.3, 1.05)
-    if (why := ros1_readiness().why_not(["rospy", "roscore"])) is None:
+    if (why := ros1_status().why_not(["rospy", "roscore"])) is None:
         yield from _ros1_figures()
     else:
         print(f"no ROS 1 can run here, so none is measured: {why}")
-    found = readiness()
+    found = gazebo_status()
     if found.can_run:
         yield from _gazebo_figures()
     else:
