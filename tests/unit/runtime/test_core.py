@@ -91,7 +91,7 @@ LIFTING: dict[str, Callable[[Core], object]] = {
     "another controller": lambda core: switch(core, ("group",), ("arm",)),
     "nobody": lambda core: switch(core, stop=("arm",)),
     "a reset": lambda core: core.reset({}, keep_time=False),
-    "the emergency stop": lambda core: core.engage_emergency_stop(True),
+    "the emergency stop": lambda core: core.set_stopped(True),
 }
 
 
@@ -213,7 +213,7 @@ def test_the_emergency_stop_holds_refuses_and_lets_go() -> None:
     core = build_core()
     goal = follow(core, [1.5, 1.5], 1.0)
     ticks(core, 300)
-    core.engage_emergency_stop(True)
+    core.set_stopped(True)
     assert goal.status is GoalStatus.PREEMPTED
     ticks(core, 500)
     rest = core.state.position
@@ -221,7 +221,7 @@ def test_the_emergency_stop_holds_refuses_and_lets_go() -> None:
         follow(core, [0.0, 0.0], 1.0)
     ticks(core, 1000)
     assert core.state.position == pytest.approx(rest, abs=1e-3)
-    core.engage_emergency_stop(False)
+    core.set_stopped(False)
     ticks(core, 500)
     assert core.state.position == pytest.approx(rest, abs=1e-3)
     follow(core, [0.0, 0.0], 1.0)
