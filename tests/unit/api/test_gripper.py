@@ -54,27 +54,6 @@ def test_numbers_of_numpy_s_are_numbers(robot: tool0.Robot) -> None:
     assert robot.gripper.wait(5.0).opening == pytest.approx(0.04, abs=1e-3)
 
 
-def test_a_refused_goal_leaves_the_effort_as_it_was(robot: tool0.Robot) -> None:
-    robot.reset()
-    robot.emergency_stop()
-    with pytest.raises(ControlError):
-        robot.gripper.move(opening=0.0, effort=0.05)
-    robot.emergency_stop(engaged=False)
-    assert robot.gripper.move(opening=0.02).wait(5.0).error_code == 0
-    robot.run(0.5)
-    assert robot.gripper.opening == pytest.approx(0.02, abs=1e-3)
-
-
-def test_any_other_goal_lifts_the_settings(robot: tool0.Robot) -> None:
-    robot.gripper.move(opening=0.08).wait(5.0)
-    robot.gripper.move(opening=0.0, speed=0.02)
-    robot.run(0.5)
-    assert robot.gripper.opening > 0.06
-    robot.controller(GRIPPER).move({"finger_joint": 0.8133}, speed=1.0)
-    robot.run(1.0)
-    assert robot.gripper.opening < 0.01
-
-
 def test_it_moves_from_the_moment_that_it_was_sent(robot: tool0.Robot) -> None:
     for opening in (0.085, 0.0):
         robot.gripper.move(opening=opening)

@@ -98,14 +98,6 @@ def test_controllers_are_loaded_switched_and_unloaded_without_time_passing(
     assert robot.time == 0.0
 
 
-def test_best_effort_skips_what_strict_refuses(robot: tool0.Robot) -> None:
-    with pytest.raises(ControlError):
-        robot.switch(start=["nobody"], stop=["gripper_controller"])
-    assert states(robot)["gripper_controller"] == "running"
-    robot.switch(start=["nobody"], stop=["gripper_controller"], strict=False)
-    assert states(robot)["gripper_controller"] == "stopped"
-
-
 def test_an_unknown_controller_is_refused_with_the_nearest(robot: tool0.Robot) -> None:
     with pytest.raises(ControlError, match=f"{ARM}"):
         robot.controller("eff_joint_trj_controller")
@@ -154,19 +146,6 @@ def test_a_wait_in_real_time_is_of_wall_time() -> None:
         assert robot.time < 900.0
 
 
-def test_what_is_wanted_and_had_can_be_asked(robot: tool0.Robot) -> None:
-    arm = robot.controller(ARM)
-    arm.follow([point([0.4, *HOME[1:]], 1.0)])
-    robot.run(0.5)
-    assert arm.query_state(0.5).positions[0] == pytest.approx(0.2)
-    assert arm.query_state(9.0).positions[0] == pytest.approx(0.4)
-    state = arm.state
-    assert state.joint_names[0] == "shoulder_pan_joint"
-    assert state.error.positions[0] == pytest.approx(
-        state.desired.positions[0] - state.actual.positions[0]
-    )
-
-
 def test_pausing_stepping_and_resuming(robot: tool0.Robot) -> None:
     robot.pause()
     with pytest.raises(ControlError, match="paused"):
@@ -178,13 +157,6 @@ def test_pausing_stepping_and_resuming(robot: tool0.Robot) -> None:
     robot.resume()
     robot.run(0.010)
     assert robot.time == pytest.approx(0.020)
-
-
-def test_it_may_begin_paused() -> None:
-    with tool0.bringup(realtime=True, paused=True) as robot:
-        assert robot.snapshot.is_paused
-        robot.step(3)
-        assert robot.time == pytest.approx(0.003)
 
 
 def test_a_reset_brings_time_and_pose_back(robot: tool0.Robot) -> None:

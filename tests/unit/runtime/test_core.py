@@ -10,7 +10,6 @@ from tool0.control.goal import GoalStatus
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.errors import (
-    ClaimError,
     ConfigError,
     ControlError,
     LimitsError,
@@ -37,11 +36,6 @@ def test_time_is_the_number_of_ticks_times_the_control_period() -> None:
 def test_the_control_period_must_be_a_whole_multiple_of_the_step(period: float) -> None:
     with pytest.raises(ConfigError):
         build_core(control_period=period)
-
-
-@pytest.mark.parametrize("period", [0.001, 0.003, 0.008, 1.0])
-def test_whole_multiples_are_accepted(period: float) -> None:
-    assert build_core(control_period=period).control_period == period
 
 
 def test_it_starts_in_its_initial_pose_and_holds_it() -> None:
@@ -125,42 +119,22 @@ def test_whatever_else_moves_the_joint_lifts_the_bounds(
     assert core.hardware.drive_limits == {}
 
 
-def test_a_goal_that_is_refused_leaves_the_bounds_alone() -> None:
+def test_other_joints_and_refused_goals_leave_the_bounds_alone() -> None:
     core = build_core()
     bounds = bound(core, 1.0)
+    core.move_joints({"bend": 0.1}, 0.5, None)
     with pytest.raises(ControlError):
         follow(core, [math.nan, 0.0], 0.5)
     assert core.hardware.drive_limits == {"lift": bounds}
 
 
-def test_a_motion_of_other_joints_leaves_the_bounds_alone() -> None:
-    core = build_core()
-    bounds = bound(core, 1.0)
-    core.move_joints({"bend": 0.1}, 0.5, None)
-    assert core.hardware.drive_limits == {"lift": bounds}
-
-
 def test_a_command_for_another_kind_of_controller_says_which_it_needs() -> None:
     core = build_core(started=("arm", "slider"))
-    with pytest.raises(ControlError, match=r"'arm'"):
+    with pytest.raises(ControlError) as error:
         core.command_joints("arm", (0.0, 0.0))
+    assert "'arm'" in str(error.value)
     with pytest.raises(ControlError):
         core.command_gripper("slider", 0.0)
-
-
-def test_two_controllers_never_get_one_joint() -> None:
-    core = build_core()
-    with pytest.raises(ClaimError, match=r"'arm'.*'group'"):
-        switch(core, start=("group",))
-    assert core.manager.status("arm").state == "running"
-
-
-def test_one_switch_hands_joints_over() -> None:
-    core = build_core()
-    switch(core, start=("group",), stop=("arm",))
-    core.command_joints("group", (0.5, 0.0))
-    ticks(core, 1000)
-    assert core.state.position[:2] == pytest.approx([0.5, 0.0], abs=1e-3)
 
 
 def test_a_reset_begins_anew_and_preempts() -> None:
@@ -194,19 +168,6 @@ def test_a_reset_to_an_impossible_pose_changes_nothing() -> None:
         core.reset({"bend": 99.0}, keep_time=False)
     assert core.state is before
     assert goal.status is GoalStatus.ACTIVE
-
-
-def test_a_run_after_a_reset_is_the_first_run_again() -> None:
-    core = build_core()
-
-    def run() -> list[float]:
-        follow(core, [0.7, -0.9], 0.4)
-        ticks(core, 333)  # no multiple of any period inside
-        return core.state.position
-
-    first = run()
-    core.reset({}, keep_time=False)
-    assert run() == first
 
 
 def test_the_emergency_stop_holds_refuses_and_lets_go() -> None:

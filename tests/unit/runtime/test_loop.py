@@ -76,16 +76,6 @@ def test_a_run_takes_the_simulated_time_that_was_asked_for(
     assert bus.latest.time == loop.time
 
 
-def test_many_short_runs_are_one_long_one(start: Starter) -> None:
-    loop, _, core = start()
-    for _ in range(100):
-        loop.run(0.003)
-    other, _, same = start()
-    other.run(0.3)
-    assert loop.time == other.time
-    assert core.state == same.state
-
-
 def test_a_run_ends_early_when_its_condition_holds(start: Starter) -> None:
     loop, _, _ = start()
     loop.run(math.inf, until=lambda: loop.steps >= 17)
@@ -112,13 +102,6 @@ def test_reading_publishes_nothing_lest_a_reader_of_snapshots_wake_itself(
     assert bus.latest is before
 
 
-def test_what_a_command_raises_its_sender_gets(start: Starter) -> None:
-    loop, _, core = start()
-    with pytest.raises(ControlError, match=r"'nobody'"):
-        loop.call(lambda: core.manager.unload("nobody"))
-    loop.run(0.01)
-
-
 def test_a_goal_that_ends_is_an_event(start: Starter) -> None:
     loop, bus, core = start()
     reader = bus.subscribe()
@@ -141,17 +124,25 @@ def test_a_paused_loop_does_not_run_but_answers(start: Starter) -> None:
     assert loop.time == pytest.approx(0.1)
 
 
-def test_steps_pass_only_while_paused_and_publish(start: Starter) -> None:
-    loop, bus, _ = start()
+@pytest.mark.parametrize("speed", [None, 50.0])
+def test_steps_pass_only_while_paused_and_publish(
+    start: Starter, speed: float | None
+) -> None:
+    loop, bus, _ = start(speed=speed)
     with pytest.raises(ControlError):
         loop.call(lambda: loop.step(1))
     loop.call(lambda: loop.set_paused(True))
+    with pytest.raises(ControlError):
+        loop.run(1.0)
     for n_ticks in (1, 5, 37):
         before = loop.steps
         loop.call(partial(loop.step, n_ticks))
         assert loop.steps == before + n_ticks
         assert bus.latest is not None
         assert bus.latest.tick == loop.steps
+    loop.call(lambda: loop.set_paused(False))
+    loop.run(0.01)
+    assert loop.steps >= before + 37 + 10
 
 
 def test_only_real_time_has_a_speed(start: Starter) -> None:
@@ -170,13 +161,6 @@ def test_a_reset_is_an_event_and_steps_count_on(start: Starter) -> None:
     loop.run(0.1)
     assert loop.time == pytest.approx(0.1)
     assert loop.steps == 300
-
-
-def test_drift_is_remembered_and_commanded_joints_do_not_count(start: Starter) -> None:
-    loop, _, core = start()
-    loop.call(lambda: follow(core, [1.0, 1.0], 0.5))
-    loop.run(1.0)
-    assert 0.0 < loop.max_drift < 5e-3  # the slide's, while the arm swings it
 
 
 # ---- faults --------------------------------------------------------------------------
@@ -253,8 +237,9 @@ def test_closing_ends_goals_and_refuses_what_comes_later(
     assert loop.wait_for_goal(goal, None)
 
 
-def test_closing_ends_a_wait_as_fast_as_possible(start: Starter) -> None:
-    loop, bus, core = start()
+@pytest.mark.parametrize("speed", [None, 1.0])
+def test_closing_ends_a_wait(start: Starter, speed: float | None) -> None:
+    loop, bus, core = start(speed=speed)
     goal = loop.call(lambda: follow(core, [1.0, 1.0], 1e6))
     outcome: list[object] = []
 
@@ -262,16 +247,15 @@ def test_closing_ends_a_wait_as_fast_as_possible(start: Starter) -> None:
         try:
             outcome.append(loop.wait_for_goal(goal, None))
         except ControlError as error:
-            outcome.append(error)
+            outcome.append(type(error))
 
     waiter = threading.Thread(target=wait)
     waiter.start()
-    wait_until(bus, lambda snapshot: snapshot.time > 0.02)
+    wait_until(bus, lambda snapshot: snapshot.time > 0.01)
     loop.close()
     waiter.join(LONG)
     assert goal.status is GoalStatus.PREEMPTED
-    assert len(outcome) == 1
-    assert "closed" in str(outcome[0])
+    assert outcome == [True if speed else ControlError]
 
 
 def test_closing_ends_a_long_step(start: Starter) -> None:
@@ -362,19 +346,6 @@ def test_real_time_does_not_run_ahead_of_the_wall_clock(start: Starter) -> None:
     assert time.perf_counter() - before >= 0.2 / 2.0 - 0.002
 
 
-def test_real_time_pauses_steps_and_resumes(start: Starter) -> None:
-    loop, bus, _ = start(speed=50.0)
-    wait_until(bus, lambda snapshot: snapshot.time > 0.01)
-    loop.call(lambda: loop.set_paused(True))
-    stood = loop.steps
-    loop.call(lambda: loop.step(5))
-    assert loop.steps == stood + 5
-    with pytest.raises(ControlError, match="paused"):
-        loop.run(1.0)
-    loop.call(lambda: loop.set_paused(False))
-    wait_until(bus, lambda snapshot: snapshot.tick > stood + 5)
-
-
 def test_real_time_that_is_missed_is_told_once_a_window(
     start: Starter, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -421,18 +392,3 @@ def test_a_fault_ends_a_wait_in_real_time(start: Starter) -> None:
     break_physics(core)
     with pytest.raises(DivergenceError):
         loop.wait_for_goal(goal, None)
-
-
-def test_closing_ends_a_wait_in_real_time(start: Starter) -> None:
-    loop, bus, core = start(speed=1.0)
-    goal = loop.call(lambda: follow(core, [1.0, 1.0], 500.0))
-    outcome: list[object] = []
-    waiter = threading.Thread(
-        target=lambda: outcome.append(loop.wait_for_goal(goal, None))
-    )
-    waiter.start()
-    wait_until(bus, lambda snapshot: snapshot.time > 0.01)
-    loop.close()
-    waiter.join(LONG)
-    assert outcome == [True]
-    assert goal.status is GoalStatus.PREEMPTED
