@@ -1,5 +1,4 @@
 import pickle
-import threading
 
 import pytest
 from toy_robot import ARM, ToyRobot
@@ -62,23 +61,16 @@ def test_what_it_says_stays_while_the_controller_goes_on() -> None:
     robot.run(0.4)
     setpoint = controller.setpoint()
     said = pickle.dumps((setpoint.state(), setpoint.target()))
-    answers: list[bytes] = []
-    ended = threading.Event()
-
-    def ask() -> None:
-        while not ended.is_set():
-            answers.append(pickle.dumps((setpoint.state(), setpoint.target())))
-
-    asking = threading.Thread(target=ask)
-    asking.start()
-    robot.run(0.3)
-    controller.command(to(-1.0, -0.5, 0.2), robot.time)
-    robot.run(0.5)
-    robot.manager.restart(robot.state)
-    robot.run(0.1)
-    ended.set()
-    asking.join()
-    assert set(answers) == {said}
+    for go_on in (
+        lambda: None,
+        lambda: controller.command(to(-1.0, -0.5, 0.2), robot.time),
+        lambda: robot.manager.restart(robot.state),
+    ):
+        go_on()
+        for _ in range(50):
+            robot.tick()
+            now = pickle.dumps((setpoint.state(), setpoint.target()))
+            assert now == said
 
 
 def test_a_gripper_wants_its_command_from_the_start() -> None:
