@@ -22,8 +22,9 @@ def robot() -> Iterator[tool0.Robot]:
 
 @pytest.mark.parametrize("opening", [-0.001, 0.0851])
 def test_an_opening_out_of_reach_is_refused(robot: tool0.Robot, opening: float) -> None:
-    with pytest.raises(ModelError, match=r"0.*0\.085"):
+    with pytest.raises(ModelError) as error:
         robot.gripper.move(opening=opening)
+    assert "0.085" in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -34,8 +35,9 @@ def test_a_setting_out_of_range_is_refused_and_the_motion_goes_on(
 ) -> None:
     robot.gripper.move(opening=0.07).wait(5.0)
     goal = robot.gripper.move(opening=0.03)
-    with pytest.raises(ControlError, match=setting):
+    with pytest.raises(ControlError) as error:
         robot.gripper.move(opening=0.08, **{setting: value})
+    assert setting in str(error.value)
     assert goal.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
     assert robot.gripper.opening == pytest.approx(0.03, abs=1e-3)
 
@@ -45,18 +47,14 @@ def test_a_setting_out_of_range_is_refused_and_the_motion_goes_on(
 def test_what_is_no_finite_number_is_refused(
     robot: tool0.Robot, what: str, value: object
 ) -> None:
-    with pytest.raises(RequestError, match=f"{what}"):
+    with pytest.raises(RequestError) as error:
         robot.gripper.move(**{"opening": 0.04, what: value})  # type: ignore[arg-type]
-
-
-def test_numbers_of_numpy_s_are_numbers(robot: tool0.Robot) -> None:
-    robot.gripper.move(opening=np.float32(0.04))  # type: ignore[arg-type]
-    assert robot.gripper.wait(5.0).opening == pytest.approx(0.04, abs=1e-3)
+    assert what in str(error.value)
 
 
 def test_it_moves_from_the_moment_that_it_was_sent(robot: tool0.Robot) -> None:
-    for opening in (0.085, 0.0):
-        robot.gripper.move(opening=opening)
+    for opening in (0.085, 0.0, np.float32(0.04)):
+        robot.gripper.move(opening=opening)  # type: ignore[arg-type]
         assert robot.gripper.state.motion == "moving"
         state = robot.gripper.wait()
         assert (state.motion, state.gobj) == ("at_target", 3)
@@ -77,7 +75,7 @@ def test_to_wait_has_an_end(robot: tool0.Robot) -> None:
     robot.gripper.move(opening=0.0).wait(5.0)
     robot.gripper.move(opening=0.08, speed=0.02)
     before = robot.time
-    with pytest.raises(GoalTimeoutError, match=r"0\.1"):
+    with pytest.raises(GoalTimeoutError):
         robot.gripper.wait(timeout=0.1)
     assert robot.time - before == pytest.approx(0.1, abs=0.01)
 
@@ -97,8 +95,9 @@ def test_a_gripper_that_nobody_commands_is_idle(robot: tool0.Robot) -> None:
     robot.switch(stop=[GRIPPER])
     state = robot.gripper.wait()
     assert (state.motion, state.gobj) == ("idle", 0)
-    with pytest.raises(ControlError, match=r"'finger_joint'"):
+    with pytest.raises(ControlError) as error:
         robot.gripper.move(opening=0.04)
+    assert "'finger_joint'" in str(error.value)
     robot.switch(start=[GRIPPER])
     robot.gripper.move(opening=0.04)
 

@@ -102,11 +102,6 @@ def held_at(robot: tool0.Robot) -> NDArray[np.float64]:
     return np.array(T_root_pad.inverse().apply(robot.scene.pose("load").position))
 
 
-def test_gazebo_refuses_it_and_says_what_to_do() -> None:
-    with pytest.raises(ConfigError, match=r"gripper_model"):
-        bring_up(engine="gazebo")
-
-
 def test_a_robot_of_one_s_own_brings_its_own_gripper(tmp_path: Path) -> None:
     path = tmp_path / "own.urdf"
     path.write_text(LINKAGE.urdf)

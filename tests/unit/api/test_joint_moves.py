@@ -129,6 +129,16 @@ def test_a_joint_of_another_controller_is_refused(robot: tool0.Robot) -> None:
         robot.controller("joint_state_controller").steer({PAN: 0.0})
 
 
+def test_nothing_moves_under_the_emergency_stop(robot: tool0.Robot) -> None:
+    robot.emergency_stop()
+    with pytest.raises(ControlError):
+        robot.move_joints({PAN: 0.0})
+    with pytest.raises(ControlError):
+        robot.controller(ARM).steer({PAN: 0.0})
+    robot.emergency_stop(engaged=False)
+    robot.move_joints({PAN: 0.0})
+
+
 def test_a_goal_calls_back_when_it_ends_and_after(robot: tool0.Robot) -> None:
     heard: list[tool0.GoalHandle] = []
     goal = robot.controller(ARM).move({PAN: 0.1})

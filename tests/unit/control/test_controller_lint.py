@@ -1,4 +1,3 @@
-
 import pytest
 from toy_robot import ARM, JOINTS
 from ur5_rig import CONTROLLERS, POST, POST_GRIPPER

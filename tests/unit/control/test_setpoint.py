@@ -29,23 +29,14 @@ def to(*positions: float, time: float = 1.0) -> TrajectoryGoal:
     )
 
 
-def test_a_trajectory_controller_tells_where_its_trajectory_ends() -> None:
-    robot = ToyRobot(ARM)
-    controller = robot.start("arm")
-    assert controller.setpoint().joint_names == ("hip", "slide", "wheel")
-    assert controller.setpoint().target() == (0.0, 0.0, 0.0)
-    controller.follow(to(1.0, 0.5, -0.2), robot.time)
-    assert controller.setpoint().target() == pytest.approx((1.0, 0.5, -0.2))
-    robot.run(2.0)
-    assert controller.setpoint().target() == pytest.approx((1.0, 0.5, -0.2))
-
-
 def test_of_one_joint_it_says_the_same_as_of_all() -> None:
     robot = ToyRobot(ARM)
     robot.start("arm").follow(to(1.0, 0.5, -0.2), robot.time)
     robot.run(0.4)
-    other = ToyRobot(OTHERS)
-    other.start("servo").command([3.0, 1.0])
+    assert robot.manager.setpoints()["arm"].target() == pytest.approx((1.0, 0.5, -0.2))
+    other = ToyRobot(ARM + OTHERS)
+    other.start("servo", "js").command([3.0, 1.0])
+    other.manager.load("hand")
     for manager in (robot.manager, other.manager):
         (setpoint,) = manager.setpoints().values()
         now, end = setpoint.state().desired.positions, setpoint.target()
@@ -98,13 +89,6 @@ def test_a_position_forwarder_wants_nothing_before_its_first_command() -> None:
     assert controller.setpoint().target() == (3.0, 6.0), "within the limits"
     errors = controller.setpoint().state().error.positions
     assert errors == pytest.approx((6.0 - 6.283185307, 1.0)), "the shortest way round"
-
-
-def test_the_manager_tells_of_those_that_run_and_want_a_position() -> None:
-    robot = ToyRobot(ARM + OTHERS)
-    robot.start("arm", "js")
-    robot.manager.load("hand")
-    assert list(robot.manager.setpoints()) == ["arm"]
 
 
 @pytest.mark.parametrize("name", ["effort", "velocity"])

@@ -2,13 +2,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from skew_rig import START, build_core, follow, switch
 
 from tool0.control.goal import GoalStatus
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
-from tool0.description.model import ParallelGripper
+from tool0.description.catalogue import assemble
 from tool0.errors import (
     ConfigError,
     ControlError,
@@ -63,16 +64,7 @@ def test_a_rejected_command_does_not_hide_drift() -> None:
     assert core.drift() == pytest.approx(0.1)
 
 
-HAND = ParallelGripper(
-    name="hand",
-    joint="lift",
-    pad_offset=0.0,
-    pad_cos=0.1,
-    pad_sin=0.0,
-    max_opening=0.2,
-    speed=(0.01, 1.0),
-    force=(1.0, 10.0),
-)
+HAND = replace(assemble().model.grippers[0], joint="lift")
 GOAL = TrajectoryGoal(points=[TrajectoryPoint([0.0, 0.0], time_from_start=0.5)])
 LIFTING: dict[str, Callable[[Core], object]] = {
     "a trajectory": lambda core: follow(core, [0.0, 0.0], 0.5),
@@ -135,6 +127,9 @@ def test_a_command_for_another_kind_of_controller_says_which_it_needs() -> None:
     assert "'arm'" in str(error.value)
     with pytest.raises(ControlError):
         core.command_gripper("slider", 0.0)
+    core.command_joints("slider", (0.1,))
+    ticks(core, 1000)
+    assert core.state.position[2] == pytest.approx(0.1, abs=1e-3)
 
 
 def test_a_reset_begins_anew_and_preempts() -> None:

@@ -172,10 +172,10 @@ def test_a_fault_stands_still_tells_and_is_mended_by_a_reset(start: Starter) -> 
     goal = loop.call(lambda: follow(core, [1.0, 1.0], 0.5))
     loop.run(0.1)
     break_physics(core)
-    with pytest.raises(DivergenceError, match=r"'lift'.*0\.101"):
-        loop.run(0.1)
-    with pytest.raises(DivergenceError):
-        loop.run(0.1)
+    for _ in range(2):
+        with pytest.raises(DivergenceError) as error:
+            loop.run(0.1)
+        assert all(part in str(error.value) for part in ("'lift'", "0.101"))
     with pytest.raises(DivergenceError):
         loop.wait_for_goal(goal, 1.0)
     assert bus.latest is not None
@@ -220,25 +220,9 @@ def test_a_bug_in_the_tick_is_a_fault_too(
 
 
 @pytest.mark.parametrize("speed", [None, 1.0])
-def test_closing_ends_goals_and_refuses_what_comes_later(
+def test_closing_ends_goals_and_waits_and_refuses_what_comes_later(
     start: Starter, speed: float | None
 ) -> None:
-    loop, _, core = start(speed=speed)
-    goal = loop.call(lambda: follow(core, [1.0, 1.0], 20.0))
-    loop.close()
-    assert goal.status is GoalStatus.PREEMPTED
-    for late in (
-        lambda: loop.call(lambda: loop.set_paused(True)),
-        lambda: loop.run(1.0),
-    ):
-        with pytest.raises(ControlError, match="closed"):
-            late()
-    loop.close()
-    assert loop.wait_for_goal(goal, None)
-
-
-@pytest.mark.parametrize("speed", [None, 1.0])
-def test_closing_ends_a_wait(start: Starter, speed: float | None) -> None:
     loop, bus, core = start(speed=speed)
     goal = loop.call(lambda: follow(core, [1.0, 1.0], 1e6))
     outcome: list[object] = []
@@ -256,6 +240,14 @@ def test_closing_ends_a_wait(start: Starter, speed: float | None) -> None:
     waiter.join(LONG)
     assert goal.status is GoalStatus.PREEMPTED
     assert outcome == [True if speed else ControlError]
+    for late in (
+        lambda: loop.call(lambda: loop.set_paused(True)),
+        lambda: loop.run(1.0),
+    ):
+        with pytest.raises(ControlError):
+            late()
+    loop.close()
+    assert loop.wait_for_goal(goal, None)
 
 
 def test_closing_ends_a_long_step(start: Starter) -> None:
@@ -328,15 +320,6 @@ def test_after_a_pause_not_one_tick_passes(start: Starter) -> None:
 
 
 # ---- real time, in a thread of its own -----------------------------------------------
-
-
-def test_real_time_passes_by_itself_and_a_wait_ends(start: Starter) -> None:
-    loop, bus, core = start(speed=20.0)
-    assert loop.is_realtime
-    goal = loop.call(lambda: follow(core, [0.4, -0.3], 0.2))
-    loop.wait_for_goal(goal, LONG)
-    assert goal.status is GoalStatus.SUCCEEDED
-    assert wait_until(bus, lambda snapshot: snapshot.time > 0.5).fault is None
 
 
 def test_real_time_does_not_run_ahead_of_the_wall_clock(start: Starter) -> None:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Iterator
 
-import numpy as np
 import pytest
 from skew_rig import build_core, build_loop
 
@@ -77,48 +75,6 @@ def test_the_event_of_a_reset_says_what_time_it_is() -> None:
     loop.run(0.1)
     loop.call(lambda: loop.reset({}, keep_time=False))
     assert list(reader.events) == [WasReset(pytest.approx(0.24)), WasReset(0.0)]
-
-
-# ---- the facade ---------------------------------------------------------------------
-
-
-@pytest.fixture
-def robot() -> Iterator[tool0.Robot]:
-    with tool0.bringup(gripper=None, realtime=False) as robot:
-        yield robot
-
-
-def test_positions_may_be_any_sequence_of_numbers(robot: tool0.Robot) -> None:
-    robot.scene.add(cube())
-    robot.scene.place("cube", np.array([1, 2, 3]), [0, 0, 0, 2], linear=np.ones(3))
-    (state,) = robot.snapshot.objects
-    assert (state.position, state.quat_wxyz) == ((1, 2, 3), (0, 0, 0, 1))
-    assert state.linear == (1, 1, 1)
-    assert all(type(part) is float for part in (*state.position, *state.linear))
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"position": (1.0, 2.0)},
-        {"quat_wxyz": (1.0, 0.0, 0.0)},
-        {"linear": (1.0,)},
-        {"angular": ()},
-    ],
-)
-def test_each_part_has_its_number_of_values(
-    robot: tool0.Robot, options: dict[str, tuple[float, ...]]
-) -> None:
-    robot.scene.add(cube())
-    with pytest.raises(ControlError):
-        robot.scene.place("cube", **{"position": HERE, **options})  # type: ignore[arg-type]
-
-
-def test_a_controller_tells_its_parameters(robot: tool0.Robot) -> None:
-    spec = robot.controller("eff_joint_traj_controller").spec
-    assert spec.type == "effort_controllers/JointTrajectoryController"
-    assert spec.joints[2] == "elbow_joint"
-    robot.controller("joint_group_eff_controller").spec  # noqa: B018  # not running
 
 
 def test_what_comes_in_real_time_makes_no_goal_fail() -> None:
