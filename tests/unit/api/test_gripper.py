@@ -71,15 +71,6 @@ def test_how_often_snapshots_are_published_does_not_matter(
     assert robot.gripper.state.motion == "at_target"
 
 
-def test_to_wait_has_an_end(robot: tool0.Robot) -> None:
-    robot.gripper.move(opening=0.0).wait(5.0)
-    robot.gripper.move(opening=0.08, speed=0.02)
-    before = robot.time
-    with pytest.raises(GoalTimeoutError):
-        robot.gripper.wait(timeout=0.1)
-    assert robot.time - before == pytest.approx(0.1, abs=0.01)
-
-
 @pytest.mark.parametrize("timeout", [0.0104, 0.05])
 def test_to_wait_ends_whatever_the_control_period(timeout: float) -> None:
     with tool0.bringup(

@@ -109,21 +109,23 @@ def test_a_target_out_of_limits_is_refused_and_nothing_moves(
 def test_a_joint_that_no_trajectory_controller_claims_stops_all() -> None:
     with tool0.bringup(realtime=False, controllers_file=[POST, POST_GRIPPER]) as robot:
         before = desired(robot)
-        with pytest.raises(ControlError, match=r"'finger_joint'"):
-            robot.move_joints({PAN: 1.0, FINGER: 0.4})
-        with pytest.raises(ControlError, match=r"'elbow'"):
-            robot.move_joints({PAN: 1.0, "elbow": 0.4})
+        for bad in (FINGER, "elbow"):
+            with pytest.raises(ControlError) as error:
+                robot.move_joints({PAN: 1.0, bad: 0.4})
+            assert f"'{bad}'" in str(error.value)
         robot.switch(stop=[ARM])
-        with pytest.raises(ControlError, match=f"{PAN}"):
+        with pytest.raises(ControlError) as stopped:
             robot.move_joints({PAN: 1.0})
+        assert PAN in str(stopped.value)
         robot.switch(start=[ARM])
         robot.run(0.1)
         assert desired(robot) == pytest.approx(before, abs=0.01)
 
 
 def test_a_joint_of_another_controller_is_refused(robot: tool0.Robot) -> None:
-    with pytest.raises(GoalRejectedError, match=r"'elbow_joint'") as error:
+    with pytest.raises(GoalRejectedError) as error:
         robot.controller(ARM).move({"elbow": 0.0})
+    assert "'elbow_joint'" in str(error.value)
     assert error.value.code == GoalRejectedError.INVALID_JOINTS
     with pytest.raises(ControlError):
         robot.controller("joint_state_controller").steer({PAN: 0.0})

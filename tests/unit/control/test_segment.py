@@ -70,11 +70,9 @@ def test_the_lowest_common_order_decides() -> None:
     full, bare = Motion(0.0, 1.0, 1.0), Motion(2.0)
     assert Segment(0.0, full, 1.0, bare).coefficients == (0.0, 2.0, 0, 0, 0, 0)
     assert Segment(0.0, full, 1.0, Motion(2.0, 0.0)).coefficients[4:] == (0.0, 0.0)
-
-
-def test_accelerations_without_velocities_do_not_count() -> None:
-    motion = Motion(1.0, None, 5.0)
-    assert Segment(0.0, motion, 1.0, motion).coefficients == (1.0, 0, 0, 0, 0, 0)
+    no_velocity = Motion(1.0, None, 5.0)
+    still = Segment(0.0, no_velocity, 1.0, no_velocity)
+    assert still.coefficients == (1.0, 0, 0, 0, 0, 0)
 
 
 def test_rests_outside_its_time() -> None:
