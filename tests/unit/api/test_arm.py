@@ -1,5 +1,3 @@
-"""The arm as a person holds it: poses of any tool in any frame, and refusals."""
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,5 +1,3 @@
-"""The gripper by its opening: commands, and what it says that it does."""
-
 from __future__ import annotations
 
 import math

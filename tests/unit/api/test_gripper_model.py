@@ -1,5 +1,3 @@
-"""A robot whose fingers are linkages: it stands, moves, lifts and is refused."""
-
 from __future__ import annotations
 
 from pathlib import Path

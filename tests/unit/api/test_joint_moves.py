@@ -1,5 +1,3 @@
-"""Joints sent somewhere by name, in the physics."""
-
 from __future__ import annotations
 
 import math

@@ -1,5 +1,3 @@
-"""The facade: what a person holds."""
-
 from __future__ import annotations
 
 import json

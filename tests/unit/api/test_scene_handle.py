@@ -1,5 +1,3 @@
-"""``robot.scene`` as a person uses it."""
-
 from __future__ import annotations
 
 from collections.abc import Iterator

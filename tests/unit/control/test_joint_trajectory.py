@@ -8,7 +8,7 @@ from tool0.control.goal import GoalResult, GoalStatus
 from tool0.control.tolerances import DEFAULT_GOAL_TIME, Tolerance
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Interface
-from tool0.errors import ControlError, GoalRejectedError
+from tool0.errors import GoalRejectedError
 
 Point = TrajectoryPoint
 REST = [0.0, 0.0, 0.0]
@@ -92,15 +92,6 @@ def test_state_and_query_agree() -> None:
         strict=True,
     ):
         assert error == pytest.approx(wanted - actual)
-
-
-def test_query_reaches_ahead_but_not_back_before_the_start() -> None:
-    robot, controller = arm()
-    controller.follow(goal(Point([1, 1, 1], time_from_start=1.0)), robot.time)
-    assert desired(controller, 0.5) == (0.5, 0.5, 0.5)
-    assert controller.query_state(7.0).velocities == (0.0, 0.0, 0.0)
-    with pytest.raises(ControlError):
-        controller.query_state(-1.0)
 
 
 def test_velocity_feed_forward_scales_the_desired_velocity() -> None:

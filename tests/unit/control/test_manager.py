@@ -130,16 +130,14 @@ def test_best_effort_skips_what_does_not_fit_and_says_so(robot: ToyRobot) -> Non
     assert "nobody" in skipped[0]
 
 
-@pytest.mark.parametrize("strictness", list(Strictness))
-def test_a_switch_cannot_restart_a_running_controller(robot, strictness) -> None:
-    switch(robot, ["one"])
-    with pytest.raises(ControlError):
-        switch(robot, ["one"], ["one"], strictness)
-
-
-def test_best_effort_starts_a_stopped_controller_named_in_both_lists(robot) -> None:
+def test_in_both_lists_a_stopped_controller_starts_and_a_running_one_is_refused(
+    robot: ToyRobot,
+) -> None:
     switch(robot, ["one"], ["one"], BEST_EFFORT)
     assert running(robot) == {"one"}
+    for strictness in Strictness:
+        with pytest.raises(ControlError):
+            switch(robot, ["one"], ["one"], strictness)
 
 
 def test_loading_twice_and_unloading_while_running_are_refused(robot) -> None:

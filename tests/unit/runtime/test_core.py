@@ -39,13 +39,6 @@ def test_the_control_period_must_be_a_whole_multiple_of_the_step(period: float) 
         build_core(control_period=period)
 
 
-def test_it_starts_in_its_initial_pose_and_holds_it() -> None:
-    core = build_core(started=())
-    assert core.state.position == START
-    ticks(core, 2000)
-    assert core.drift() < 1e-3
-
-
 def test_drift_leaves_out_what_was_commanded_and_nothing_else() -> None:
     core = build_core()
     follow(core, [0.5, -0.4], 0.3)
