@@ -59,7 +59,7 @@ def test_what_is_too_slippery_is_lifted_and_falls_when_let_go(
     with caplog.at_level(logging.WARNING):
         robot = bring_up(scene=SLIPPERY, initial_pose="ready", grasp_assist=True)
     assert [r.message for r in caplog.records if r.message == WARNING]
-    assert robot.grasp_assist
+    assert robot.info.grasp_assist
     grip_and_lift(robot)
     assert height(robot) > 0.2
     held = on_tool(robot)

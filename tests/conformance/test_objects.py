@@ -100,7 +100,7 @@ def test_the_robot_tells_what_is_around_it(bring_up: BringUp) -> None:
     scene = scene_with(Sphere(radius=EDGE / 2))
     robot = bring_up(scene=scene, spawn_z=0.25)
     assert robot.scene.objects == scene.objects
-    assert robot.ground == -0.25
+    assert robot.info.ground == -0.25
     assert [pose.name for pose in robot.snapshot.objects] == ["table", "thing"]
     assert all(math.isfinite(x) for x in thing(robot))
     assert bring_up().scene.objects == ()
