@@ -1,8 +1,8 @@
-"""The physics engines by name: their options, and how they are made.
+"""The physics engines by name: their options and constructors.
 
-To add an engine, write a package with a module that defines an ``EngineDefinition``,
-and register its location here (or by ``register_engine``).  That module must import
-its simulator in ``create`` only: it is loaded to list the engine's options, too.
+To add an engine, define an ``EngineDefinition`` as in ``built_in.py`` and register its
+location.  Its module must import the simulator in ``create`` only, since it is also
+loaded to list the engine's options.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from tool0.errors import ConfigError, EngineUnavailableError, did_you_mean
 from tool0.hardware.engine import Engine
 
 _LOCATIONS: Final[dict[str, str]] = {
-    "mujoco": "tool0.engines.mujoco.definition:MUJOCO",
-    "gazebo": "tool0.engines.gazebo.definition:GAZEBO",
+    "mujoco": "tool0.engines.built_in:MUJOCO",
+    "gazebo": "tool0.engines.built_in:GAZEBO",
 }
 """Engine → module and name of its ``EngineDefinition``."""
 
@@ -58,11 +58,9 @@ def engine_names() -> tuple[str, ...]:
 
 
 def register_engine(name: str, location: str) -> None:
-    """Register an engine, or replace one.
+    """Register or replace an engine.
 
-    Args:
-        name: What a person calls it.
-        location: Of its ``EngineDefinition``: ``package.module:NAME``.
+    ``location`` of its ``EngineDefinition`` is ``package.module:NAME``.
     """
     _LOCATIONS[name] = location
 
@@ -88,13 +86,12 @@ def make_engine(
     """Start an engine with a robot and its scene.
 
     Args:
-        name: Of the engine; ``engine_names`` lists them.
+        name: One of ``engine_names()``.
         description: The robot.
         dt: Length of a physics step [s].
         spawn_z: Height of the robot's root above the ground [m].
-        scene: The objects around the robot; None for none.
-        options: The engine's own options by name, those of ``engine_options(name)``;
-            what is left out keeps its default.
+        scene: The objects around the robot.
+        options: Fields of ``engine_options(name)`` that differ from their defaults.
 
     Raises:
         EngineUnavailableError: If there is no such engine, or it cannot start here.

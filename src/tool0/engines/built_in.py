@@ -1,4 +1,4 @@
-"""Gazebo's entry in the registry of engines."""
+"""Definitions of MuJoCo and Gazebo for the registry."""
 
 from __future__ import annotations
 
@@ -14,6 +14,12 @@ from tool0.hardware.engine import Engine
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MujocoEngineOptions:
+    """MuJoCo has no options of its own."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
 class GazeboEngineOptions:
     """The options that only Gazebo has."""
 
@@ -23,7 +29,23 @@ class GazeboEngineOptions:
     """Whether to open gzclient, Gazebo's own window."""
 
 
-def _create(
+def _create_mujoco(
+    description: RobotDescription, settings: EngineSettings, _: MujocoEngineOptions
+) -> Engine:
+    from tool0.engines.mujoco.gl import import_mujoco
+
+    import_mujoco()
+    from tool0.engines.mujoco.engine import MujocoEngine
+
+    return MujocoEngine(
+        description.model,
+        settings.dt,
+        ground=-settings.spawn_z,
+        scene=settings.scene,
+    )
+
+
+def _create_gazebo(
     description: RobotDescription,
     settings: EngineSettings,
     options: GazeboEngineOptions,
@@ -46,4 +68,5 @@ def _create(
     )
 
 
-GAZEBO: Final = EngineDefinition(options=GazeboEngineOptions, create=_create)
+MUJOCO: Final = EngineDefinition(options=MujocoEngineOptions, create=_create_mujoco)
+GAZEBO: Final = EngineDefinition(options=GazeboEngineOptions, create=_create_gazebo)
