@@ -10,7 +10,7 @@ import pytest
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, POST, POST_GRIPPER
 
 import tool0
-from tool0.errors import ControlError, GoalRejectedError
+from tool0.errors import ControlError, GoalRejectedError, RequestError
 from tool0.runtime.joint_motion import TIME_TO_FULL_SPEED
 
 DT = 0.001  # [s], a tick
@@ -121,12 +121,11 @@ def test_a_target_out_of_limits_is_refused_and_nothing_moves(
 ) -> None:
     before = robot.controller(ARM).state.desired, robot.controller(GRIPPER).state
     for bad in (7.0, math.nan, math.inf):
-        with pytest.raises(GoalRejectedError, match=PAN):
+        kind = GoalRejectedError if math.isfinite(bad) else RequestError
+        with pytest.raises(kind):
             robot.controller(ARM).steer({LIFT: -1.0, PAN: bad})
-        with pytest.raises(GoalRejectedError, match=PAN):
+        with pytest.raises(kind):
             robot.move_joints({FINGER: 0.4, PAN: bad})
-    with pytest.raises(GoalRejectedError, match=r"beyond its limits \[-6.28"):
-        robot.move_joints({PAN: 7.0})
     robot.run(0.1)
     after = robot.controller(ARM).state.desired, robot.controller(GRIPPER).state
     assert before[0].positions == after[0].positions
@@ -134,7 +133,7 @@ def test_a_target_out_of_limits_is_refused_and_nothing_moves(
 
 
 def test_a_speed_out_of_range_is_refused(robot: tool0.Robot) -> None:
-    with pytest.raises(ControlError, match=r"speed must be in \[0.01, 1\], got 2"):
+    with pytest.raises(RequestError, match="'speed'"):
         robot.move_joints({PAN: 0.1}, speed=2.0)
 
 

@@ -11,7 +11,7 @@ import pytest
 from ur5_rig import GRIPPER
 
 import tool0
-from tool0.errors import ControlError, GoalTimeoutError, ModelError
+from tool0.errors import ControlError, GoalTimeoutError, ModelError, RequestError
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +20,7 @@ def robot() -> Iterator[tool0.Robot]:
         yield robot
 
 
-@pytest.mark.parametrize("opening", [-0.001, 0.0851, math.nan, math.inf])
+@pytest.mark.parametrize("opening", [-0.001, 0.0851])
 def test_an_opening_out_of_reach_is_refused(robot: tool0.Robot, opening: float) -> None:
     with pytest.raises(ModelError, match=r"opening .* is outside \[0, 0\.085\]"):
         robot.gripper.move(opening=opening)
@@ -34,18 +34,18 @@ def test_a_setting_out_of_range_is_refused_and_the_motion_goes_on(
 ) -> None:
     robot.gripper.move(opening=0.07).wait(5.0)
     goal = robot.gripper.move(opening=0.03)
-    with pytest.raises(ControlError, match=f"{setting} "):
+    with pytest.raises(ControlError, match=setting):
         robot.gripper.move(opening=0.08, **{setting: value})
     assert goal.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
     assert robot.gripper.opening == pytest.approx(0.03, abs=1e-3)
 
 
 @pytest.mark.parametrize("what", ["opening", "speed", "force", "effort"])
-@pytest.mark.parametrize("value", ["0.04", np.array([0.04])])
-def test_what_is_no_number_never_reaches_the_loop(
+@pytest.mark.parametrize("value", ["0.04", np.array([0.04]), math.nan, math.inf])
+def test_what_is_no_finite_number_is_refused(
     robot: tool0.Robot, what: str, value: object
 ) -> None:
-    with pytest.raises(ControlError, match=f"{what} must be one number, got "):
+    with pytest.raises(RequestError, match=f"'{what}'"):
         robot.gripper.move(**{"opening": 0.04, what: value})  # type: ignore[arg-type]
 
 

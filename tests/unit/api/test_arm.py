@@ -14,7 +14,7 @@ import tool0
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ControlError, ModelError, UnreachableError
 from tool0.kinematics.inverse import Branch
-from tool0.runtime import arm as module
+from tool0.runtime import linear_motion
 from tool0.runtime.linear_motion import LinearMotion
 
 pytestmark = pytest.mark.slow
@@ -126,7 +126,7 @@ def test_a_line_is_not_followed_by_an_arm_that_was_moved_meanwhile(
         robot.run(0.1)
         return LinearMotion(*arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(module, "LinearMotion", plan)
+    monkeypatch.setattr(linear_motion, "LinearMotion", plan)
     with pytest.raises(ControlError, match="moving"):
         robot.arm.move_linear(AHEAD)
 

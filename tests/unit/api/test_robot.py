@@ -18,6 +18,7 @@ from tool0.errors import (
     ControlError,
     GoalTimeoutError,
     ModelError,
+    RequestError,
 )
 
 ARM = "eff_joint_traj_controller"
@@ -112,7 +113,7 @@ def test_an_unknown_controller_is_refused_with_the_nearest(robot: tool0.Robot) -
 
 @pytest.mark.parametrize("duration", [-1.0, math.nan])
 def test_time_runs_forwards_only(robot: tool0.Robot, duration: float) -> None:
-    with pytest.raises(ControlError, match="at least 0"):
+    with pytest.raises(RequestError, match="duration"):
         robot.run(duration)
 
 

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
-from tool0.description.positions import joint_positions
 from tool0.errors import LimitsError, ModelError
 
 OTHERWISE = [0.1, 0.2, 0.05, 9.9]  # the last one mimics: 0.2 - 0.5 · bend
