@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tool0.engines.gazebo.window import ClientWindow
+from tool0.engines.gazebo.server import ClientWindow
 
 TIMEOUT = 20.0
 
