@@ -116,7 +116,7 @@ class GazeboServerWorld:
         self.gravity: Vector3 = (x, y, z)
 
     def start_poses(self) -> bytes:
-        """Return the poses to which a reset returns the objects, as the bridge reads them."""
+        """Return the objects' poses after a reset, as the bridge reads them."""
         return b"".join(
             pack_pose(self._root @ pose_matrix(item.pose))
             for item in self._objects.values()
