@@ -114,8 +114,8 @@ TOY = EngineDefinition(options=ToyOptions, create=create)
 
 @pytest.fixture
 def toy(monkeypatch: pytest.MonkeyPatch) -> str:
-    monkeypatch.setattr(registry, "_LOCATIONS", dict(registry._LOCATIONS))
-    register_engine("toy", f"{__name__}:TOY")
+    monkeypatch.setattr(registry, "_ENGINES", dict(registry._ENGINES))
+    register_engine("toy", TOY)
     return "toy"
 
 

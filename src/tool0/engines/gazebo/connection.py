@@ -72,7 +72,7 @@ class BridgeListener:
         Raises:
             EngineUnavailableError: If no bridge connects, or one of another version.
         """
-        waited = 0.0
+        deadline = perf_counter() + timeout
         self._socket.settimeout(0.1)
         while True:
             try:
@@ -80,11 +80,10 @@ class BridgeListener:
                 break
             except TimeoutError:
                 check()
-                waited += 0.1
-                if waited > timeout:
-                    raise EngineUnavailableError(
-                        f"gzserver did not load the bridge within {timeout:g} s"
-                    ) from None
+            if perf_counter() > deadline:
+                raise EngineUnavailableError(
+                    f"gzserver did not load the bridge within {timeout:g} s"
+                )
         try:
             _handshake(peer, dt)
         except BaseException:

@@ -33,13 +33,9 @@ class MujocoEngine:
         ground: float | None = 0.0,
         scene: Scene | None = None,
     ) -> None:
-        """Compile the robot and its scene.
+        """Compile the robot and its scene for steps of ``dt`` [s].
 
-        Args:
-            model: The robot.
-            dt: Length of a step [s].
-            ground: Height of the ground [m], in the robot's root; None without ground.
-            scene: The objects around it.
+        ``ground`` is its height in the robot's root [m]; None without ground.
         """
         check_dt(dt)
         if ground is not None and not math.isfinite(ground):

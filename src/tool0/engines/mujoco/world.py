@@ -56,12 +56,8 @@ class MujocoWorld:
     ) -> None:
         """Compile robot and scene.
 
-        Args:
-            robot: The robot.
-            robot_spec: Its ``mujoco.MjSpec``.
-            scene: The objects around it.
-            ground: Height of the ground in the spec [m]; None without ground.
-            on_compiled: Called with each new ``MjModel`` and ``MjData``.
+        ``robot_spec`` is the robot's ``MjSpec``, with the ground at height ``ground``
+        [m] or without.  ``on_compiled`` gets each new ``MjModel`` and ``MjData``.
         """
         self.ground = ground
         self._robot = robot
@@ -187,8 +183,8 @@ class MujocoWorld:
                     second,
                 )
 
-    def _mobility(self, geom: Any) -> tuple[bool, int]:  # a view of MjModel, untyped
-        """Return a key that sorts shapes that move after static ones."""
+    def _mobility(self, geom: Any) -> tuple[bool, int]:
+        """Return a key that sorts moving shapes after static ones."""
         body = int(geom.bodyid[0])
         return bool(self._model.body_weldid[body]), body
 
