@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from skew_robot import build_model
-from tool0.runtime.mailbox import Mailbox
 
 from tool0.control.config import ControllerConfig
 from tool0.control.goal import Goal

@@ -9,7 +9,7 @@ from tool0.api.sensors import ForceTorque
 from tool0.errors import ControlError
 from tool0.interfaces.ros1.conversions import Message
 from tool0.interfaces.ros1.node import RosNode
-from tool0.sensing.force_torque_sensor import WrenchReading
+from tool0.sensing.force_torque import WrenchReading
 from tool0.sensing.snapshot import Snapshot
 
 TOPIC = "wrench"
