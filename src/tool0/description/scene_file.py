@@ -45,7 +45,7 @@ from tool0.description.shapes import (
     find_mesh,
 )
 from tool0.description.transform import Pose
-from tool0.description.yaml_tree import Entry, read_files
+from tool0.description.yaml_tree import YamlEntry, read_files
 from tool0.description.yaml_values import Namespace
 from tool0.errors import (
     ConfigError,
@@ -135,7 +135,7 @@ def _record(
     locations[name] = location
 
 
-def _objects(entry: Entry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
+def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
     """Return the objects of an entry: one, or the walls of a bin."""
     values = Namespace.of(entry)
     values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
@@ -231,7 +231,7 @@ _BIN = "bin"
 _KINDS = (*_SHAPES, _BIN)
 
 
-def _camera(entry: Entry) -> Camera:
+def _camera(entry: YamlEntry) -> Camera:
     values = Namespace.of(entry)
     values.only("name", "link", "pose", *_CAMERA_PIXELS, *_CAMERA_NUMBERS)
     given: dict[str, Any] = {  # keywords of two types
@@ -281,7 +281,7 @@ def _pose(values: Namespace, *other_keys: str) -> Pose:
 
 
 @contextmanager
-def _located(entry: Entry) -> Iterator[None]:
+def _located(entry: YamlEntry) -> Iterator[None]:
     """Add the location of ``entry`` to an error without one."""
     try:
         yield

@@ -143,11 +143,11 @@ def test_what_is_wrong_is_said_and_moves_nothing(robot: tool0.Robot) -> None:
             move(AHEAD, tip="left_inner_finger_pad")
         with pytest.raises(ModelError, match="unknown link 'table'"):
             move(AHEAD, relative_to="table")
-    with pytest.raises(ControlError, match=r"near: 'elbow' is none of the arm's"):
+    with pytest.raises(ControlError, match=r"'elbow'"):
         arm.inverse_kinematics(AHEAD, near={"elbow": 1.0})
     with pytest.raises(ControlError, match="finite"):
         arm.inverse_kinematics(AHEAD, near={"elbow_joint": np.nan})
-    with pytest.raises(ControlError, match="speed must be"):
+    with pytest.raises(ControlError, match="speed"):
         arm.move_to(AHEAD, speed=2.0)
     robot.run(0.1)
     assert robot.controller(ARM).state.desired.velocities == (0.0,) * 6

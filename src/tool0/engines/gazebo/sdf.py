@@ -21,7 +21,7 @@ STIFFNESS, DAMPING = 1e5, 10.0
 MIN_DEPTH, MAX_VEL = 1e-5, 0.1
 """Overlap that is not corrected [m], and the highest speed of correction [m/s].
 
-The direct solver ignores the second; bridge/leash.cc limits it instead.
+The direct solver ignores the second; bridge/preload.cc limits it instead.
 """
 EMPTY_WORLD = Path(__file__).with_name("empty.world")
 """A world with a sun, and the ground at z = 0."""

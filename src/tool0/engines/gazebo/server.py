@@ -18,7 +18,8 @@ from typing import Final, final
 
 from tool0.engines.gazebo.connection import BridgeConnection, BridgeListener
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.installation import Installation
+from tool0.installation.child_process import ChildProcess
+from tool0.installation.gazebo.installation import GazeboInstallation
 from tool0.installation.gazebo.plugin import BridgeLibraries
 from tool0.user_data import locked
 
@@ -26,11 +27,12 @@ logger = logging.getLogger(__name__)
 
 START_TIMEOUT = 30.0
 """Until gzserver has loaded the bridge [s]; with a cold disk it takes ten."""
-_GRACE = 0.2  # [s] for a server that hung up to end by itself
+_EXIT_TIMEOUT: Final = 0.2
+"""For a server that closed the connection to end by itself [wall s]."""
 _FOLDER: Final = "tool0-gazebo-"
 _LOCK: Final = "lock"
 _NEW_LOCK: Final = "lock.new"
-_TRIES: Final = 3
+_MAX_STARTS: Final = 3
 _DELIBERATE: Final = (0, -signal.SIGTERM, -signal.SIGINT, -signal.SIGKILL)
 """Exit statuses of a gzclient that its user ended."""
 _LAST_LINES: Final = 12
@@ -44,7 +46,7 @@ _NOISE: Final = re.compile(
 _ERROR: Final = re.compile(r"\[Err\]|Error|\[Wrn\] \[Server")
 
 
-def _window_program(installation: Installation) -> Path:
+def _window_program(installation: GazeboInstallation) -> Path:
     """Return the program gzclient, or raise EngineUnavailableError."""
     if installation.client is None:
         raise EngineUnavailableError(
@@ -62,13 +64,12 @@ def _window_program(installation: Installation) -> Path:
 class GazeboServer:
     """One gzserver with its own folder, port and HOME.
 
-    It ends with ``close``, and with this process however that ends: ``leash.cc`` is
-    preloaded into gzserver and gzclient and holds the other end of a pipe.
+    It ends with ``close``, and with this process however that ends.
     """
 
     def __init__(
         self,
-        installation: Installation,
+        installation: GazeboInstallation,
         libraries: BridgeLibraries,
         world: Path,
         *,
@@ -81,16 +82,13 @@ class GazeboServer:
         """
         self._client = _window_program(installation) if gui else None
         self._installation = installation
-        self._leash = str(libraries.leash)
+        self._preload = str(libraries.preload)
         self._port = _free_port()
         self._lines_read = 0
         self._window: ClientWindow | None = None
         with contextlib.ExitStack() as exits:
             self.folder = exits.enter_context(_own_folder())
             self._log = self.folder / "gzserver.log"
-            self._lifeline, our_end = os.pipe()
-            for end in (self._lifeline, our_end):
-                exits.callback(os.close, end)
             self._listener = BridgeListener(self.folder / "bridge")
             exits.callback(self._listener.close)
             # Without a gzclient ``~/physics/contacts`` is not published: publishing at
@@ -114,7 +112,9 @@ class GazeboServer:
     def process_ids(self) -> tuple[int, ...]:
         """Of the running processes."""
         processes = [self._process, *([self._window.process] if self._window else [])]
-        return tuple(process.pid for process in processes if process.poll() is None)
+        return tuple(
+            process.pid for process in processes if process.exit_status is None
+        )
 
     def connect(self, dt: float) -> BridgeConnection:
         """Return the connection to the bridge, which makes steps of ``dt`` [s].
@@ -146,13 +146,12 @@ class GazeboServer:
         """End both processes and remove the folder; closing twice is allowed."""
         if self._window is not None:
             self._window.close()
-        self._process.kill()  # nothing of its outlives the folder
-        self._process.wait()
+        self._process.close()  # before its folder is removed
         self._exits.close()
 
     def _check(self) -> None:
         """Raise EngineUnavailableError if the server has ended."""
-        if self._process.poll() is not None:
+        if self._process.exit_status is not None:
             raise EngineUnavailableError(
                 _exit_report("gzserver did not start", self._process, self._log)
             )
@@ -160,15 +159,15 @@ class GazeboServer:
     def _lost(self, why: str) -> EngineUnavailableError:
         """End what is left of the server, and return the error that reports it."""
         with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(_GRACE)
+            self._process.wait(_EXIT_TIMEOUT)
         error = EngineUnavailableError(_exit_report(why, self._process, self._log))
         self.close()
         return error
 
     def _run(
         self, program: Path, arguments: list[str], log: Path, extra: Mapping[str, str]
-    ) -> subprocess.Popen[bytes]:
-        preload = [self._leash, os.environ.get("LD_PRELOAD", "")]
+    ) -> ChildProcess:
+        preload = [self._preload, os.environ.get("LD_PRELOAD", "")]
         environment = {
             **os.environ,
             **self._installation.environment,
@@ -177,20 +176,15 @@ class GazeboServer:
             "GAZEBO_IP": "127.0.0.1",
             "IGN_IP": "127.0.0.1",
             "GAZEBO_MODEL_DATABASE_URI": "",  # or it waits for the network
-            "TOOL0_LIFELINE": str(self._lifeline),
             "LD_PRELOAD": ":".join(filter(None, preload)),
             **extra,
         }
         with log.open("wb") as stream:
-            return subprocess.Popen(
+            return ChildProcess(
                 [str(program), *arguments],
-                env=environment,
-                cwd=self.folder,
-                stdin=subprocess.DEVNULL,
+                environment=environment,
+                folder=self.folder,
                 stdout=stream,
-                stderr=subprocess.STDOUT,
-                pass_fds=[self._lifeline],
-                start_new_session=True,  # Ctrl-C reaches only us; we close it
             )
 
 
@@ -202,7 +196,7 @@ class ClientWindow:
     with software GL.
     """
 
-    def __init__(self, run: Callable[[], subprocess.Popen[bytes]], log: Path) -> None:
+    def __init__(self, run: Callable[[], ChildProcess], log: Path) -> None:
         """Start it by ``run``, with its output in ``log``."""
         self._run = run
         self._log = log
@@ -216,11 +210,10 @@ class ClientWindow:
         """End it; closing twice is allowed."""
         with self._lock:
             self._is_closed = True
-            self.process.kill()
-            self.process.wait()
+            self.process.close()
 
     def _watch(self) -> None:
-        for tries_left in reversed(range(_TRIES)):
+        for tries_left in reversed(range(_MAX_STARTS)):
             status = self.process.wait()
             with self._lock:
                 if self._is_closed or status in _DELIBERATE:
@@ -229,12 +222,13 @@ class ClientWindow:
                     end = "Gazebo's window is gone"
                     logger.warning("%s", _exit_report(end, self.process, self._log))
                     return
+                self.process.close()
                 self.process = self._run()
 
 
 @contextlib.contextmanager
 def _own_folder() -> Iterator[Path]:
-    """Make a folder that is removed at the end, or by a later call if we are killed."""
+    """Make a folder that is removed at the end; remove those of killed processes."""
     parent = Path(tempfile.gettempdir())
     for left in parent.glob(f"{_FOLDER}*/{_LOCK}"):
         # That of a running server is locked, that of a starting one has no lock yet.
@@ -255,9 +249,9 @@ def _free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def _exit_report(why: str, process: subprocess.Popen[bytes], log: Path) -> str:
+def _exit_report(why: str, process: ChildProcess, log: Path) -> str:
     """Return ``why``, how ``process`` ended if it did, and the end of its log."""
-    status = process.poll()
+    status = process.exit_status
     if status is None:
         how = ""
     elif status < 0:
