@@ -67,23 +67,13 @@ def unpack_contacts(
             sums[first, second] += numbers
         else:
             sums[first, second] = numbers
-    return tuple(
-        _contact(first, second, total, root) for (first, second), total in sums.items()
-    )
-
-
-def _contact(first: str, second: str, total: Matrix, root: Matrix) -> Contact:
-    moment, force, torque = total[1:4], total[4:7], total[7:10]
-    point = moment / total[0]
-    rest = torque - np.cross(point, force)
-    return Contact(
-        first, second, _vector(point - root[:3, 3]), _vector(force), _vector(rest)
-    )
-
-
-def _vector(values: Matrix) -> tuple[float, float, float]:
-    x, y, z = map(float, values)
-    return x, y, z
+    found = []
+    for (first, second), total in sums.items():
+        moment, force, torque = total[1:4], total[4:7], total[7:10]
+        point = moment / total[0]
+        vectors = (point - root[:3, 3], force, torque - np.cross(point, force))
+        found.append(Contact(first, second, *(tuple(v.tolist()) for v in vectors)))
+    return tuple(found)
 
 
 def _unpack(

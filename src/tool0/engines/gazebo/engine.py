@@ -56,7 +56,7 @@ class GazeboEngine:
             dt: Length of a step [s].
             spawn_z: Height of the robot's root above the world's origin [m].
             scene: The objects around it.
-            world: A world file; None for an empty one with the ground at z = 0.
+            world: A world file; an empty one with the ground at z = 0 if left out.
             gui: Whether to open gzclient.
 
         Raises:

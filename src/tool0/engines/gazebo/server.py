@@ -111,10 +111,9 @@ class GazeboServer:
     @property
     def process_ids(self) -> tuple[int, ...]:
         """Of the running processes."""
-        processes = [self._process, *([self._window.process] if self._window else [])]
-        return tuple(
-            process.pid for process in processes if process.exit_status is None
-        )
+        window = [] if self._window is None else [self._window.process]
+        running = (p for p in (self._process, *window) if p.exit_status is None)
+        return tuple(process.pid for process in running)
 
     def connect(self, dt: float) -> BridgeConnection:
         """Return the connection to the bridge, which makes steps of ``dt`` [s].

@@ -14,7 +14,6 @@ from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.engines.checks import check_dt, effort_divergence
 from tool0.engines.mujoco.model import build_spec
-from tool0.engines.mujoco.objects import object_of
 from tool0.engines.mujoco.world import MujocoWorld
 from tool0.errors import ConfigError, DivergenceError, ModelError
 from tool0.hardware.joint_state import JointState, joint_selector
@@ -111,4 +110,4 @@ class MujocoEngine:
         name = self.model.joint(joint).name
         if joint < n:
             return DivergenceError(name, time)
-        return DivergenceError(object_of(name), time, kind="object")
+        return DivergenceError(name.partition("/")[0], time, kind="object")

@@ -118,7 +118,7 @@ def to_mjcf(model: RobotModel) -> str:
     return str(spec.to_xml())
 
 
-def compile_spec(spec: Any) -> Any:  # MjSpec and MjModel carry no types
+def compile_spec(spec: Any) -> Any:
     """Return the ``mujoco.MjModel`` of ``spec``, or raise ModelError."""
     try:
         return spec.compile()

@@ -35,8 +35,8 @@ OBJECT_SOLREF = (0.004, 1.0)
 """Of contacts between objects, ground and links: a fifth of MuJoCo's time constant
 [s], so that a cube at rest penetrates by micrometres."""
 OBJECT_ROLLING = 0.0005
-"""Rolling friction [m], a guess for firm things: a can on its side stays where it is
-on a table that is up to one degree from level."""
+"""Rolling friction [m], a guess for firm objects: a can on its side does not roll on a
+table that is up to one degree from level."""
 
 _PATCH, _ROUND = 4, 6  # condim: with spinning friction; with rolling friction, too
 
@@ -75,13 +75,8 @@ def compile_with_scene(
 
 
 def free_joint_name(name: str) -> str:
-    """Return the name of an object's free joint, which no joint of a robot has."""
+    """Return the name of an object's free joint."""
     return f"{name}/free"  # no object's name has a slash
-
-
-def object_of(free_joint: str) -> str:
-    """Return the name of the object that has this joint."""
-    return free_joint.partition("/")[0]
 
 
 def _add_objects(spec: Any, model: RobotModel, scene: Scene) -> None:
@@ -156,11 +151,8 @@ def _add_object(spec: Any, item: SceneObject) -> None:
 
 
 def _add_pair(spec: Any, first: str, second: str, mu: float) -> Any:
-    return spec.add_pair(
-        geomname1=first,
-        geomname2=second,
-        friction=[mu, mu, SPINNING, OBJECT_ROLLING, OBJECT_ROLLING],
-    )
+    friction = [mu, mu, SPINNING, OBJECT_ROLLING, OBJECT_ROLLING]
+    return spec.add_pair(geomname1=first, geomname2=second, friction=friction)
 
 
 def _condim(item: SceneObject) -> int:
@@ -185,19 +177,11 @@ class ObjectStates:
         self._model = model
         self._names = tuple(item.name for item in scene.objects)
         movable = [item.name for item in scene.objects if item.mass is not None]
-        joints = {name: model.joint(free_joint_name(name)) for name in movable}
-        starts = {
-            name: (int(joint.qposadr[0]), int(joint.dofadr[0]))
-            for name, joint in joints.items()
-        }
-        first = min(starts.values(), default=(0, 0))
-        self._starts: Mapping[str, tuple[int, int]] = {
-            name: (start[0] - first[0], start[1] - first[1])
-            for name, start in starts.items()
-        }
-        self._position = data.qpos[first[0] :]  # views
-        self._velocity = data.qvel[first[1] :]
-        self._warm_start = data.qacc_warmstart[first[1] :]
+        # Free joints are the last ones, in the scene's order: 7 positions, 6 speeds.
+        self._starts = {name: (7 * k, 6 * k) for k, name in enumerate(movable)}
+        self._position = data.qpos[model.nq - 7 * len(movable) :]  # views
+        self._velocity = data.qvel[model.nv - 6 * len(movable) :]
+        self._warm_start = data.qacc_warmstart[model.nv - 6 * len(movable) :]
         self._static_at_start = {
             item.name: ObjectState(
                 item.name, item.pose.xyz, (*quat_wxyz(pose_matrix(item.pose)).tolist(),)

@@ -237,37 +237,32 @@ def _furnish(spec: Any, width: int, height: int) -> None:
 
 def with_readable_visuals(model: RobotModel) -> RobotModel:
     """Return the robot with collision shapes instead of meshes MuJoCo cannot read."""
-    unread = sorted(
-        {
-            visual.geometry.path.name
-            for link in model.links
-            for visual in link.visuals
-            if isinstance(visual.geometry, Mesh) and not _is_readable(visual)
-        }
-    )
-    if not unread:
+    unreadable = {
+        visual.geometry.path.name
+        for link in model.links
+        for visual in link.visuals
+        if isinstance(visual.geometry, Mesh) and not _is_readable(visual)
+    }
+    if not unreadable:
         return model
     logger.warning(
         "cameras show collision shapes instead of %s, which MuJoCo cannot read; "
         "convert them to STL or OBJ",
-        ", ".join(unread),
+        ", ".join(sorted(unreadable)),
     )
     return replace(model, links=tuple(map(_with_readable_visuals, model.links)))
 
 
 def _with_readable_visuals(link: Link) -> Link:
-    if all(map(_is_readable, link.visuals)):
-        return link
-    stand_ins = (
-        Visual(geometry=item.geometry, origin=item.origin, rgba=STAND_IN_RGBA)
-        for item in link.collisions
-    )
     kept = tuple(visual for visual in link.visuals if _is_readable(visual))
-    return replace(link, visuals=kept or tuple(stand_ins))
+    if not kept and link.visuals:
+        kept = tuple(
+            Visual(geometry=item.geometry, origin=item.origin, rgba=STAND_IN_RGBA)
+            for item in link.collisions
+        )
+    return replace(link, visuals=kept)
 
 
 def _is_readable(visual: Visual) -> bool:
-    geometry = visual.geometry
-    if not isinstance(geometry, Mesh):
-        return True
-    return geometry.path.suffix.lower() in MESH_SUFFIXES
+    shape = visual.geometry
+    return not isinstance(shape, Mesh) or shape.path.suffix.lower() in MESH_SUFFIXES
