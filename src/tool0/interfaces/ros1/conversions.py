@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, final
 
-from tool0.control.tolerances import Tolerance
+from tool0.control.goal import Tolerance
 from tool0.control.trajectory import (
     JointsMotion,
     TrajectoryGoal,
