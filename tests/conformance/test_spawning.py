@@ -231,3 +231,30 @@ def test_a_reset_can_let_time_go_on(bring_up: BringUp) -> None:
     assert robot.time == robot.snapshot.time == pytest.approx(1.4)
     robot.reset()
     assert robot.time == 0.0
+
+
+def test_the_same_commands_give_the_same_bits(bring_up: BringUp) -> None:
+    def run(robot: tool0.Robot) -> list[object]:
+        seen: list[object] = []
+
+        def go_on() -> None:
+            robot.run(0.111)
+            now = robot.snapshot
+            seen.append((now.time, now.position, now.velocity, now.objects))
+
+        robot.controller(ARM).follow([point(AWAY, 0.5)])
+        go_on()
+        robot.scene.add(thing(z=0.0))
+        robot.scene.add(thing("other", 0.06))
+        go_on()
+        robot.scene.place("other", (1.5, 0.01, 0.1), linear=(0.0, 0.0, -1.0))
+        go_on()
+        robot.scene.add(thing("third", 0.3))
+        go_on()
+        robot.scene.remove("cube")
+        go_on()
+        robot.reset(keep_time=True)
+        go_on()
+        return seen
+
+    assert run(bring_up()) == run(bring_up())
