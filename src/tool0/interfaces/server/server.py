@@ -6,7 +6,7 @@ import asyncio
 import logging
 import threading
 from collections.abc import Sequence
-from types import TracebackType
+from contextlib import AbstractContextManager
 from typing import Final, Protocol, final
 
 from tool0.interfaces.server.backend import Backend
@@ -21,20 +21,20 @@ _CHECK_PERIOD: Final = 1.0
 
 
 class Service(Protocol):
-    """A way in: it listens from its construction on."""
+    """Accepts connections at an address; it listens from its construction on."""
 
     async def start(self, hub: Hub) -> None:
-        """Take peers, in the server's event loop."""
+        """Accept peers, in the server's event loop."""
 
     async def stop(self) -> None:
-        """Take no more peers."""
+        """Stop to accept peers; the hub then closes the connections."""
 
-    def release(self) -> None:
-        """Give back what was listening; twice is allowed."""
+    async def release(self) -> None:
+        """End what is left and free the address, also if it was never started."""
 
 
 @final
-class Server:
+class Server(AbstractContextManager["Server"]):
     """Serves a robot from construction to ``close``."""
 
     def __init__(
@@ -44,7 +44,7 @@ class Server:
 
         Args:
             backend: What answers requests.
-            services: The ways in.
+            services: The addresses where it accepts connections.
             name: Of the bring-up.
         """
         self._backend = backend
@@ -58,20 +58,12 @@ class Server:
         self._thread.start()
 
     def close(self) -> None:
-        """Say goodbye to every peer and end; closing twice is allowed."""
+        """Close every connection and end; closing twice is allowed."""
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._stop.set)
             self._thread.join(_CLOSES_WITHIN)
 
-    def __enter__(self) -> Server:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _run(self) -> None:
@@ -80,9 +72,7 @@ class Server:
         except Exception:  # the robot runs on without its server
             logger.exception("the server failed")
         finally:
-            for service in self._services:
-                service.release()
-            self._loop.run_until_complete(_end_tasks())
+            self._loop.run_until_complete(self._release())
             self._loop.run_until_complete(self._loop.shutdown_default_executor())
             self._loop.close()
 
@@ -99,9 +89,14 @@ class Server:
             await service.stop()
         await hub.close()
 
+    async def _release(self) -> None:
+        for service in self._services:
+            await service.release()
+        await _end_tasks()
+
 
 async def _end_tasks() -> None:
-    """End what is left in the loop, such as a peer that never said goodbye."""
+    """End what is left in the loop, such as a peer that never closed."""
     tasks = asyncio.all_tasks() - {asyncio.current_task()}
     for task in tasks:
         task.cancel()

@@ -34,7 +34,7 @@ class UnixSocketService:
         self._server: asyncio.Server | None = None
 
     async def start(self, hub: Hub) -> None:
-        """Take peers."""
+        """Accept peers."""
 
         async def serve(
             reader: asyncio.StreamReader, writer: asyncio.StreamWriter
@@ -52,12 +52,12 @@ class UnixSocketService:
         )
 
     async def stop(self) -> None:
-        """Take no more peers."""
+        """Stop to accept peers."""
         if self._server is not None:
             self._server.close()
 
-    def release(self) -> None:
-        """Remove the socket file; twice is allowed."""
+    async def release(self) -> None:
+        """Remove the socket file."""
         self._listener.close()
         self._claim.close()
 
@@ -102,7 +102,7 @@ def _listen(claim: Claim) -> socket.socket:
     """Return a listening socket that only this user can open."""
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
-        # The folder is 0700 already, so nobody can come in before the chmod.
+        # The folder is 0700 already, so no other user can connect before the chmod.
         listener.bind(str(claim.path))
         claim.path.chmod(0o600)
         listener.listen(16)
