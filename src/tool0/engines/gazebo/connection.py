@@ -62,12 +62,9 @@ class BridgeListener:
     def accept(
         self, dt: float, check: Callable[[], None], timeout: float
     ) -> socket.socket:
-        """Return the socket of a bridge of our version.
+        """Return the socket of a bridge of our version, for steps of ``dt`` [s].
 
-        Args:
-            dt: Length of its steps [s].
-            check: Called while waiting; raises if the bridge will never connect.
-            timeout: How long to wait [s].
+        ``check`` is called while waiting; it raises if the bridge will never connect.
 
         Raises:
             EngineUnavailableError: If no bridge connects, or one of another version.

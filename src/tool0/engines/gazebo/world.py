@@ -65,17 +65,10 @@ class GazeboServerWorld:
     ) -> None:
         """Spawn the robot and the scene, and bind the bridge to the robot.
 
-        Args:
-            connection: To the bridge.
-            server: The gzserver that runs the bridge.
-            model: The robot.
-            bodies: Its moving bodies.
-            urdf: The robot, for libsdformat.
-            gears: The constraints that the bridge holds.
-            root: The robot's root in the world, shape (4, 4): moved, not rotated.
-            scene: The objects around the robot.
-            world_file: The user's world; None for ours.
-            finish_step: Receives the answer to a pending step, before other requests.
+        ``urdf`` is the robot for libsdformat, without the ``gears``, which the bridge
+        holds; ``root`` its root in the world, shape (4, 4): moved, not rotated.
+        ``world_file`` is None for our own world.  ``finish_step`` is called before each
+        request: it receives the answer to a pending step.
 
         Raises:
             DescriptionError: If Gazebo cannot read the world.

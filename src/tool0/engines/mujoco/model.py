@@ -22,7 +22,6 @@ from tool0.description.model import (
     Link,
     LoopJoint,
     RobotModel,
-    Surface,
     Visual,
 )
 from tool0.description.scene import GROUND
@@ -71,7 +70,7 @@ def build_spec(
         model: The robot.
         dt: Length of a step [s].
         visuals: Whether to add the visual meshes, which physics does not need.
-        ground: Height of the ground [m], in the robot's root; None without ground.
+        ground: Its height in the robot's root [m]; None without ground.
 
     Raises:
         ModelError: If MuJoCo does not support the robot.
@@ -258,7 +257,10 @@ def _add_shapes(
         geom.group = _COLLISION_GROUP
         geom.mass = 0.0
         if link.surface is not None:
-            _set_pad_contact(geom, link.surface)
+            geom.condim, geom.priority = GRIP_CONDIM, 1
+            geom.solref, geom.solimp = GRIP_SOLREF, GRIP_SOLIMP
+            if link.surface.mu1 is not None:
+                geom.friction = [link.surface.mu1, SPINNING, ROLLING]
     for number, visual in enumerate(link.visuals if visuals else ()):
         geom = add_geom(spec, handle, visual, frame)
         geom.name = f"{link.name}/visual{number}"
@@ -267,13 +269,6 @@ def _add_shapes(
         geom.contype = geom.conaffinity = 0
         if visual.rgba is not None:
             geom.rgba = visual.rgba
-
-
-def _set_pad_contact(geom: Any, surface: Surface) -> None:
-    geom.condim, geom.priority = GRIP_CONDIM, 1
-    geom.solref, geom.solimp = GRIP_SOLREF, GRIP_SOLIMP
-    if surface.mu1 is not None:
-        geom.friction = [surface.mu1, SPINNING, ROLLING]
 
 
 def _add_mesh(spec: Any, mesh: Mesh) -> str:

@@ -46,12 +46,9 @@ def compile_with_scene(
 ) -> tuple[Any, Mapping[str, bytes]]:  # MjSpec and MjModel carry no types
     """Return the ``mujoco.MjModel`` of robot and scene, and its mesh files' contents.
 
-    Args:
-        spec: Of the robot; the scene is added to it.
-        model: The robot.
-        scene: The objects.
-        known_files: Contents from the previous compilation: a file may change or
-            disappear while its object stays.
+    The scene is added to ``spec``, that of the robot.  ``known_files`` are the contents
+    from the previous compilation: a file may change or disappear while its object
+    stays.
 
     Raises:
         ModelError: If MuJoCo refuses the robot or an object, which is named.
