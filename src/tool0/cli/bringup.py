@@ -123,7 +123,7 @@ def _robot(options: BringupOptions) -> Robot:
 def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Server:
     """Serve the robot to other processes and to pages."""
     from tool0.interfaces.server.backend import SimulationBackend
-    from tool0.interfaces.server.server import Server, Service
+    from tool0.interfaces.server.server import Server
 
     services: list[Service] = []
     if claim is not None:
