@@ -80,7 +80,7 @@ def _delays(sent: Sequence[float], seen: Sequence[float]) -> list[float]:
 
 def _robot() -> None:
     """Be the robot; print when the client sent, when effort jumped, what was heard."""
-    from tool0.interfaces.ros1.edge import Ros1
+    from tool0.interfaces.ros1.bridge import Ros1Bridge
     from tool0.interfaces.ros1.options import Ros1Options
 
     with tool0.bringup() as robot:
@@ -95,7 +95,7 @@ def _robot() -> None:
             write(effort)
 
         robot.engine.write = watched  # type: ignore[method-assign]
-        with Ros1(robot, Ros1Options(roscore=True)):
+        with Ros1Bridge(robot, Ros1Options(roscore=True)):
             listener = _start("listener")
             client = _start("client")
             sent = json.loads(client.communicate()[0])

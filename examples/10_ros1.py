@@ -2,7 +2,7 @@
 
 import tool0
 from tool0.errors import RosUnavailableError
-from tool0.interfaces.ros1.edge import Ros1
+from tool0.interfaces.ros1.bridge import Ros1Bridge
 from tool0.interfaces.ros1.options import Ros1Options
 
 GOAL = {"shoulder_lift_joint": -1.2, "elbow_joint": 1.4}  # [rad]
@@ -40,7 +40,7 @@ def move() -> None:
 with tool0.bringup() as robot:
     try:
         # rospy knows one node in a process: here it is robot and client at once.
-        with Ros1(robot, Ros1Options(roscore=True)):
+        with Ros1Bridge(robot, Ros1Options(roscore=True)):
             move()
     except RosUnavailableError as error:  # "… `tool0 ros1 install` installs it …"
         print("no ROS to be seen in:", error)
