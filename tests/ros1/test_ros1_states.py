@@ -15,7 +15,7 @@ from ros import Bringup, Ros
 from ros_client import listening
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, HOME
 
-from tool0.interfaces.ros1.meshes import with_found_meshes
+from tool0.interfaces.ros1.parameter_server import with_mesh_files
 
 JOINTS = (
     "elbow_joint",
@@ -44,7 +44,7 @@ def test_robot_description_is_what_describe_prints(ros: Ros, bringup: Bringup) -
         text=True,
         check=True,
     ).stdout
-    found = with_found_meshes(described)  # RViz shall find them from any terminal
+    found = with_mesh_files(described)  # RViz shall find them from any terminal
     assert ros.parameter("/robot_description").strip() == found.strip()
 
 

@@ -6,6 +6,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, final
 
+from actionlib import ActionServer
+from rospy import Time
+
 from tool0.api.controller import GoalHandle
 from tool0.control.goal import GoalStatus, Result
 from tool0.control.publish_rate import PublishRate
@@ -44,8 +47,6 @@ class ControllerActionServer:
             result: Returns the result message of a goal's outcome.
             monitor_rate: Rate of the feedback [Hz].
         """
-        from actionlib import ActionServer
-
         self._node = node
         self._start, self._rejection, self._result = start, rejection, result
         self._rate = PublishRate(monitor_rate)
@@ -61,8 +62,6 @@ class ControllerActionServer:
 
     def publish(self, time: float, feedback: Callable[[], Message]) -> None:
         """Publish status and feedback, if they are due at ``time`` [s]."""
-        from rospy import Time
-
         if time < self._time:
             # The last cancellation may lie in the future now: actionlib would recall
             # every goal until then.

@@ -1,4 +1,7 @@
-"""The ROS 1 interface of a running robot, put together."""
+"""The ROS 1 interface of a running robot, put together.
+
+The modules that it imports late need ROS; this one and ``options`` do not.
+"""
 
 from __future__ import annotations
 
@@ -6,25 +9,19 @@ import contextlib
 import logging
 import threading
 from collections.abc import Callable
-from typing import final
+from typing import TYPE_CHECKING, final
 
 from tool0.api.robot import Robot
 from tool0.errors import RosUnavailableError
 from tool0.installation.ros1.library import keep_to_this_machine
 from tool0.installation.ros1.master import Master, Watch, running_master
 from tool0.installation.ros1.messages import import_messages
-from tool0.interfaces.ros1.controller_manager import (
-    ControllerBridges,
-    ControllerManagerServices,
-)
-from tool0.interfaces.ros1.gazebo.services import offer_gazebo_services
-from tool0.interfaces.ros1.gazebo.world import GazeboStatePublisher, GazeboWorld
-from tool0.interfaces.ros1.node import RosNode, SnapshotPublisher
 from tool0.interfaces.ros1.options import Ros1Options
 from tool0.interfaces.ros1.parameter_server import upload_parameters
-from tool0.interfaces.ros1.sensors import sensor_publishers
-from tool0.interfaces.ros1.transforms import RobotStatePublisher
 from tool0.sensing.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from tool0.interfaces.ros1.node import SnapshotPublisher
 
 logger = logging.getLogger(__name__)
 
@@ -62,7 +59,14 @@ class Ros1Bridge:
         options = options or Ros1Options()
         keep_to_this_machine()
         import_messages()
+        # These import ROS, which import_messages has just found.
         import rospy
+
+        from tool0.interfaces.ros1.controller_manager import ControllerManagerBridge
+        from tool0.interfaces.ros1.gazebo.services import offer_gazebo_services
+        from tool0.interfaces.ros1.node import RosNode
+        from tool0.interfaces.ros1.sensors import sensor_publishers
+        from tool0.interfaces.ros1.transforms import RobotStatePublisher
 
         self._robot = robot
         self._on_shutdown = on_shutdown
@@ -73,14 +77,10 @@ class Ros1Bridge:
             self.node = node = RosNode(options, master, robot.description.tf_prefix)
             stack.callback(node.close)
             upload_parameters(node, robot)
-            controllers = ControllerBridges(node, robot)
-            ControllerManagerServices(node, robot, controllers)
             node.clock.advance(robot.snapshot.time)
-            world = GazeboWorld(robot)
-            offer_gazebo_services(node, robot, world)
             self._publishers: list[SnapshotPublisher] = [
-                controllers,
-                GazeboStatePublisher(node, world),
+                ControllerManagerBridge(node, robot),
+                offer_gazebo_services(node, robot),
                 *sensor_publishers(node, robot),
             ]
             self._transforms = RobotStatePublisher(node, robot)

@@ -6,6 +6,10 @@ import math
 import threading
 from typing import Any, final
 
+from rosgraph_msgs.msg import Clock
+from rospy import Publisher, Subscriber, Time
+from rospy.rostime import _set_rostime, set_rostime_initialized
+
 MAX_DRIFT = 0.05
 """Largest difference between two clocks before the offset is set again [s]; each is
 published every 8 ms."""
@@ -20,8 +24,6 @@ class RosClock:
     """
 
     def __init__(self, *, publish: bool) -> None:
-        from rospy.rostime import set_rostime_initialized
-
         self._offset = 0.0
         self._now = 0.0
         self._publisher: Any = None
@@ -40,9 +42,6 @@ class RosClock:
 
     def follow_other(self) -> None:
         """Follow another node's /clock from now on."""
-        from rosgraph_msgs.msg import Clock
-        from rospy import Subscriber
-
         with self._lock:
             publisher, self._publisher = self._publisher, None
         if publisher is not None:
@@ -51,9 +50,6 @@ class RosClock:
 
     def start_publishing(self) -> None:
         """Publish /clock from now on; it continues from the present ROS time."""
-        from rosgraph_msgs.msg import Clock
-        from rospy import Publisher
-
         if self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = None
@@ -61,9 +57,6 @@ class RosClock:
 
     def advance(self, time: float) -> None:
         """Set the simulated time [s]."""
-        from rosgraph_msgs.msg import Clock
-        from rospy.rostime import _set_rostime  # as rospy's subscriber to /clock does
-
         self._now = time
         now = self.to_ros(time)
         _set_rostime(now)
@@ -73,8 +66,6 @@ class RosClock:
 
     def to_ros(self, time: float) -> Any:  # a rospy.Time
         """Return simulated ``time`` [s] as ROS time."""
-        from rospy import Time
-
         nanoseconds = max(0, round((time + self._offset) * 1e9))
         return Time(*divmod(nanoseconds, 1_000_000_000))
 

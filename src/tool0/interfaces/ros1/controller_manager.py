@@ -7,6 +7,8 @@ import threading
 from collections.abc import Callable
 from typing import Any, final
 
+from controller_manager_msgs import msg, srv
+
 from tool0.api.robot import Robot
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import ControllerSpec
@@ -42,10 +44,11 @@ _BRIDGES: dict[type, Callable[..., SnapshotPublisher]] = {
 
 
 @final
-class ControllerBridges:
-    """Follows what is loaded, whoever loads it: ROS, the panel, the command line.
+class ControllerManagerBridge:
+    """Answers as ros_control's controller_manager, and presents what is loaded.
 
-    As in ROS, a controller has its topics from its loading to its unloading.
+    It follows whoever loads controllers: ROS, the panel, the command line.  As in ROS,
+    a controller has its topics from its loading to its unloading.
     """
 
     def __init__(self, node: RosNode, robot: Robot) -> None:
@@ -57,20 +60,34 @@ class ControllerBridges:
         self._is_closing = False
         # Registration waits for the master; the thread that publishes must not.
         self._registrar = WorkerThread("tool0 ros1 registrar")
-        self.update()
+        self._update()
+        self._offer("ListControllers", self._list)
+        self._offer("ListControllerTypes", self._list_types)
+        self._offer_operation("LoadController", self._load)
+        self._offer_operation("UnloadController", self._unload)
+        self._offer_operation("SwitchController", self._switch)
+        self._offer_operation("ReloadControllerLibraries", self._reload)
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish for the running controllers; notice when others are loaded."""
         loaded = tuple(status.name for status in snapshot.controllers)
         if loaded != self._loaded:
             self._loaded = loaded
-            self._registrar.submit(self.update)
-        bridges = self._bridges  # update() may replace it meanwhile
+            self._registrar.submit(self._update)
+        bridges = self._bridges  # _update() may replace it meanwhile
         for status in snapshot.controllers:
             if status.state == "running" and status.name in bridges:
                 bridges[status.name][1].publish(snapshot)
 
-    def update(self) -> None:
+    def close(self) -> None:
+        """Stop following; the node unregisters everything by itself.
+
+        This waits for a registration in progress, which would outlive the node.
+        """
+        self._is_closing = True
+        self._registrar.close(_CLOSE_TIMEOUT)
+
+    def _update(self) -> None:
         """Have bridges for the controllers that are loaded now, and for no others."""
         with self._lock:
             loaded = {}
@@ -95,39 +112,12 @@ class ControllerBridges:
                     bridges[name] = spec, bridge
             self._bridges = bridges
 
-    def close(self) -> None:
-        """Stop following; the node unregisters everything by itself.
-
-        This waits for a registration in progress, which would outlive the node.
-        """
-        self._is_closing = True
-        self._registrar.close(_CLOSE_TIMEOUT)
-
-
-@final
-class ControllerManagerServices:
-    """Answers as ros_control's controller_manager does."""
-
-    def __init__(self, node: RosNode, robot: Robot, bridges: ControllerBridges) -> None:
-        self._node = node
-        self._robot = robot
-        self._bridges = bridges
-        self._offer("ListControllers", self._list)
-        self._offer("ListControllerTypes", self._list_types)
-        self._offer_operation("LoadController", self._load)
-        self._offer_operation("UnloadController", self._unload)
-        self._offer_operation("SwitchController", self._switch)
-        self._offer_operation("ReloadControllerLibraries", self._reload)
-
     def _offer(self, kind: str, handler: Callable[[Message], Message]) -> None:
-        from controller_manager_msgs import srv
-
         name = re.sub("(?<=[a-z])(?=[A-Z])", "_", kind).lower()
         self._node.service(f"controller_manager/{name}", getattr(srv, kind), handler)
 
     def _offer_operation(self, kind: str, operation: Callable[[Message], None]) -> None:
         """Offer a service whose response is whether it succeeded."""
-        from controller_manager_msgs import srv
 
         def handle(request: Message) -> Message:
             response: Any = getattr(srv, f"{kind}Response")()
@@ -141,15 +131,11 @@ class ControllerManagerServices:
         self._offer(kind, handle)
 
     def _list(self, request: Message) -> Message:
-        from controller_manager_msgs.srv import ListControllersResponse
-
-        return ListControllersResponse(list(map(_state, self._robot.controllers())))
+        return srv.ListControllersResponse(list(map(_state, self._robot.controllers())))
 
     def _list_types(self, request: Message) -> Message:
-        from controller_manager_msgs.srv import ListControllerTypesResponse
-
         types = self._robot.controller_types()
-        return ListControllerTypesResponse(
+        return srv.ListControllerTypesResponse(
             types=types,
             base_classes=["controller_interface::ControllerBase"] * len(types),
         )
@@ -159,11 +145,11 @@ class ControllerManagerServices:
         text = controller_yaml(self._node, request.name)
         config = None if text is None else ControllerConfig.from_text(text)
         self._robot.load(request.name, config)
-        self._bridges.update()
+        self._update()
 
     def _unload(self, request: Message) -> None:
         self._robot.unload(request.name)
-        self._bridges.update()
+        self._update()
 
     def _switch(self, request: Message) -> None:
         self._robot.switch(
@@ -186,18 +172,16 @@ class ControllerManagerServices:
         self._robot.switch(stop=loaded, strict=False)
         for name in loaded:
             self._robot.unload(name)
-        self._bridges.update()
+        self._update()
 
 
 def _state(status: ControllerStatus) -> Message:
-    from controller_manager_msgs.msg import ControllerState, HardwareInterfaceResources
-
-    return ControllerState(
+    return msg.ControllerState(
         name=status.name,
         state=status.state,
         type=status.type,
         claimed_resources=[
-            HardwareInterfaceResources(
+            msg.HardwareInterfaceResources(
                 hardware_interface=interface.replace("/", "::"),
                 resources=sorted(joints),
             )

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from typing import final
 
+from control_msgs import msg, srv
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64, Float64MultiArray
+from trajectory_msgs.msg import JointTrajectory
+
 from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.control.forward_command import ForwardCommandSpec
 from tool0.control.goal import GoalResult, GripperResult
@@ -31,9 +36,6 @@ class JointTrajectoryBridge:
     def __init__(
         self, node: RosNode, spec: JointTrajectorySpec, controller: ControllerHandle
     ) -> None:
-        from control_msgs import msg, srv
-        from trajectory_msgs.msg import JointTrajectory
-
         self._node = node
         self._name = name = spec.name
         self._joints = spec.joints
@@ -60,8 +62,6 @@ class JointTrajectoryBridge:
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish the state, if the controller runs and it is due."""
-        from control_msgs import msg
-
         setpoint = snapshot.controller_setpoints.get(self._name)
         if setpoint is None:
             return
@@ -111,29 +111,23 @@ class JointTrajectoryBridge:
         )
 
     def _rejection(self, error: Tool0Error) -> Message:
-        from control_msgs.msg import FollowJointTrajectoryResult
-
         code = error.code if isinstance(error, GoalRejectedError) else None
-        return FollowJointTrajectoryResult(
+        return msg.FollowJointTrajectoryResult(
             error_code=GoalRejectedError.INVALID_GOAL if code is None else code,
             error_string=str(error),
         )
 
     def _result(self, outcome: GoalResult) -> Message:
-        from control_msgs.msg import FollowJointTrajectoryResult
-
-        return FollowJointTrajectoryResult(
+        return msg.FollowJointTrajectoryResult(
             error_code=outcome.error_code, error_string=outcome.error_string
         )
 
     def _query(self, request: Message) -> Message:
-        from control_msgs.srv import QueryTrajectoryStateResponse
-
         time = self._node.clock.from_ros(request.time)
         if time is None:
             raise ControlError("query_state needs a time above 0 s")
         point = self._controller.query_state(time)
-        return QueryTrajectoryStateResponse(
+        return srv.QueryTrajectoryStateResponse(
             name=self._joints,
             position=point.positions,
             velocity=point.velocities or (),
@@ -148,8 +142,6 @@ class JointStatePublisher:
     def __init__(
         self, node: RosNode, spec: JointStateSpec, controller: ControllerHandle
     ) -> None:
-        from sensor_msgs.msg import JointState
-
         del controller  # it takes no commands
         self._node, self._spec = node, spec
         self._rate = PublishRate(spec.publish_rate)
@@ -182,8 +174,6 @@ class ForwardCommandBridge:
     def __init__(
         self, node: RosNode, spec: ForwardCommandSpec, controller: ControllerHandle
     ) -> None:
-        from std_msgs.msg import Float64, Float64MultiArray
-
         self._subscriber = node.subscriber(
             f"{spec.name}/command",
             Float64MultiArray if "JointGroup" in spec.type else Float64,
@@ -205,15 +195,13 @@ class GripperActionBridge:
     def __init__(
         self, node: RosNode, spec: GripperActionSpec, controller: ControllerHandle
     ) -> None:
-        from control_msgs.msg import GripperCommandAction
-
         self._joint = spec.joint.name
         self._controller = controller
         self._position = 0.0
         self._action = ControllerActionServer(
             node,
             f"{spec.name}/gripper_cmd",
-            GripperCommandAction,
+            msg.GripperCommandAction,
             start=self._start,
             rejection=self._rejection,
             result=self._result,
@@ -222,14 +210,12 @@ class GripperActionBridge:
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish status and feedback, if they are due."""
-        from control_msgs.msg import GripperCommandFeedback
-
         index = snapshot.joint_names.index(self._joint)
         self._position = position = snapshot.position[index]
         effort = snapshot.effort[index]
         self._action.publish(
             snapshot.time,
-            lambda: GripperCommandFeedback(position=position, effort=effort),
+            lambda: msg.GripperCommandFeedback(position=position, effort=effort),
         )
 
     def close(self) -> None:
@@ -241,15 +227,11 @@ class GripperActionBridge:
         return self._controller.command_gripper(command.position, command.max_effort)
 
     def _rejection(self, error: Tool0Error) -> Message:
-        from control_msgs.msg import GripperCommandResult
-
         del error  # actionlib carries its text beside the result
-        return GripperCommandResult(position=self._position)
+        return msg.GripperCommandResult(position=self._position)
 
     def _result(self, outcome: GripperResult) -> Message:
-        from control_msgs.msg import GripperCommandResult
-
-        return GripperCommandResult(
+        return msg.GripperCommandResult(
             position=outcome.position,
             effort=outcome.effort,
             stalled=outcome.stalled,

@@ -10,6 +10,12 @@ import time
 from collections.abc import Callable
 from importlib import resources
 from typing import Any, Protocol, final
+from xmlrpc.client import ServerProxy
+
+import rospy
+from rospy import core, names
+from rospy.impl.registration import get_service_manager, get_topic_manager
+from std_msgs.msg import Header
 
 from tool0.errors import RosUnavailableError, Tool0Error
 from tool0.installation.ros1.master import Master
@@ -71,8 +77,6 @@ class RosoutHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Publish the record; print it if the program has no handler."""
-        import rospy
-
         log = rospy.logerr if record.levelno >= logging.ERROR else rospy.logwarn
         if not rospy.is_shutdown():
             log("%s", record.getMessage())
@@ -92,8 +96,6 @@ class RosNode:
         Raises:
             RosUnavailableError: If the name is taken, or the process is a node already.
         """
-        from rospy import core
-
         if core.is_initialized() or core.is_shutdown():
             raise RosUnavailableError(
                 "this process is or was a ROS node, and rospy allows one in a process: "
@@ -120,8 +122,6 @@ class RosNode:
     @property
     def uri(self) -> str:
         """Address at which other nodes and the master reach us."""
-        from rospy import core
-
         return str(core.get_node_uri())
 
     def name(self, relative: str) -> str:
@@ -134,22 +134,18 @@ class RosNode:
 
     def header(self, time: float, frame_id: str = "") -> Any:
         """Return a std_msgs/Header with simulated ``time`` [s]."""
-        from std_msgs.msg import Header
-
         return Header(stamp=self.clock.to_ros(time), frame_id=frame_id)
 
     def publisher(
         self, name: str, kind: Any, *, queue_size: int = 1, latch: bool = False
     ) -> Any:
         """Return a rospy.Publisher; a slow subscriber does not delay the others."""
-        from rospy import Publisher
-
-        return Publisher(self.name(name), kind, queue_size=queue_size, latch=latch)
+        return rospy.Publisher(
+            self.name(name), kind, queue_size=queue_size, latch=latch
+        )
 
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], None]) -> Any:
         """Return a rospy.Subscriber; a Tool0Error of ``callback`` is logged."""
-        from rospy import Subscriber
-
         full = self.name(name)
 
         def receive(message: Any) -> None:
@@ -158,12 +154,10 @@ class RosNode:
             except Tool0Error as error:
                 self.log_error(f"{full}: {error}")
 
-        return Subscriber(full, kind, receive, queue_size=1)
+        return rospy.Subscriber(full, kind, receive, queue_size=1)
 
     def service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> Any:
         """Return a rospy.Service; a Tool0Error is logged and makes the call fail."""
-        from rospy import Service, ServiceException
-
         full = self.name(name)
 
         def answer(request: Any) -> Any:
@@ -171,9 +165,9 @@ class RosNode:
                 return handler(request)
             except Tool0Error as error:
                 self.log_error(f"{full}: {error}")
-                raise ServiceException(str(error)) from None
+                raise rospy.ServiceException(str(error)) from None
 
-        return Service(full, kind, answer)
+        return rospy.Service(full, kind, answer)
 
     def log_error(self, text: str) -> None:
         """Log an error, also on /rosout; the same one at most once a second."""
@@ -203,10 +197,6 @@ class RosNode:
 
     def register_again(self) -> None:
         """Register all topics and services with a master that does not know us."""
-        from xmlrpc.client import ServerProxy
-
-        from rospy.impl.registration import get_service_manager, get_topic_manager
-
         topics, services = get_topic_manager(), get_service_manager()
         for topic, kind in topics.get_publications():
             self.master.call("registerPublisher", topic, kind, self.uri)
@@ -219,17 +209,12 @@ class RosNode:
 
     def close(self) -> None:
         """Unregister everything; no second node can follow in this process."""
-        from rospy import signal_shutdown
-
         logging.getLogger("tool0").removeHandler(self._rosout)
         self._results.close()
-        signal_shutdown("the bring-up ended")
+        rospy.signal_shutdown("the bring-up ended")
 
 
 def _init_node(root: str) -> None:
-    import rospy
-    from rospy import names
-
     # As ROS_NAMESPACE would, which rospy reads only at its import.
     names._set_caller_id(f"{root}/unnamed")
     before = os.environ.get("ROS_PYTHON_LOG_CONFIG_FILE")

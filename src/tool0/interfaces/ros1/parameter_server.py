@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import yaml
 
 from tool0.api.robot import Robot
 from tool0.description.packages import BUNDLED
 from tool0.errors import RosUnavailableError
-from tool0.interfaces.ros1.node import RosNode
+
+if TYPE_CHECKING:
+    from tool0.interfaces.ros1.node import RosNode  # not importable without ROS
 
 
 def upload_parameters(node: RosNode, robot: Robot) -> None:

@@ -6,6 +6,10 @@ import contextlib
 import threading
 from typing import Any, final
 
+from geometry_msgs.msg import Vector3, Wrench, WrenchStamped
+from sensor_msgs.msg import CameraInfo, Image
+from std_srvs.srv import Trigger, TriggerResponse
+
 from tool0.api.robot import Robot
 from tool0.api.sensors import CameraHandle, ForceTorque
 from tool0.control.publish_rate import PublishRate
@@ -44,9 +48,6 @@ class WrenchPublisher:
     """
 
     def __init__(self, node: RosNode, sensor: ForceTorque) -> None:
-        from geometry_msgs.msg import WrenchStamped
-        from std_srvs.srv import Trigger
-
         self._node, self._sensor = node, sensor
         self._publisher = node.publisher("wrench", WrenchStamped, queue_size=100)
         self._service = node.service(
@@ -71,16 +72,12 @@ class WrenchPublisher:
         self._publisher.unregister()
 
     def _message(self, reading: WrenchReading) -> Message:
-        from geometry_msgs.msg import Vector3, Wrench, WrenchStamped
-
         return WrenchStamped(
             self._node.header(reading.time, self._node.frame(reading.frame)),
             Wrench(Vector3(*reading.force), Vector3(*reading.torque)),
         )
 
     def _tare(self, request: Message) -> Message:
-        from std_srvs.srv import TriggerResponse
-
         self._sensor.zero()
         return TriggerResponse(success=True, message="the sensor is tared")
 
@@ -114,8 +111,6 @@ class CameraPublisher:
     def __init__(
         self, node: RosNode, handle: CameraHandle, frame: str, renderer: WorkerThread
     ) -> None:
-        from sensor_msgs.msg import CameraInfo, Image
-
         self._node, self._handle, self._renderer = node, handle, renderer
         self._frame = frame
         self._rate = PublishRate(node.options.camera_rate)
@@ -173,8 +168,6 @@ class CameraPublisher:
                 publisher.publish(self._camera_info(time))
 
     def _image(self, time: float, encoding: str, pixels: Any) -> Message:
-        from sensor_msgs.msg import Image
-
         height, width = pixels.shape[:2]
         return Image(
             header=self._node.header(time, self._frame),
@@ -187,8 +180,6 @@ class CameraPublisher:
         )
 
     def _camera_info(self, time: float) -> Message:
-        from sensor_msgs.msg import CameraInfo
-
         camera = self._handle.camera
         K = camera.intrinsics
         return CameraInfo(

@@ -7,6 +7,8 @@ import os
 from collections.abc import Iterable, Mapping
 from typing import Any, final
 
+from tf2_msgs.msg import TFMessage
+
 from tool0.api.robot import Robot
 from tool0.control.publish_rate import PublishRate
 from tool0.description.forward_kinematics import joint_transform
@@ -34,8 +36,6 @@ class RobotStatePublisher:
     """
 
     def __init__(self, node: RosNode, robot: Robot) -> None:
-        from tf2_msgs.msg import TFMessage
-
         self._node, self._robot = node, robot
         self._joints = robot.description.model.joints
         self._rate = PublishRate(node.options.tf_pub_rate)
@@ -97,8 +97,6 @@ class RobotStatePublisher:
 
     def _take_over(self) -> None:
         """Publish the fixed frames, and from now on the movable ones."""
-        from tf2_msgs.msg import TFMessage
-
         node, robot = self._node, self._robot
         fixed = (joint for joint in self._joints if not joint.is_movable)
         transforms = self._transforms(fixed, {}, robot.time)

@@ -1,9 +1,13 @@
-"""The services of gazebo_ros, on either engine."""
+"""The services and topics of gazebo_ros, on either engine."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, final
+
+from gazebo_msgs import msg, srv
+from geometry_msgs.msg import Vector3
+from std_srvs.srv import Empty, EmptyResponse
 
 from tool0.api.robot import Robot
 from tool0.description.forward_kinematics import FrameMotion
@@ -13,6 +17,7 @@ from tool0.interfaces.ros1.gazebo.changes import GazeboChanges
 from tool0.interfaces.ros1.gazebo.world import GROUND, GazeboWorld, WorldState
 from tool0.interfaces.ros1.messages import Message, pose_message, twist_message
 from tool0.interfaces.ros1.node import RosNode
+from tool0.sensing.snapshot import Snapshot
 
 Handler = Callable[[Message, Message], str]
 """Takes a request, fills the response, returns the text of its status_message."""
@@ -27,11 +32,9 @@ _JOINT_TYPES = {
 _SUCCESS = "got properties"
 
 
-def offer_gazebo_services(node: RosNode, robot: Robot, world: GazeboWorld) -> None:
-    """Offer the services and the topic ``set_model_state`` under the node's name."""
-    from gazebo_msgs import msg, srv
-    from std_srvs.srv import Empty, EmptyResponse
-
+def offer_gazebo_services(node: RosNode, robot: Robot) -> GazeboStatePublisher:
+    """Offer the services under the node's name; return what publishes the topics."""
+    world = GazeboWorld(robot)
     queries, changes = GazeboQueries(node, robot, world), GazeboChanges(robot, world)
     services = [
         (name := handler.__name__, getattr(srv, name.title().replace("_", "")), handler)
@@ -65,6 +68,7 @@ def offer_gazebo_services(node: RosNode, robot: Robot, world: GazeboWorld) -> No
     offer("reset_world", lambda: robot.reset(keep_time=True))
     topic = f"{node.options.node}/set_model_state"
     node.subscriber(topic, msg.ModelState, changes.place)
+    return GazeboStatePublisher(node, world)
 
 
 def _with_status(kind: Any, handler: Handler) -> Callable[[Message], Message]:
@@ -100,8 +104,6 @@ class GazeboQueries:
 
     def get_physics_properties(self, request: Message, response: Message) -> str:
         """Fill step, rate and gravity; the parameters of ODE are left at zero."""
-        from geometry_msgs.msg import Vector3
-
         snapshot, dt = self._robot.snapshot, self._robot.engine.dt
         response.time_step = dt
         response.pause = snapshot.is_paused
@@ -172,3 +174,35 @@ class GazeboQueries:
         seen = motion.seen_from(state.frame(frame))
         message.pose = pose_message(seen.pose)
         message.twist = twist_message(seen)
+
+
+@final
+class GazeboStatePublisher:
+    """``model_states`` and ``link_states``: of every snapshot, if subscribed to."""
+
+    def __init__(self, node: RosNode, world: GazeboWorld) -> None:
+        self._world = world
+        self._models = node.publisher(
+            f"{node.options.node}/model_states", msg.ModelStates
+        )
+        self._links = node.publisher(f"{node.options.node}/link_states", msg.LinkStates)
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """Publish pose and velocity of models and links."""
+        state = WorldState(self._world, snapshot)
+        if self._models.get_num_connections():
+            self._publish(self._models, state.models())
+        if self._links.get_num_connections():
+            self._publish(self._links, state.links())
+
+    def close(self) -> None:
+        """Unregister the topics."""
+        self._models.unregister()
+        self._links.unregister()
+
+    def _publish(self, publisher: Any, motions: Mapping[str, FrameMotion]) -> None:
+        publisher.publish(
+            name=list(motions),
+            pose=[pose_message(motion.pose) for motion in motions.values()],
+            twist=[twist_message(motion) for motion in motions.values()],
+        )

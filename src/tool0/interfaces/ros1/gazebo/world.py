@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, final
+from typing import final
 
 from tool0.api.robot import Robot
 from tool0.description.forward_kinematics import FrameMotion, link_motions
@@ -13,8 +13,6 @@ from tool0.description.rigid_model import RigidModel
 from tool0.description.scene import SceneObject
 from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError
-from tool0.interfaces.ros1.messages import pose_message, twist_message
-from tool0.interfaces.ros1.node import RosNode
 from tool0.sensing.snapshot import Snapshot
 
 ROBOT = "robot"
@@ -156,38 +154,6 @@ class WorldState:
                 "as MODEL::LINK"
             )
         return found
-
-
-@final
-class GazeboStatePublisher:
-    """``model_states`` and ``link_states``: of every snapshot, if subscribed to."""
-
-    def __init__(self, node: RosNode, world: GazeboWorld) -> None:
-        from gazebo_msgs.msg import LinkStates, ModelStates
-
-        self._world = world
-        self._models = node.publisher(f"{node.options.node}/model_states", ModelStates)
-        self._links = node.publisher(f"{node.options.node}/link_states", LinkStates)
-
-    def publish(self, snapshot: Snapshot) -> None:
-        """Publish pose and velocity of models and links."""
-        state = WorldState(self._world, snapshot)
-        if self._models.get_num_connections():
-            self._publish(self._models, state.models())
-        if self._links.get_num_connections():
-            self._publish(self._links, state.links())
-
-    def close(self) -> None:
-        """Unregister the topics."""
-        self._models.unregister()
-        self._links.unregister()
-
-    def _publish(self, publisher: Any, motions: Mapping[str, FrameMotion]) -> None:
-        publisher.publish(
-            name=list(motions),
-            pose=[pose_message(motion.pose) for motion in motions.values()],
-            twist=[twist_message(motion) for motion in motions.values()],
-        )
 
 
 def lumped_links(model: RobotModel) -> tuple[str, ...]:
