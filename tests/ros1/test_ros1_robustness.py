@@ -295,7 +295,7 @@ def test_two_robots_under_one_master(own_ros: Ros) -> None:
     )
     assert own_ros.python(script).strip() == "True"
     assert first.end() == 0
-    second.wait_for("/clock is ours now")
+    second.wait_for("publishing /clock")
     own_ros.run("rostopic", "echo", "-n1", "/clock")
     own_ros.run("rosservice", "call", "/left/arm/controller_manager/list_controllers")
 
@@ -312,10 +312,10 @@ def test_of_two_clocks_one_gives_way(own_ros: Ros) -> None:
         "    clock.publish(Clock(clock=rospy.Time.from_sec(time.time() % 1e4)))\n"
         "    time.sleep(0.01)",
     )
-    bringup.wait_for("/another publishes /clock, too: we follow it now")
+    bringup.wait_for("/another publishes /clock")
     assert own_ros.publishers()["/clock"] == ["/another"]
     other.close()
-    bringup.wait_for("/clock is ours now")
+    bringup.wait_for("publishing /clock")
     assert moves(own_ros, 0.2)
 
 

@@ -41,7 +41,7 @@ def test_transforms_go_on_where_robot_state_publisher_ends(
     ros: Ros, rospy: ModuleType, bringup: Bringup
 ) -> None:
     ros.run("rosnode", "kill", "/robot_state_publisher")
-    bringup.wait_for("/tf is published by tool0")
+    bringup.wait_for("tool0 publishes /tf")
     until(lambda: ros.publishers().get("/tf") == ["/gazebo"], "our own transforms")
     assert worst_transform(ELSEWHERE, PREFIX) < 1e-6
     assert latched_frames(PREFIX) > {"wrist_camera_color_optical_frame", "tool0"}
