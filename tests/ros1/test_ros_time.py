@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 
 import pytest
-
 from tool0.interfaces.ros1.ros_time import RosTime
 
 

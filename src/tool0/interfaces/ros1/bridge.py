@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, final
 from tool0.api.robot import Robot
 from tool0.errors import RosUnavailableError
 from tool0.installation.ros1.library import keep_to_this_machine
-from tool0.installation.ros1.master import Master, Watch, running_master
+from tool0.installation.ros1.master import Master, MasterWatch, running_master
 from tool0.installation.ros1.messages import import_messages
 from tool0.interfaces.ros1.options import Ros1Options
 from tool0.interfaces.ros1.parameter_server import upload_parameters
@@ -137,10 +137,10 @@ class Ros1Bridge:
             node.register_again()
             self._transforms.register_again()
 
-        watch = Watch(node.master, node.options.node, node.uri, register)
+        watch = MasterWatch(node.master, node.options.node, node.uri, register)
         while not self._is_closing.wait(_MASTER_PERIOD):
             try:
-                watch.look()
+                watch.check()
                 node.arbitrate_clock()
             except RosUnavailableError as error:
                 node.log_error(str(error))

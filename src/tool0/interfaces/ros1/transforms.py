@@ -13,7 +13,7 @@ from tool0.api.robot import Robot
 from tool0.control.publish_rate import PublishRate
 from tool0.description.forward_kinematics import joint_transform
 from tool0.description.model import Joint
-from tool0.installation.ros1.child import Child
+from tool0.installation.child_process import ChildProcess
 from tool0.installation.ros1.packages import find_node
 from tool0.interfaces.ros1.messages import Message, transform_message
 from tool0.interfaces.ros1.node import RosNode
@@ -25,6 +25,8 @@ logger = logging.getLogger(__name__)
 NAME = "robot_state_publisher"
 _CHECK_RATE = 1.0
 """Checks whether the child process is alive [Hz] of simulated time."""
+_GRACE = 5.0
+"""For the child process to end by itself [wall s]."""
 
 
 @final
@@ -43,7 +45,7 @@ class RobotStatePublisher:
         self._static = node.publisher("/tf_static", TFMessage, latch=True)
         self._publisher: Any = None
         self._program = find_node(f"{NAME}/{NAME}")
-        self._child: Child | None = None
+        self._child: ChildProcess | None = None
         if self._program is None:
             self._take_over()
         else:
@@ -68,7 +70,7 @@ class RobotStatePublisher:
                 "robot_state_publisher ended with status %d; tool0 publishes /tf "
                 "from now on.  Its last output:\n%s",
                 self._child.exit_status,
-                self._child.last_words(),
+                self._child.last_output(),
             )
             self._child = None
             self._take_over()
@@ -87,13 +89,14 @@ class RobotStatePublisher:
             self._publisher.unregister()
         self._static.unregister()
 
-    def _start(self) -> Child:
+    def _start(self) -> ChildProcess:
         node, options = self._node, self._node.options
         name = node.name(NAME)
         node.master.call("setParam", f"{name}/publish_frequency", options.tf_pub_rate)
         node.master.call("setParam", f"{name}/tf_prefix", node.tf_prefix)
         environment = {**os.environ, "ROS_NAMESPACE": options.root or "/"}
-        return Child([str(self._program), f"__name:={NAME}"], environment)
+        command = [str(self._program), f"__name:={NAME}"]
+        return ChildProcess(command, environment=environment, grace=_GRACE)
 
     def _take_over(self) -> None:
         """Publish the fixed frames, and from now on the movable ones."""

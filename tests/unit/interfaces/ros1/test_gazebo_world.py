@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tool0.interfaces.ros1.gazebo.messages import FARTHEST, to_motion, to_transform
 
 import tool0
 from tool0.description.catalogue import assemble
@@ -16,7 +17,6 @@ from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
 from tool0.hardware.bodies import moving_bodies
 from tool0.interfaces.ros1.gazebo.changes import GazeboChanges
-from tool0.interfaces.ros1.gazebo.messages import FARTHEST, to_motion, to_transform
 from tool0.interfaces.ros1.gazebo.world import GazeboWorld, lumped_links
 
 SPAWN_Z = 0.3
