@@ -18,7 +18,7 @@ import yaml
 from catkin_rig import Catkin, exported, require_catkin, sourced
 from in_rviz import black, blue, view
 from promised import absent, require_engine, require_ros
-from ros import PATIENCE, Ros
+from ros import TIMEOUT, Ros
 from screen import Pixels, Screen, find_xvfb
 
 from tool0.description.catalogue import assemble, named_poses
@@ -400,5 +400,5 @@ def test_the_view_shows_the_robot(
         world = view(pixels)
         return bool(blue(world).sum() > 400 and black(world).sum() > 600)
 
-    assert screen.wait_for(shows_the_robot, PATIENCE) is not None, launch.last_output()
+    assert screen.wait_for(shows_the_robot, TIMEOUT) is not None, launch.last_output()
     launch.close()

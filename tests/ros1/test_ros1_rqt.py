@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from types import ModuleType
 from xml.etree import ElementTree
 
 import numpy as np
-import pytest
-from promised import require_engine
 from ros import Bringup, Ros, until
 from ros_client import Topic, at, listening, publishing, trajectory
 from ur5_rig import ARM, ARM_JOINTS, HOME
 
+ENGINES = ("mujoco", "gazebo")
 SERVICES = {
     "list_controllers": "ListControllers",
     "list_controller_types": "ListControllerTypes",
@@ -28,14 +27,6 @@ SPEED = 0.5  # of the slider for the speed, as it starts
 LEAD = 0.5 / SPEED  # [s], the time of every point, of which half is the plugin's least
 DRAGGED = np.array([0.8, 0.3, -0.4, 0.3, 0.2, -0.8])  # [rad] from HOME
 DRAGGED_FOR, LET_GO_FOR = 2.0, 2.5  # [s]
-
-
-@pytest.fixture(scope="module", params=["mujoco", "gazebo"])
-def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
-    require_engine(request.param)
-    bringup = ros.bring_up("--engine", request.param)
-    yield bringup
-    bringup.close()
 
 
 def test_it_finds_the_controller_and_the_limits_of_its_joints(

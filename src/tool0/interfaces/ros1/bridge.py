@@ -77,9 +77,12 @@ class Ros1Bridge:
             self.node = node = RosNode(options, master, robot.description.tf_prefix)
             stack.callback(node.close)
             upload_parameters(node, robot)
+            controllers = ControllerManagerBridge(node, robot)
+            # After the action servers: actionlib's timers, which they stop, fail if
+            # time moves back, as it may before another robot's clock is known.
             node.clock.advance(robot.snapshot.time)
             self._publishers: list[SnapshotPublisher] = [
-                ControllerManagerBridge(node, robot),
+                controllers,
                 offer_gazebo_services(node, robot),
                 *sensor_publishers(node, robot),
             ]
