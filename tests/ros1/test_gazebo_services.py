@@ -104,7 +104,9 @@ class Gazebo:
         return self.call("set_model_state", model_state=state)
 
     def position(self, name: str, frame: str = "") -> tuple[float, float, float]:
-        state = self.expect("get_model_state", model_name=name, relative_entity_name=frame)
+        state = self.expect(
+            "get_model_state", model_name=name, relative_entity_name=frame
+        )
         return xyz(state.pose.position)
 
     @property

@@ -101,9 +101,7 @@ def test_all_six_services_by_rosservice(
     assert refused == {"ok": False}
 
 
-def test_a_refusal_changes_nothing(
-    rospy: ModuleType, bringup: Bringup
-) -> None:
+def test_a_refusal_changes_nothing(rospy: ModuleType, bringup: Bringup) -> None:
     before = states()
     assert before[ARM] == "running"
     assert not load(ARM)
@@ -124,7 +122,7 @@ def test_a_refusal_changes_nothing(
     assert states() == before
 
 
-def test_best_effort_skips_what_is_impossible(rospy: ModuleType, bringup: Bringup) -> None:
+def test_best_effort_skips_the_impossible(rospy: ModuleType, bringup: Bringup) -> None:
     best_effort = 1
     assert switch(["arm_controller", ARM], [GRIPPER, GROUP], best_effort)
     assert states()[GRIPPER] == "stopped"

@@ -1,4 +1,4 @@
-"""What rqt_joint_trajectory_controller asks for, and how the arm moves by it."""
+"""rqt_joint_trajectory_controller: what it looks up, and the motion of its stream."""
 
 from __future__ import annotations
 

@@ -24,9 +24,7 @@ in_mujoco = pytest.mark.parametrize("bringup", ["mujoco"], indirect=True)
 
 
 @in_mujoco
-def test_robot_description_is_what_describe_prints(
-    ros: Ros, bringup: Bringup
-) -> None:
+def test_robot_description_is_what_describe_prints(ros: Ros, bringup: Bringup) -> None:
     described = subprocess.run(
         [sys.executable, "-m", "tool0", "describe", "urdf"],
         capture_output=True,
@@ -49,9 +47,7 @@ def test_the_controllers_yaml_is_at_their_names(ros: Ros, bringup: Bringup) -> N
     assert ros.parameter("/use_sim_time") is True
 
 
-def test_the_clock_advances_by_8_ms(
-    rospy: ModuleType, bringup: Bringup
-) -> None:
+def test_the_clock_advances_by_8_ms(rospy: ModuleType, bringup: Bringup) -> None:
     from rosgraph_msgs.msg import Clock
 
     with listening("/clock", Clock) as clock:

@@ -180,34 +180,32 @@ def test_a_cancel_stops_the_arm(client: Message, at_home: None, states: Topic) -
     )
 
 
+@pytest.mark.usefixtures("at_home")
 @pytest.mark.parametrize(
-    ("point", "tolerances", "code", "joint"),
+    ("point", "tolerances", "expected"),
     [
-        ((0.1, (0.4, *HOME[1:])), {}, -4, "shoulder_pan_joint"),  # 6 rad/s; it has 3.15
-        ((0.8, NEAR), {"path_tolerance": 1e-5}, -4, "elbow_joint"),
-        ((0.8, NEAR), {"goal_tolerance": 1e-9}, -5, "elbow_joint"),
+        ((0.1, (0.4, *HOME[1:])), {}, (-4, ARM_JOINTS[0])),  # 6 rad/s; it has 3.15
+        ((0.8, NEAR), {"path_tolerance": 1e-5}, (-4, "elbow_joint")),
+        ((0.8, NEAR), {"goal_tolerance": 1e-9}, (-5, "elbow_joint")),
     ],
 )
 def test_a_violated_tolerance_aborts(
-    rospy: ModuleType,
     client: Message,
-    at_home: None,
     states: Topic,
     point: tuple[float, Sequence[float]],
     tolerances: dict[str, float],
-    code: int,
-    joint: str,
+    expected: tuple[int, str],
 ) -> None:
     """Those of the controller's YAML, or of the goal instead."""
     from control_msgs.msg import JointTolerance
+    from rospy import Duration
 
+    code, joint = expected
     own = {
         kind: [JointTolerance(name=joint, position=tolerance)]
         for kind, tolerance in tolerances.items()
     }
-    goal = follow_goal(
-        trajectory([point]), goal_time_tolerance=rospy.Duration(0.1), **own
-    )
+    goal = follow_goal(trajectory([point]), goal_time_tolerance=Duration(0.1), **own)
     client.send_goal(goal)
     status, result = outcome(client)
     assert (status, result.error_code) == (ABORTED, code)
