@@ -13,7 +13,7 @@ from typing import Any, Protocol, final
 from xmlrpc.client import ServerProxy
 
 import rospy
-from rospy import core, names
+from rospy import Publisher, Service, ServiceException, Subscriber, core, names
 from rospy.impl.registration import get_service_manager, get_topic_manager
 from std_msgs.msg import Header
 
@@ -140,9 +140,7 @@ class RosNode:
         self, name: str, kind: Any, *, queue_size: int = 1, latch: bool = False
     ) -> Any:
         """Return a rospy.Publisher; a slow subscriber does not delay the others."""
-        return rospy.Publisher(
-            self.name(name), kind, queue_size=queue_size, latch=latch
-        )
+        return Publisher(self.name(name), kind, queue_size=queue_size, latch=latch)
 
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], None]) -> Any:
         """Return a rospy.Subscriber; a Tool0Error of ``callback`` is logged."""
@@ -154,7 +152,7 @@ class RosNode:
             except Tool0Error as error:
                 self.log_error(f"{full}: {error}")
 
-        return rospy.Subscriber(full, kind, receive, queue_size=1)
+        return Subscriber(full, kind, receive, queue_size=1)
 
     def service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> Any:
         """Return a rospy.Service; a Tool0Error is logged and makes the call fail."""
@@ -165,9 +163,9 @@ class RosNode:
                 return handler(request)
             except Tool0Error as error:
                 self.log_error(f"{full}: {error}")
-                raise rospy.ServiceException(str(error)) from None
+                raise ServiceException(str(error)) from None
 
-        return rospy.Service(full, kind, answer)
+        return Service(full, kind, answer)
 
     def log_error(self, text: str) -> None:
         """Log an error, also on /rosout; the same one at most once a second."""

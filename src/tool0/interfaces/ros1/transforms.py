@@ -54,7 +54,8 @@ class RobotStatePublisher:
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish the frames of movable joints if they are due; watch the child."""
-        if self._child is None:
+        child = self._child
+        if child is None:
             if self._rate.is_due(snapshot.time):
                 names, values = snapshot.joint_names, snapshot.position
                 position = dict(zip(names, values, strict=True))
@@ -62,15 +63,12 @@ class RobotStatePublisher:
                 self._publisher.publish(
                     self._transforms(movable, position, snapshot.time)
                 )
-        elif (
-            self._check_rate.is_due(snapshot.time)
-            and self._child.exit_status is not None
-        ):
+        elif self._check_rate.is_due(snapshot.time) and child.exit_status is not None:
             logger.warning(
                 "robot_state_publisher ended with status %d; tool0 publishes /tf "
                 "from now on.  Its last output:\n%s",
-                self._child.exit_status,
-                self._child.last_output(),
+                child.exit_status,
+                child.last_output(),
             )
             self._child = None
             self._take_over()

@@ -33,7 +33,6 @@ class GazeboWorld:
         self.model = model = robot.description.model
         self.T_world_root = Transform(position=(0.0, 0.0, robot.info.spawn_z))
         self.has_ground = robot.info.ground is not None
-        self.robot_names = (ROBOT, model.name)
         self.robot_links = lumped_links(model)
         self.reserved = {*_RESERVED, *model.joint_by_name}
         """Names that no model may have."""
@@ -66,7 +65,7 @@ class GazeboWorld:
         return WorldState(self, self._robot.snapshot)
 
     def is_robot(self, name: str) -> bool:
-        return name in self.robot_names
+        return name in (ROBOT, self.model.name)
 
     def joint(self, name: str) -> Joint | None:
         """Return a joint of the robot, with or without the model's name before it."""
