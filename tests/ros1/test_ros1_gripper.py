@@ -56,16 +56,16 @@ def wait_for_finger(states: Topic, position: float, within: float = 0.005) -> No
 
 
 def test_it_reaches_an_angle(client: Message, states: Topic) -> None:
-    heard: list[Message] = []
+    feedback: list[Message] = []
     for position in (0.2, 0.05):
-        client.send_goal(goal(position), feedback_cb=heard.append)
+        client.send_goal(goal(position), feedback_cb=feedback.append)
         status, result = outcome(client)
         assert status == SUCCEEDED
         assert (result.reached_goal, result.stalled) == (True, False)
         assert result.position == pytest.approx(position, abs=0.002)
         wait_for_finger(states, position)
-    assert heard
-    assert 0.0 < max(one.position for one in heard) < 0.21
+    assert feedback
+    assert 0.0 < max(one.position for one in feedback) < 0.21
 
 
 def test_it_stalls_on_a_cube_and_keeps_its_force(

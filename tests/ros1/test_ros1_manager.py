@@ -265,17 +265,17 @@ def test_a_group_controller_forwards_its_topic(
     assert switch([GROUP], [ARM])
     try:
         with (
-            listening("/joint_states", JointState) as heard,
+            listening("/joint_states", JointState) as received,
             publishing(f"/{GROUP}/command", Float64MultiArray) as command,
         ):
-            pan = heard.next()[0].name.index("shoulder_pan_joint")
+            pan = received.next()[0].name.index("shoulder_pan_joint")
 
             def effort() -> float:
-                value: float = heard.next()[0].effort[pan]
+                value: float = received.next()[0].effort[pan]
                 return value
 
             # Gravity is carried only as long as the arm waits for its first command.
-            assert max(map(abs, heard.next()[0].velocity)) < 0.01
+            assert max(map(abs, received.next()[0].velocity)) < 0.01
             command(Float64MultiArray(data=[0.3, -20.0, -20.0, -2.0, 0.0, 0.0]))
             until(lambda: effort() == pytest.approx(0.3), "the effort commanded")
             command(Float64MultiArray(data=[0.0, 0.0, 0.0, 0.0, 0.1]))

@@ -82,7 +82,7 @@ def test_its_stream_of_positions_moves_the_arm_smoothly(
 ) -> None:
     """Ten times a second comes a point without velocities, T = 1 s or more ahead.
 
-    Each replaces a ramp by another, from where the arm is wanted now to where the
+    Each replaces a ramp by another, from the desired position now to where the
     slider is.  After a time dt in which the slider went by ds, the new ramp's speed is
     v + (ds - v dt) / T.  The speed lags behind the slider's, so no step is larger than
     the slider's speed times dt / T; and what is left when the last ramp ends is less,
@@ -97,17 +97,17 @@ def test_its_stream_of_positions_moves_the_arm_smoothly(
             lambda: at(states.messages[-1].header.stamp) > sent[-1] + 1.5,
             "the end of the last ramp",
         )
-        told = states.messages[since:]
+        received = states.messages[since:]
     gap = float(np.diff(sent).max())  # 0.1 s where this process is not kept waiting
     largest = float(np.abs(DRAGGED).max()) / DRAGGED_FOR * gap / LEAD
-    wanted = np.array([one.desired.velocities for one in told])
-    actual = np.array([one.actual.velocities for one in told])
-    assert np.abs(np.diff(wanted, axis=0)).max() <= 1.1 * largest
-    # The loop's response to a step of the wanted speed: it lags by at most the step,
+    desired = np.array([one.desired.velocities for one in received])
+    actual = np.array([one.actual.velocities for one in received])
+    assert np.abs(np.diff(desired, axis=0)).max() <= 1.1 * largest
+    # The loop's response to a step of the desired speed: it lags by at most the step,
     # and overshoots by less than half of it; in between joints push one another.
-    assert np.abs(actual - wanted).max() <= 1.5 * largest
+    assert np.abs(actual - desired).max() <= 1.5 * largest
     assert np.abs(actual).max() <= 1.2 * np.abs(DRAGGED).max() / DRAGGED_FOR
-    (last,) = told[-1:]
+    (last,) = received[-1:]
     np.testing.assert_allclose(last.desired.positions, HOME + DRAGGED, atol=1e-9)
     np.testing.assert_allclose(last.actual.positions, HOME + DRAGGED, atol=0.02)
     assert not any("error" in line.lower() for line in bringup.lines)

@@ -67,12 +67,12 @@ def distance(states: Topic, place: Sequence[float]) -> float:
 
 
 def arrive(states: Topic, place: Sequence[float]) -> None:
-    """Wait until the arm is there: what is heard may be late, and a goal is lenient."""
+    """Wait until the arm is there: messages come late, and goals have tolerances."""
     until(lambda: distance(states, place) < 0.02, f"the arm at {place}")
 
 
 def come_to_rest(states: Topic) -> Message:
-    """Wait until nothing is wanted to move and nothing does; return that state."""
+    """Wait until desired and actual velocities are zero; return that state."""
     since = len(states.messages)
     return states.wait_for(
         lambda state: (
@@ -86,19 +86,19 @@ def come_to_rest(states: Topic) -> Message:
 def test_a_goal_succeeds_and_the_arm_is_there(
     client: Message, at_home: None, states: Topic
 ) -> None:
-    heard: list[Message] = []
+    feedback: list[Message] = []
     client.send_goal(
         follow_goal(trajectory([(0.6, NEAR), (1.2, HOME), (2.0, NEAR)])),
-        feedback_cb=heard.append,
+        feedback_cb=feedback.append,
     )
     status, result = outcome(client)
     assert (status, result.error_code, result.error_string) == (SUCCEEDED, 0, "")
     arrive(states, NEAR)
     # The feedback, at action_monitor_rate of the controller's YAML: 10 Hz.
-    stamps = [at(one.header.stamp) for one in heard]
+    stamps = [at(one.header.stamp) for one in feedback]
     assert len(stamps) / 2.0 == pytest.approx(10.0, abs=1.5)
     assert np.median(np.diff(stamps)) == pytest.approx(0.1, abs=0.009)
-    for one in heard:
+    for one in feedback:
         assert tuple(one.joint_names) == ARM_JOINTS
         for point in (one.desired, one.actual, one.error):
             assert len(point.positions) == len(point.velocities) == 6
@@ -108,7 +108,7 @@ def test_a_goal_succeeds_and_the_arm_is_there(
             atol=1e-12,
         )
         assert len(one.desired.accelerations) == 6
-    assert max(at(one.actual.time_from_start) for one in heard) > 1.5
+    assert max(at(one.actual.time_from_start) for one in feedback) > 1.5
 
 
 @in_mujoco
@@ -116,12 +116,12 @@ def test_the_gripper_s_feedback_comes_at_its_20_hz(
     rospy: ModuleType, bringup: Bringup
 ) -> None:
     client = arm_client("gripper_controller")
-    heard: list[Message] = []
+    feedback: list[Message] = []
     goal = trajectory([(1.0, [0.4])], ["finger_joint"])
-    client.send_goal(follow_goal(goal), feedback_cb=heard.append)
+    client.send_goal(follow_goal(goal), feedback_cb=feedback.append)
     assert outcome(client)[0] == SUCCEEDED
-    gaps = np.diff([at(one.header.stamp) for one in heard])
-    assert len(heard) >= 18
+    gaps = np.diff([at(one.header.stamp) for one in feedback])
+    assert len(feedback) >= 18
     assert np.mean(gaps) == pytest.approx(0.05, rel=0.1)
 
 
@@ -131,12 +131,12 @@ def test_the_state_topic_has_desired_and_actual_motion(
     since = len(states.messages)
     client.send_goal(follow_goal(trajectory([(1.0, NEAR)])))
     outcome(client)
-    told = states.messages[since:]
-    stamps = np.array([at(one.header.stamp) for one in told])
-    assert len(told) / (stamps[-1] - stamps[0]) == pytest.approx(125.0, rel=0.03)
-    wanted = np.array([one.desired.positions for one in told])
-    speeds = np.array([one.desired.velocities for one in told])
-    slope = np.diff(wanted, axis=0) / np.diff(stamps)[:, np.newaxis]
+    received = states.messages[since:]
+    stamps = np.array([at(one.header.stamp) for one in received])
+    assert len(received) / (stamps[-1] - stamps[0]) == pytest.approx(125.0, rel=0.03)
+    desired = np.array([one.desired.positions for one in received])
+    speeds = np.array([one.desired.velocities for one in received])
+    slope = np.diff(desired, axis=0) / np.diff(stamps)[:, np.newaxis]
     middle = (speeds[1:] + speeds[:-1]) / 2
     assert np.abs(slope - middle).max() < 0.02  # [rad/s]
     assert np.abs(speeds).max() == pytest.approx(1.5 * 0.2, rel=0.02)  # of a cubic

@@ -72,7 +72,7 @@ def worst_transform(target: tuple[float, ...], prefix: str = "") -> float:
         publishing(f"/{ARM}/command", JointTrajectory) as command,
     ):
         command(trajectory([(1.0, target)]))
-        heard = [
+        received = [
             message
             for message in states.next(125)
             if max(map(abs, message.velocity)) > 0.1
@@ -86,7 +86,7 @@ def worst_transform(target: tuple[float, ...], prefix: str = "") -> float:
         stamps = {message.transforms[0].header.stamp for message in tf.messages}
     listener.unregister()
     assert frames[f"{prefix}forearm_link"] == f"{prefix}upper_arm_link"
-    compared = [message for message in heard if message.header.stamp in stamps]
+    compared = [message for message in received if message.header.stamp in stamps]
     assert len(compared) > 20
     worst = 0.0
     for message in compared:
