@@ -6,7 +6,7 @@ import asyncio
 import logging
 import threading
 from collections.abc import Sequence
-from types import TracebackType
+from contextlib import AbstractContextManager
 from typing import Final, Protocol, final
 
 from tool0.interfaces.server.backend import Backend
@@ -34,7 +34,7 @@ class Service(Protocol):
 
 
 @final
-class Server:
+class Server(AbstractContextManager["Server"]):
     """Serves a robot from construction to ``close``."""
 
     def __init__(
@@ -63,15 +63,7 @@ class Server:
             self._loop.call_soon_threadsafe(self._stop.set)
             self._thread.join(_CLOSES_WITHIN)
 
-    def __enter__(self) -> Server:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _run(self) -> None:
