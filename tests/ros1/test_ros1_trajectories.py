@@ -352,3 +352,18 @@ def test_a_stopped_controller_rejects_goals(
         switch([ARM], [])
     client.send_goal(follow_goal(trajectory([(1.0, HOME)])))
     assert outcome(client)[0] == SUCCEEDED
+
+
+@in_mujoco
+def test_goals_after_a_reset_are_not_recalled(
+    rospy: ModuleType, client: Message, at_home: None
+) -> None:
+    """Though the last cancellation is then later than they are."""
+    from std_srvs.srv import Empty
+
+    before = rospy.Time.now()
+    client.cancel_goals_at_and_before_time(before)
+    call("/gazebo/reset_simulation", Empty)
+    until(lambda: rospy.Time.now() < before, "a clock that was reset")
+    client.send_goal(follow_goal(trajectory([(0.5, NEAR)])))
+    assert outcome(client)[0] == SUCCEEDED
