@@ -78,8 +78,8 @@ def test_bringup_serves_the_panel_where_it_says() -> None:
 def test_view_serves_a_robot_to_be_posed() -> None:
     with running("view", "--gripper", "none") as (program, url):
         with page_at(url) as page:
-            assert page.hello["robot"]["title"] == "ur5"
-            assert page.hello["robot"]["ground"] == -0.1
+            assert page.view["robot"]["title"] == "ur5"
+            assert page.view["robot"]["ground"] == -0.1
             page.send("pose_joints", positions={"elbow_joint": 1.0})
             page.wait_for_joint("elbow_joint", 1.0, within=1e-6)
         assert "Traceback" not in end(program)
