@@ -66,6 +66,8 @@ class WebService:
     The address can be used at once; the page is served as soon as the server is loaded.
     """
 
+    starts_at_once: Final = True
+
     def __init__(
         self,
         source: Callable[[], ViewSource],
@@ -81,6 +83,7 @@ class WebService:
         """
         self._make_source = source
         self._endpoint = endpoint
+        self.listener = endpoint.listener
         self._setpoint_requests = setpoint_requests
         self._shown = threading.Event()
         self._feed: ViewFeed | None = None
@@ -139,12 +142,15 @@ class WebService:
         if self._feed is not None:
             self._feed.close()
 
-    async def release(self) -> None:
-        """End the web server, and close the listening socket."""
+    async def end(self) -> None:
+        """End the web server."""
         if self._server is not None and self._serving is not None:
             self._server.should_exit = True
             await asyncio.wait([self._serving])
-        self._endpoint.listener.close()
+
+    def release(self) -> None:
+        """Close the listening socket."""
+        self.listener.close()
 
     def _serve_page(self, hub: Hub) -> Callable[[WebSocket], Awaitable[None]]:
         n_pages = 0
