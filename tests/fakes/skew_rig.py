@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from skew_robot import build_model
+from tool0.runtime.mailbox import Mailbox
 
 from tool0.control.config import ControllerConfig
 from tool0.control.manager import ControllerManager, Strictness
@@ -14,7 +15,6 @@ from tool0.installation.ros1.apt import commands as ask
 from tool0.runtime.bus import Bus
 from tool0.runtime.core import Core
 from tool0.runtime.loop import Loop
-from tool0.runtime.mailbox import Mailbox
 
 START = [0.3, -0.2, 0.05, -0.5 * -0.2 + 0.2]
 YAML = """

@@ -27,13 +27,11 @@ _RUN_PERIOD: Final = 0.2
 """Simulated time between checks without real time [s]: some 10 ms of wall time."""
 
 
-def run(command: str, arguments: list[str]) -> int:
+def bringup(arguments: list[str]) -> int:
     """Run the command and return its exit status."""
     options = parse_quickly(BringupOptions, arguments, READERS)
     if options is None:
-        options = parse(
-            BringupOptions, command, arguments, readers=READERS, flag_pairs=True
-        )
+        options = parse(BringupOptions, "bringup", arguments, READERS)
     return bring_up(options)
 
 

@@ -35,18 +35,6 @@ ITEM, BIN = "cube", "bin"
 """Their names in the scene ``table_and_bin``."""
 
 
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    status: int = tyro.extras.subcommand_cli_from_dict(
-        {"pick": pick},
-        prog=f"tool0 {command}",
-        description="Watch the robot do a whole task.",
-        args=arguments,
-        config=(tyro.conf.OmitArgPrefixes,),
-    )
-    return status
-
-
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickArguments:
@@ -118,6 +106,9 @@ def pick(
         if not arguments.headless:
             _linger()
     return OK if report.n_succeeded == len(report.picks) else GOAL_FAILED
+
+
+demo = {"pick": pick}
 
 
 def _bring_up(arguments: PickArguments) -> Robot:

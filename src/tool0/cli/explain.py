@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from tool0.cli.parsing import parse
 from tool0.errors import ConfigError, DescriptionError
 
 if TYPE_CHECKING:
@@ -17,11 +16,6 @@ if TYPE_CHECKING:
     from tool0.lint.packages import PackageIndex
 
 OK, HAS_ERRORS = 0, 1
-
-
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    return parse(explain, command, arguments)
 
 
 def explain(
