@@ -11,9 +11,6 @@ from ur5_rig import GRIPPER
 
 import tool0
 from tool0.description.catalogue import config_file
-from tool0.description.transform import Transform
-from tool0.description.shapes import Box
-from tool0.description.transform import Pose
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Transform

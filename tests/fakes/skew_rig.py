@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from skew_robot import build_model
-from tool0.runtime.mailbox import Mailbox
 
 from tool0.control.config import ControllerConfig
+from tool0.control.goal import Goal
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Interface
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.installation.ros1.apt import commands as ask
 from tool0.runtime.bus import Bus
 from tool0.runtime.core import Core
 from tool0.runtime.loop import Loop
@@ -52,18 +53,23 @@ def build_core(
         control_period=control_period,
     )
     for name in ("arm", "slider", "group", "states"):
-        core.apply(ask.LoadController(name))
-    core.apply(ask.SwitchControllers(start=started, strictness=Strictness.STRICT))
+        core.manager.load(name)
+    switch(core, start=started)
     return core
+
+
+def switch(core: Core, start: Sequence[str] = (), stop: Sequence[str] = ()) -> None:
+    """Stop and start controllers."""
+    core.manager.switch(start, stop, Strictness.STRICT, core.state)
 
 
 def build_loop(core: Core, **options: object) -> tuple[Loop, Bus]:
     """Return a loop over ``core`` that runs only when asked, and its bus."""
     bus = Bus()
-    return Loop(core, Mailbox(), bus, **options), bus  # type: ignore[arg-type]
+    return Loop(core, bus, **options), bus  # type: ignore[arg-type]
 
 
-def follow(positions: list[float], duration: float) -> ask.FollowTrajectory:
-    """Return the command that sends the arm to ``positions``."""
+def follow(core: Core, positions: Sequence[float], duration: float) -> Goal:
+    """Send the arm to ``positions``, and return the goal."""
     point = TrajectoryPoint(positions, time_from_start=duration)
-    return ask.FollowTrajectory(controller="arm", goal=TrajectoryGoal(points=[point]))
+    return core.follow("arm", TrajectoryGoal(points=[point]))

@@ -113,18 +113,7 @@ class LocalChannel:
         return True
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        if goal.result is not None:
-            return True
-        limit = math.inf if timeout is None else timeout
-        if not self._loop.is_realtime:
-            self._loop.run(limit, until=lambda: goal.status.is_terminal)
-            return goal.result is not None
-        end = time.monotonic() + limit
-        while not goal.wait(min(POLL_PERIOD, max(0.0, end - time.monotonic()))):
-            self._loop.check()
-            if not time.monotonic() < end:
-                return False
-        return True
+        return self._loop.wait_for_goal(goal, timeout)
 
     def subscribe(self, rate: float | None = None) -> Subscription:
         return self.simulation.subscribe(rate)

@@ -1,4 +1,4 @@
-"""What the manager expects of a controller, before and while it runs."""
+"""The interface between the manager and a controller."""
 
 from __future__ import annotations
 

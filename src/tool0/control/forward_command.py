@@ -26,7 +26,7 @@ from tool0.hardware.joint_state import JointState, joint_selector
 
 
 class Quantity(enum.Enum):
-    """What a command to a joint prescribes."""
+    """The physical quantity of a command."""
 
     EFFORT = "effort"
     POSITION = "position"
@@ -43,7 +43,7 @@ class ForwardCommandSpec:
     joint_models: tuple[Joint, ...]
     interface: Interface
     quantity: Quantity
-    """What its commands are."""
+    """Of its commands."""
     gains: tuple[Gains, ...] = ()
     """One per joint if the quantity is not the interface's own."""
 
@@ -54,7 +54,7 @@ class ForwardCommandSpec:
 
     @property
     def waits_for_command(self) -> bool:
-        """True for raw effort, whose first command, 0, would drop the arm."""
+        """True for raw effort: without a command, effort 0 would drop the arm."""
         return self.interface is Interface.EFFORT and not self.gains
 
     def start(
@@ -69,11 +69,11 @@ class ForwardCommandController:
     """Pass commands on to the joints, or follow them with a PID per joint.
 
     ROS starts effort controllers with a command of 0, which drops the arm.  Here the
-    brakes hold until the first command comes; from then on effort is what was said.
+    brakes hold until the first command; from then on the effort is the command.
 
     A PID takes the rate from the last two errors.  The error of a continuous joint goes
-    the shortest way round.  That of a revolute joint is the plain difference: positions
-    are continuous, and a way that leaves the limits is none.
+    the shortest way round.  That of a revolute joint is the plain difference: the
+    shortest way could leave its limits.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class ForwardCommandController:
         self._command = self._within_limits(start)
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the commands, or what the PIDs make of them."""
+        """Return the commands, or the output of the PIDs that follow them."""
         self._state = state
         if self._pid is None:
             return self._command

@@ -61,7 +61,7 @@ def check_names(
 
 
 def check_points(goal: TrajectoryGoal, names: tuple[str, ...]) -> None:
-    """Reject points whose times, counts or numbers make no trajectory."""
+    """Reject points with wrong times, counts or numbers."""
     for number in goal.suspects:
         time = goal.times[number]
         last = goal.times[number - 1] if number else -math.inf

@@ -164,12 +164,12 @@ class GripperActionController:
         self._goal = goal = Goal(self.spec.name)
         self._target, self._drive_limits = float(position), drive_limits
         self._hold = hold(now, self._target)
-        ahead = self._ramp - self._position
-        way = self._target - self._position
-        # What is squeezed is not let go of for a squeeze in the same direction.
-        if ahead * way <= 0.0:
+        lead = self._ramp - self._position
+        distance = self._target - self._position
+        # A further squeeze in the same direction must not release the object.
+        if lead * distance <= 0.0:
             self._ramp = self._position
-        elif abs(ahead) > abs(way):
+        elif abs(lead) > abs(distance):
             self._ramp = self._target
         self._max_effort = abs(max_effort or 0.0) or self.spec.max_effort
         self._stall_position, self._stall_since = self._position, now
@@ -184,7 +184,7 @@ class GripperActionController:
             self._finish(GoalStatus.PREEMPTED)
 
     def setpoint(self) -> Setpoint:
-        """Return the commanded position, and what was measured at the last update."""
+        """Return the commanded position, with the state measured at the last update."""
         return Setpoint((self.spec.joint,), (self._hold,), self._select, self._state)
 
     def stop(self) -> None:

@@ -1,4 +1,4 @@
-"""JointStateController: says which joints are published, and how often."""
+"""JointStateController: which joints are published, and how often."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 from tool0.control.parameters import RobotJoints
 from tool0.description.model import Interface
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean
 from tool0.hardware.joint_state import JointState
@@ -39,7 +39,7 @@ class PublishedJointState:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointStateSpec:
-    """What a JointStateController publishes; it claims nothing."""
+    """The parameters of a JointStateController; it claims no joint."""
 
     name: str
     type: str
@@ -53,7 +53,7 @@ class JointStateSpec:
     waits_for_command: ClassVar[bool] = False
 
     def start(self, indices: Sequence[int], state: JointState) -> JointStateController:
-        """Return a controller; joints and their state are no matter of it."""
+        """Return a controller, whatever the joints and their state."""
         del indices, state
         return JointStateController()
 
@@ -64,7 +64,7 @@ class JointStateSpec:
         velocity: Sequence[float],
         effort: Sequence[float],
     ) -> PublishedJointState:
-        """Return what to publish; extra joints keep the values of their YAML.
+        """Return the message to publish; extra joints keep their values from YAML.
 
         Args:
             joint_names: The joints of the other three, all of shape (n_joints,).
@@ -84,14 +84,14 @@ class JointStateSpec:
 
 @final
 class JointStateController:
-    """Does nothing in the tick: what it publishes is made of what everybody sees."""
+    """Does nothing in the tick: the messages are made from snapshots."""
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return no command."""
         return ()
 
     def setpoint(self) -> None:
-        """Return None: it wants nothing of the joints."""
+        """Return None: it does not command joints."""
 
     def stop(self) -> None:
         """Do nothing: there is no goal to end."""
@@ -144,7 +144,7 @@ def _extra_joints(
     return tuple(joint for joint in extra if joint.name not in joints)
 
 
-def _extra_joint(entry: Entry) -> ExtraJoint:
+def _extra_joint(entry: YamlEntry) -> ExtraJoint:
     if not entry.is_mapping:
         raise ConfigError(
             f"'{entry.key}' must be a mapping with a name, got {entry.describe()}",

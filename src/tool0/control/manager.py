@@ -18,7 +18,7 @@ from tool0.hardware.robot_hardware import RobotHardware
 
 
 class Strictness(enum.Enum):
-    """How a switch takes what it cannot do; the numbers are ROS's."""
+    """What a switch does about requests that it cannot fulfil; numbers as in ROS."""
 
     BEST_EFFORT = 1
     """Do the rest."""
@@ -147,12 +147,12 @@ class ControllerManager:
         strictness: Strictness,
         state: JointState,
     ) -> tuple[str, ...]:
-        """Stop and start controllers at one instant; return what was skipped.
+        """Stop and start controllers at one instant; return why others were skipped.
 
         Args:
             start: Names of loaded controllers.
             stop: Names of running controllers.
-            strictness: What to do about those that do not fit.
+            strictness: Whether to skip those that cannot be switched.
             state: The measured state, which started controllers hold.
 
         Raises:
@@ -187,7 +187,7 @@ class ControllerManager:
         strictness: Strictness,
         skipped: list[str],
     ) -> tuple[list[str], list[str]]:
-        """Return what to stop and to start, after ROS's checks in ROS's order."""
+        """Return the controllers to stop and to start, checked in ROS's order."""
 
         def refuse(message: str) -> None:
             if strictness is Strictness.STRICT:

@@ -26,7 +26,7 @@ class Gains:
     i_max: float = 0.0
     """Greatest contribution of the integral, at least 0."""
     antiwindup: bool = False
-    """Clamp the integral itself, not only what it contributes."""
+    """Clamp the integral itself, not only its contribution."""
 
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, (self.p, self.i, self.d))):

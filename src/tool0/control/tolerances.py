@@ -1,4 +1,4 @@
-"""How far a joint may be from what a trajectory wants of it."""
+"""Tolerances of trajectories: defaults from YAML, and a goal's own."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ UNCHECKED = Tolerance()
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointTolerances:
-    """What one joint must keep to on the way, and when it has arrived."""
+    """Of one joint: on the path, and at the goal."""
 
     path: Tolerance = UNCHECKED
     goal: Tolerance = UNCHECKED
@@ -78,7 +78,7 @@ class TrajectoryTolerances:
         )
 
     def goal_time_with(self, override: float | None) -> float:
-        """Return the grace [s] for a goal with its own wish.
+        """Return the grace [s] for a goal with its own ``goal_time_tolerance``.
 
         As for tolerances: > 0 replaces, 0 keeps; < 0 means no limit, so that the goal
         waits until it arrives (ROS would take that for no grace at all).

@@ -182,8 +182,6 @@ def _examine(
     import numpy as np
 
     n_joints = len(points[0].positions)
-    with np.errstate(invalid="ignore"):
-        durations = np.diff(times)
     is_sound = np.zeros(len(points), dtype=bool)
     lowest = np.full((-(-len(points) // BLOCK), n_joints), np.nan)
     highest = lowest.copy()
@@ -196,7 +194,7 @@ def _examine(
         lowest[block] = numbers[0, first - before :].min(axis=0)
         highest[block] = numbers[0, first - before :].max(axis=0)
         with np.errstate(all="ignore"):
-            T = durations[before : end - 1]
+            T = np.diff(times[before:end])
             distance = np.abs(np.diff(numbers[0], axis=0)).max(axis=1)
             sizes = np.abs(numbers).max(axis=2)
             position, v, a = np.maximum(sizes[:, :-1], sizes[:, 1:])

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, final
 
-from tool0.description.yaml_tree import Constructor, Entry, read_with_units
+from tool0.description.yaml_tree import Constructor, YamlEntry, read_with_units
 from tool0.errors import ConfigError, DescriptionError, SourceLocation, did_you_mean
 
 
@@ -52,7 +52,7 @@ def load_parameters(path: Path, units: Mapping[str, Constructor]) -> Any:
     return _wrapped(entry)
 
 
-def _wrapped(entry: Entry) -> Any:
+def _wrapped(entry: YamlEntry) -> Any:
     if entry.is_list:
         return [_wrapped(item) for item in entry.items]
     if not entry.is_mapping:

@@ -19,7 +19,7 @@ A bin is an open box that stands still; it becomes the objects ``tray.floor``,
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -45,7 +45,7 @@ from tool0.description.shapes import (
     find_mesh,
 )
 from tool0.description.transform import Pose
-from tool0.description.yaml_tree import Entry, read_files
+from tool0.description.yaml_tree import YamlEntry, read_files
 from tool0.description.yaml_values import Namespace
 from tool0.errors import (
     ConfigError,
@@ -105,21 +105,37 @@ def load_scene(path: Path | str) -> Scene:
     root = Namespace(tree.root)
     root.only("objects", "cameras")
     colors = itertools.cycle(PALETTE)
-    objects: dict[str, SceneObject] = {}
+    objects: list[SceneObject] = []
     locations: dict[str, SourceLocation] = {}
     for entry in root.items("objects"):
         for item in _objects(entry, colors):
-            if item.name in objects:
-                raise ConfigError(
-                    f"two objects are called '{item.name}', the other at "
-                    f"{locations[item.name]}; rename one",
-                    entry.location,
-                )
-            objects[item.name], locations[item.name] = item, entry.location
-    return Scene(tuple(objects.values()), locations, _cameras(root.items("cameras")))
+            _record("objects", item.name, entry.location, locations)
+            objects.append(item)
+    cameras: list[Camera] = []
+    camera_locations: dict[str, SourceLocation] = {}
+    for entry in root.items("cameras"):
+        cameras.append(_camera(entry))
+        _record("cameras", cameras[-1].name, entry.location, camera_locations)
+    return Scene(tuple(objects), locations, tuple(cameras))
 
 
-def _objects(entry: Entry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
+def _record(
+    kind: str,
+    name: str,
+    location: SourceLocation,
+    locations: dict[str, SourceLocation],
+) -> None:
+    """Add where ``name`` is written, or raise ConfigError if it is there already."""
+    if name in locations:
+        raise ConfigError(
+            f"two {kind} are called '{name}', the other at {locations[name]}; "
+            "rename one",
+            location,
+        )
+    locations[name] = location
+
+
+def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
     """Return the objects of an entry: one, or the walls of a bin."""
     values = Namespace.of(entry)
     values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
@@ -215,21 +231,7 @@ _BIN = "bin"
 _KINDS = (*_SHAPES, _BIN)
 
 
-def _cameras(entries: Iterable[Entry]) -> tuple[Camera, ...]:
-    found: dict[str, Camera] = {}
-    for entry in entries:
-        camera = _camera(entry)
-        if camera.name in found:
-            raise ConfigError(
-                f"two cameras are called '{camera.name}', the other at "
-                f"{found[camera.name].location}; rename one",
-                entry.location,
-            )
-        found[camera.name] = camera
-    return tuple(found.values())
-
-
-def _camera(entry: Entry) -> Camera:
+def _camera(entry: YamlEntry) -> Camera:
     values = Namespace.of(entry)
     values.only("name", "link", "pose", *_CAMERA_PIXELS, *_CAMERA_NUMBERS)
     given: dict[str, Any] = {  # keywords of two types
@@ -279,7 +281,7 @@ def _pose(values: Namespace, *other_keys: str) -> Pose:
 
 
 @contextmanager
-def _located(entry: Entry) -> Iterator[None]:
+def _located(entry: YamlEntry) -> Iterator[None]:
     """Add the location of ``entry`` to an error without one."""
     try:
         yield

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import final
 
 from tool0.description.transform import Vector3
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 
 
@@ -18,12 +18,12 @@ from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 class Namespace:
     """A mapping of values; every getter raises ConfigError with file and line."""
 
-    entry: Entry
+    entry: YamlEntry
     lookups: set[str] = field(default_factory=set)
     """The full key of everything that was looked up so far."""
 
     @staticmethod
-    def of(entry: Entry) -> Namespace:
+    def of(entry: YamlEntry) -> Namespace:
         """Return ``entry`` as a namespace, or raise ConfigError if it is none."""
         if not entry.is_mapping:
             raise _wrong(entry, "a mapping")
@@ -38,7 +38,7 @@ class Namespace:
         """The last part of its key."""
         return self.entry.key.rpartition("/")[2]
 
-    def find(self, path: str) -> Entry | None:
+    def find(self, path: str) -> YamlEntry | None:
         """Return what stands at ``a/b``, or None."""
         self.lookups.add(f"{self.entry.key}/{path}")
         return self.entry.find(path)
@@ -105,7 +105,7 @@ class Namespace:
         x, y, z = self.numbers(path, 3, default)
         return (x, y, z)
 
-    def items(self, path: str) -> tuple[Entry, ...]:
+    def items(self, path: str) -> tuple[YamlEntry, ...]:
         """Return the elements of the list at ``path``; none if it is not there."""
         entry = self.find(path)
         if entry is None or entry.is_null:
@@ -159,7 +159,7 @@ class Namespace:
         )
 
 
-def _number(entry: Entry) -> float:
+def _number(entry: YamlEntry) -> float:
     value = entry.scalar
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise _wrong(entry, "a number")
@@ -168,7 +168,7 @@ def _number(entry: Entry) -> float:
     return float(value)
 
 
-def _wrong(entry: Entry, wanted: str) -> ConfigError:
+def _wrong(entry: YamlEntry, wanted: str) -> ConfigError:
     hint = ""
     text = entry.scalar
     if isinstance(text, str) and wanted == "a number":

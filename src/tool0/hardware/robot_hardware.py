@@ -72,7 +72,7 @@ class RobotHardware:
         }
         self.limits = {name: drive.hard for name, drive in self._drives.items()}
         self.command = [0.0] * len(self.joint_names)
-        """What the claiming controllers want, in the unit of their interface."""
+        """Commands of the claiming controllers, in the unit of their interface."""
         self._dt = dt
         self._dynamics = JointDynamics(model, gravity)
         self._to_model = [self.index[joint.name] for joint in model.movable_joints]
@@ -107,7 +107,7 @@ class RobotHardware:
         return self._is_stopped
 
     def restart(self, state: JointState) -> None:
-        """Forget what servos and brakes learnt, and hold ``state`` from now on."""
+        """Reset servos and brakes, and hold ``state`` from now on."""
         self._steps = 0
         self._limiter.restart()
         for name in self.interfaces:
@@ -156,7 +156,7 @@ class RobotHardware:
                 servo.speed = math.inf
 
     def efforts(self, state: JointState) -> list[float]:
-        """Return what the drives apply during the next step [N·m | N]."""
+        """Return the efforts that the drives apply in the next step [N·m | N]."""
         effort = self.command.copy()
         if self._compensated:
             self._add_gravity_compensation(effort, state)
@@ -230,7 +230,7 @@ class RobotHardware:
         rows = [self._to_model.index(i) for i in self._servos]
         efforts = [self.limits[self.joint_names[i]].effort for i in self._servos]
         inertia = matrix.diagonal()[rows].tolist()
-        # What a drive cannot do must not be made up for by the others.
+        # Other drives must not make up for one that is at its limit.
         self._fastest = list(map(truediv, efforts, inertia))
         return [
             (i, matrix[row, rows].tolist())

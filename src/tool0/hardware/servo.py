@@ -51,7 +51,7 @@ class PositionServo:
     def acceleration(
         self, command: float, position: float, velocity: float, dt: float
     ) -> float:
-        """Return what to ask of the joint [rad/s² | m/s²] for ``command``."""
+        """Return the acceleration for ``command`` [rad/s² | m/s²]."""
         previous = self._target
         lag = previous - position
         is_stopped = self._is_stiff and abs(lag) > STOPPED
@@ -64,7 +64,7 @@ class PositionServo:
         error = target - position
         stiffness = self._bandwidth**2
         if is_stopped:
-            self._integral = 0.0  # what is in the way is no load
+            self._integral = 0.0  # an obstacle is no load
         else:
             self._integral += stiffness * INTEGRAL_RATE * error * dt
         speed_error = (target - previous) / dt - velocity
@@ -89,7 +89,7 @@ class VelocityServo:
     def acceleration(
         self, command: float, position: float, velocity: float, dt: float
     ) -> float:
-        """Return what to ask of the joint [rad/s² | m/s²] for ``command``."""
+        """Return the acceleration for ``command`` [rad/s² | m/s²]."""
         slowest, fastest = velocity_window(position, self._limits, self._soft)
         error = min(max(command, slowest), fastest) - velocity
         gain = 2.0 * DAMPING_RATIO * BANDWIDTH
@@ -109,7 +109,7 @@ class Brake:
     def acceleration(
         self, command: float, position: float, velocity: float, dt: float
     ) -> float:
-        """Return what stops the joint [rad/s² | m/s²]; ``command`` is not read."""
+        """Return the braking acceleration [rad/s² | m/s²]; ``command`` is not read."""
         if self._hold is None:
             if abs(velocity) > STANDSTILL:
                 return self._slow.acceleration(0.0, position, velocity, dt)

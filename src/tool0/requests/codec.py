@@ -166,7 +166,7 @@ class SnapshotMessage(Struct, frozen=True, kw_only=True, tag="snapshot"):
     """[rad/s | m/s]"""
     effort: tuple[float, ...]
     """[N·m | N]"""
-    setpoints: dict[str, JointSetpoint]
+    setpoints: Mapping[str, JointSetpoint]
     """Joint → [position, velocity, target], of joints that are moved by position."""
     objects: tuple[ObjectState, ...]
     """Poses and velocities in the robot's root, in the order of ``scene``."""
@@ -196,7 +196,7 @@ def snapshot_message(
         position=snapshot.position,
         velocity=snapshot.velocity,
         effort=snapshot.effort,
-        setpoints=dict(snapshot.setpoints()),
+        setpoints=snapshot.setpoints(),
         objects=snapshot.objects,
         is_paused=snapshot.is_paused,
         is_stopped=snapshot.is_stopped,
@@ -205,7 +205,7 @@ def snapshot_message(
         fault=snapshot.fault,
         speed=snapshot.speed,
         controllers=UNSET
-        if before is not None and before.controllers == snapshot.controllers
+        if before is not None and before.controllers is snapshot.controllers
         else snapshot.controllers,
         scene=UNSET
         if before is not None and before.scene is snapshot.scene

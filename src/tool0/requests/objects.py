@@ -186,12 +186,12 @@ def _add(simulation: Simulation, request: AddObject) -> None:
         friction=request.friction,
         rgba=rgba,
     )
-    simulation.loop.call(lambda: simulation.core.surroundings.spawn(item))
+    simulation.loop.call(lambda: simulation.core.scene.spawn(item))
 
 
 @handles(RemoveObject, in_tick=True)
 def _remove(simulation: Simulation, request: RemoveObject) -> None:
-    simulation.core.surroundings.delete(request.name)
+    simulation.core.scene.delete(request.name)
 
 
 @handles(PlaceObject, in_tick=True)
@@ -201,7 +201,7 @@ def _place(simulation: Simulation, request: PlaceObject) -> None:
     state = ObjectState(
         request.name, request.xyz, quat_wxyz, request.linear, request.angular
     )
-    simulation.core.surroundings.place(state)
+    simulation.core.scene.place(state)
 
 
 @handles(ReadContacts, in_tick=True, publishes=False)

@@ -15,8 +15,8 @@ from tool0.description.catalogue import (
     default_controllers,
 )
 from tool0.description.config import File
+from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
-from tool0.description.positions import joint_positions
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
 from tool0.engines.registry import make_engine

@@ -12,8 +12,8 @@ from tool0.control.gripper_action import GripperActionController
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
-from tool0.description.positions import joint_positions
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, did_you_mean
 from tool0.hardware.drive_limits import DriveLimits
@@ -59,7 +59,7 @@ class Core:
         self.engine = engine
         self.hardware = hardware
         self.manager = manager
-        self.surroundings = SceneObjects(model, engine, scene or Scene())
+        self.scene = SceneObjects(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)

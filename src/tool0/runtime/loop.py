@@ -163,17 +163,30 @@ class Loop:
                 self._owner.release()
         self.check()
 
-    def wait_for(self, goal: Goal, timeout: float | None) -> None:
-        """Wait until ``goal`` ends, at most ``timeout`` wall seconds, in real time.
+    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
+        """Let time pass until ``goal`` ends; return whether it has.
+
+        Args:
+            goal: The goal.
+            timeout: Longest wait [s]: of wall time in real time, otherwise of simulated
+                time; None for ever.
 
         Raises:
             EngineError: If the physics failed: the goal would never end.
+            ControlError: If the loop is closed, or paused without real time.
         """
-        end = time.monotonic() + (math.inf if timeout is None else timeout)
+        limit = math.inf if timeout is None else timeout
+        if goal.status.is_terminal:
+            return True
+        if not self.is_realtime:
+            self.run(limit, until=lambda: goal.status.is_terminal)
+            return goal.status.is_terminal
+        end = time.monotonic() + limit
         while not goal.wait(min(_POLL_PERIOD, max(0.0, end - time.monotonic()))):
             self.check()
             if not time.monotonic() < end:
-                return
+                return False
+        return True
 
     def set_paused(self, paused: bool) -> None:
         """Hold simulated time, or let it run.  In the thread of the tick."""
@@ -356,7 +369,7 @@ class Loop:
                 fault=None if self._fault is None else str(self._fault),
                 speed=self._speed,
                 controller_setpoints=core.manager.setpoints(),
-                scene=core.surroundings.objects,
+                scene=core.scene.objects,
                 objects=core.engine.world.object_states(),
             )
         )

@@ -144,9 +144,10 @@ def test_a_goal_while_paused_says_what_it_waits_for(
     assert not capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_stops_the_robot(number: signal.Signals, robot: tool0.Robot) -> None:
-    move = ["move", "--joints", "elbow_joint=-1", "--duration", "100"]
+    move = ["move", "--joints", "elbow_joint=-1", "--duration", "20"]
     with (
         contextlib.closing(robot.subscribe()) as states,
         subprocess.Popen(

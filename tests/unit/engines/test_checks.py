@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 
 import pytest
 
-from tool0.description.shapes import Sphere
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Sphere
 from tool0.engines.checks import (
     check_attachable,
     check_dt,

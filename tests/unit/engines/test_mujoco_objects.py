@@ -12,11 +12,9 @@ import pytest
 from objects_rig import EDGE, REST, cube, engine_with, item, run
 
 from tool0.description.catalogue import assemble, named_poses
-from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
-from tool0.description.transform import Pose
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
-from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
 from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import DivergenceError, ModelError

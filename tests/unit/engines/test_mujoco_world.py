@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from objects_rig import EDGE, FAR, REST, cube, engine_with, run, state_of
 
-from tool0.description.shapes import Mesh
-from tool0.description.transform import Pose
 from tool0.description.model import RobotModel
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import Mesh
+from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import ModelError
 from tool0.hardware.engine import ObjectState

@@ -12,8 +12,8 @@ import pytest
 
 import tool0
 from tool0.description.catalogue import RobotDescription, assemble
-from tool0.description.transform import Vector3
 from tool0.description.scene import SceneObject
+from tool0.description.transform import Vector3
 from tool0.engines import registry
 from tool0.engines.registry import (
     EngineDefinition,

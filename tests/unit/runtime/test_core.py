@@ -1,12 +1,13 @@
 from __future__ import annotations
 
-import dataclasses
 import math
+from collections.abc import Callable
 
 import pytest
-from skew_rig import START, build_core, follow
+from skew_rig import START, build_core, follow, switch
 
 from tool0.control.goal import GoalStatus
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.errors import (
     ClaimError,
@@ -15,7 +16,6 @@ from tool0.errors import (
     LimitsError,
 )
 from tool0.hardware.drive_limits import DriveLimits
-from tool0.installation.ros1.apt import commands as ask
 from tool0.runtime.core import Core
 
 
@@ -53,7 +53,7 @@ def test_it_starts_in_its_initial_pose_and_holds_it() -> None:
 
 def test_drift_leaves_out_what_was_commanded_and_nothing_else() -> None:
     core = build_core()
-    core.apply(follow([0.5, -0.4], 0.3))
+    follow(core, [0.5, -0.4], 0.3)
     ticks(core, 500)
     assert core.state.position[0] == pytest.approx(0.5, abs=1e-3)
     assert core.drift() < 1e-3  # the slide's
@@ -62,8 +62,8 @@ def test_drift_leaves_out_what_was_commanded_and_nothing_else() -> None:
 def test_a_rejected_command_does_not_hide_drift() -> None:
     core = build_core(started=("group",))
     with pytest.raises(ControlError):
-        core.apply(ask.CommandJoints(controller="group", values=(math.nan, 0.0)))
-    core.apply(ask.SwitchControllers(stop=("group",)))
+        core.command_joints("group", (math.nan, 0.0))
+    switch(core, stop=("group",))
     core.engine.reset([0.4, -0.2, 0.05, 0.3])  # somebody pushed it
     core.state = core.engine.read()
     assert core.drift() == pytest.approx(0.1)
@@ -79,33 +79,35 @@ HAND = ParallelGripper(
     speed=(0.01, 1.0),
     force=(1.0, 10.0),
 )
-LIFTING = {
-    "a trajectory": follow([0.0, 0.0], 0.5),
-    "a trajectory without outcome": ask.CommandTrajectory(
-        controller="arm", goal=follow([0.0, 0.0], 0.5).goal
+GOAL = TrajectoryGoal(points=[TrajectoryPoint([0.0, 0.0], time_from_start=0.5)])
+LIFTING: dict[str, Callable[[Core], object]] = {
+    "a trajectory": lambda core: follow(core, [0.0, 0.0], 0.5),
+    "a trajectory without a goal": lambda core: core.command_trajectory("arm", GOAL),
+    "a motion": lambda core: core.move_joints({"lift": 0.1}, 0.5, None),
+    "a motion with a duration": lambda core: core.move_joints_within(
+        {"lift": 0.1}, 0.5, None
     ),
-    "a motion": ask.MoveJoints(positions={"lift": 0.1}, speed=0.5),
-    "steering": ask.SteerJoints(controller="arm", positions={"lift": 0.1}, speed=0.5),
-    "another controller": ask.SwitchControllers(start=("group",), stop=("arm",)),
-    "nobody": ask.SwitchControllers(stop=("arm",)),
-    "a reset": ask.Reset(),
-    "the emergency stop": ask.EmergencyStop(engaged=True),
+    "steering": lambda core: core.steer("arm", {"lift": 0.1}, 0.5),
+    "another controller": lambda core: switch(core, ("group",), ("arm",)),
+    "nobody": lambda core: switch(core, stop=("arm",)),
+    "a reset": lambda core: core.reset({}, keep_time=False),
+    "the emergency stop": lambda core: core.engage_emergency_stop(True),
 }
 
 
 def bound(core: Core, effort: float) -> DriveLimits:
     """Send a goal that bounds the drive of ``lift``, and return how."""
     bounds = DriveLimits(gripper=HAND, effort=effort)
-    core.apply(dataclasses.replace(follow([0.0, 0.0], 0.5), bounds={"lift": bounds}))
+    core.follow("arm", GOAL, {"lift": bounds})
     return bounds
 
 
 def test_a_goal_bounds_the_drive() -> None:
     core = build_core()
-    goal = core.apply(follow([0.0, 0.0], 0.5))
+    goal = follow(core, [0.0, 0.0], 0.5)
     ticks(core, 1500)
     assert goal.status is GoalStatus.SUCCEEDED
-    core.apply(ask.Reset())
+    core.reset({}, keep_time=False)
     bound(core, 1e-6)  # beside what carries the weight
     ticks(core, 1500)
     assert abs(core.state.position[0]) > 0.05
@@ -113,13 +115,13 @@ def test_a_goal_bounds_the_drive() -> None:
 
 @pytest.mark.parametrize("command", LIFTING.values(), ids=LIFTING)
 def test_whatever_else_moves_the_joint_lifts_the_bounds(
-    command: ask.CoreCommand,
+    command: Callable[[Core], object],
 ) -> None:
     core = build_core()
     bounds = bound(core, 1.0)
     ticks(core, 10)
     assert core.hardware.drive_limits == {"lift": bounds}
-    core.apply(command)
+    command(core)
     assert core.hardware.drive_limits == {}
 
 
@@ -127,45 +129,45 @@ def test_a_goal_that_is_refused_leaves_the_bounds_alone() -> None:
     core = build_core()
     bounds = bound(core, 1.0)
     with pytest.raises(ControlError):
-        core.apply(follow([math.nan, 0.0], 0.5))
+        follow(core, [math.nan, 0.0], 0.5)
     assert core.hardware.drive_limits == {"lift": bounds}
 
 
 def test_a_motion_of_other_joints_leaves_the_bounds_alone() -> None:
     core = build_core()
     bounds = bound(core, 1.0)
-    core.apply(ask.MoveJoints(positions={"bend": 0.1}, speed=0.5))
+    core.move_joints({"bend": 0.1}, 0.5, None)
     assert core.hardware.drive_limits == {"lift": bounds}
 
 
 def test_a_command_for_another_kind_of_controller_says_which_it_needs() -> None:
     core = build_core(started=("arm", "slider"))
     with pytest.raises(ControlError, match="'arm' is a JointTrajectoryController; "):
-        core.apply(ask.CommandJoints(controller="arm", values=(0.0, 0.0)))
+        core.command_joints("arm", (0.0, 0.0))
     with pytest.raises(ControlError, match="needs a GripperActionController"):
-        core.apply(ask.CommandGripper(controller="slider", position=0.0))
+        core.command_gripper("slider", 0.0)
 
 
 def test_two_controllers_never_get_one_joint() -> None:
     core = build_core()
     with pytest.raises(ClaimError, match="'arm' and 'group' both claim joint 'lift'"):
-        core.apply(ask.SwitchControllers(start=("group",)))
+        switch(core, start=("group",))
     assert core.manager.status("arm").state == "running"
 
 
 def test_one_switch_hands_joints_over() -> None:
     core = build_core()
-    core.apply(ask.SwitchControllers(start=("group",), stop=("arm",)))
-    core.apply(ask.CommandJoints(controller="group", values=(0.5, 0.0)))
+    switch(core, start=("group",), stop=("arm",))
+    core.command_joints("group", (0.5, 0.0))
     ticks(core, 1000)
     assert core.state.position[:2] == pytest.approx([0.5, 0.0], abs=1e-3)
 
 
 def test_a_reset_begins_anew_and_preempts() -> None:
     core = build_core()
-    goal = core.apply(follow([1.5, 1.5], 2.0))
+    goal = follow(core, [1.5, 1.5], 2.0)
     ticks(core, 500)
-    core.apply(ask.Reset())
+    core.reset({}, keep_time=False)
     assert goal.status is GoalStatus.PREEMPTED
     assert (core.time, core.ticks, core.state.position) == (0.0, 0, START)
     assert core.manager.status("arm").state == "running"
@@ -175,21 +177,21 @@ def test_a_reset_begins_anew_and_preempts() -> None:
 
 def test_a_reset_may_place_joints_for_this_once() -> None:
     core = build_core()
-    core.apply(ask.Reset(position={"bend": 1.0}))
+    core.reset({"bend": 1.0}, keep_time=False)
     assert core.state.position == pytest.approx([0.3, 1.0, 0.05, -0.3])
     ticks(core, 100)
     assert core.drift() < 1e-3  # from where it was put
-    core.apply(ask.Reset())
+    core.reset({}, keep_time=False)
     assert core.state.position == START
 
 
 def test_a_reset_to_an_impossible_pose_changes_nothing() -> None:
     core = build_core()
-    goal = core.apply(follow([1.5, 1.5], 2.0))
+    goal = follow(core, [1.5, 1.5], 2.0)
     ticks(core, 100)
     before = core.state
     with pytest.raises(LimitsError):
-        core.apply(ask.Reset(position={"bend": 99.0}))
+        core.reset({"bend": 99.0}, keep_time=False)
     assert core.state is before
     assert goal.status is GoalStatus.ACTIVE
 
@@ -198,38 +200,38 @@ def test_a_run_after_a_reset_is_the_first_run_again() -> None:
     core = build_core()
 
     def run() -> list[float]:
-        core.apply(follow([0.7, -0.9], 0.4))
+        follow(core, [0.7, -0.9], 0.4)
         ticks(core, 333)  # no multiple of any period inside
         return core.state.position
 
     first = run()
-    core.apply(ask.Reset())
+    core.reset({}, keep_time=False)
     assert run() == first
 
 
 def test_the_emergency_stop_holds_refuses_and_lets_go() -> None:
     core = build_core()
-    goal = core.apply(follow([1.5, 1.5], 1.0))
+    goal = follow(core, [1.5, 1.5], 1.0)
     ticks(core, 300)
-    core.apply(ask.EmergencyStop(True))
+    core.engage_emergency_stop(True)
     assert goal.status is GoalStatus.PREEMPTED
     ticks(core, 500)
     rest = core.state.position
     with pytest.raises(ControlError, match="emergency stop is engaged; release it"):
-        core.apply(follow([0.0, 0.0], 1.0))
+        follow(core, [0.0, 0.0], 1.0)
     ticks(core, 1000)
     assert core.state.position == pytest.approx(rest, abs=1e-3)
-    core.apply(ask.EmergencyStop(False))
+    core.engage_emergency_stop(False)
     ticks(core, 500)
     assert core.state.position == pytest.approx(rest, abs=1e-3)
-    core.apply(follow([0.0, 0.0], 1.0))
+    follow(core, [0.0, 0.0], 1.0)
     ticks(core, 1500)
     assert core.state.position[:2] == pytest.approx([0.0, 0.0], abs=1e-3)
 
 
 def test_cancelling_a_goal_that_ended_does_nothing() -> None:
     core = build_core()
-    goal = core.apply(follow([0.4, -0.2], 0.1))
-    core.apply(ask.SwitchControllers(stop=("arm",)))
+    goal = follow(core, [0.4, -0.2], 0.1)
+    switch(core, stop=("arm",))
     assert goal.status is GoalStatus.PREEMPTED
-    core.apply(ask.CancelGoal(goal))
+    core.cancel(goal)

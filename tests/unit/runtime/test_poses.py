@@ -249,11 +249,11 @@ def test_a_broken_file_hides_no_built_in_pose(robot: tool0.Robot) -> None:
 
 
 def test_it_names_every_controller_that_the_yaml_defines(robot: tool0.Robot) -> None:
-    assert dict(robot.defined_controllers) == {
+    assert dict(robot.info.defined_controllers) == {
         "joint_state_controller": "joint_state_controller/JointStateController",
         "eff_joint_traj_controller": "effort_controllers/JointTrajectoryController",
         "gripper_controller": "effort_controllers/JointTrajectoryController",
         "joint_group_eff_controller": "effort_controllers/JointGroupEffortController",
     }
-    assert next(iter(robot.defined_controllers)) == "joint_state_controller"
+    assert next(iter(robot.info.defined_controllers)) == "joint_state_controller"
     assert (robot.control_period, robot.is_realtime) == (0.001, False)

@@ -16,7 +16,6 @@ from tool0.description.shapes import Box
 from tool0.description.transform import Pose
 from tool0.errors import ConfigError, ControlError, EngineError
 from tool0.hardware.engine import ObjectState
-from tool0.installation.ros1.apt import commands as ask
 from tool0.runtime.bus import WasReset
 
 HERE = (5.0, 0.0, 1.0)
@@ -30,8 +29,9 @@ def cube(name: str = "cube", mass: float | None = 0.1) -> SceneObject:
 
 
 def test_a_snapshot_says_whose_its_states_are() -> None:
-    loop, bus = build_loop(build_core())
-    loop.call(ask.SpawnObject(cube()))
+    core = build_core()
+    loop, bus = build_loop(core)
+    loop.call(lambda: core.scene.spawn(cube()))
     one = bus.latest
     assert one is not None
     assert [item.name for item in one.scene] == ["cube"]
@@ -40,8 +40,8 @@ def test_a_snapshot_says_whose_its_states_are() -> None:
     assert two is not None
     assert two.scene is one.scene
     assert two.objects != one.objects
-    loop.call(ask.SpawnObject(cube("other", mass=None)))
-    loop.call(ask.DeleteObject("cube"))
+    loop.call(lambda: core.scene.spawn(cube("other", mass=None)))
+    loop.call(lambda: core.scene.delete("cube"))
     three = bus.latest
     assert three is not None
     assert [item.name for item in three.scene] == ["other"]
@@ -51,26 +51,26 @@ def test_a_snapshot_says_whose_its_states_are() -> None:
 def test_an_object_never_has_the_name_of_a_link() -> None:
     core = build_core()
     with pytest.raises(ConfigError):
-        core.apply(ask.SpawnObject(cube("upper")))
-    assert core.surroundings.objects == ()
+        core.scene.spawn(cube("upper"))
+    assert core.scene.objects == ()
     assert core.engine.world.object_states() == ()
 
 
 def test_what_the_engine_refuses_is_not_in_the_scene() -> None:
     core = build_core()
-    core.apply(ask.SpawnObject(cube()))
-    objects = core.surroundings.objects
+    core.scene.spawn(cube())
+    objects = core.scene.objects
     with pytest.raises(EngineError):
-        core.apply(ask.SpawnObject(cube()))
+        core.scene.spawn(cube())
     with pytest.raises(EngineError):
-        core.apply(ask.DeleteObject("other"))
-    assert core.surroundings.objects is objects
+        core.scene.delete("other")
+    assert core.scene.objects is objects
 
 
 def test_a_quaternion_may_have_any_length() -> None:
     core = build_core()
-    core.apply(ask.SpawnObject(cube()))
-    core.apply(ask.PlaceObject(ObjectState("cube", HERE, (0.0, 3.0, 0.0, 4.0))))
+    core.scene.spawn(cube())
+    core.scene.place(ObjectState("cube", HERE, (0.0, 3.0, 0.0, 4.0)))
     (state,) = core.engine.world.object_states()
     assert state.quat_wxyz == pytest.approx((0.0, 0.6, 0.0, 0.8))
 
@@ -87,28 +87,28 @@ def test_a_quaternion_may_have_any_length() -> None:
 )
 def test_only_finite_states_can_be_placed(state: ObjectState) -> None:
     core = build_core()
-    core.apply(ask.SpawnObject(cube()))
+    core.scene.spawn(cube())
     before = core.engine.world.object_states()
     with pytest.raises(ControlError, match="object 'cube' needs a finite position"):
-        core.apply(ask.PlaceObject(state))
+        core.scene.place(state)
     assert core.engine.world.object_states() == before
 
 
 @pytest.mark.parametrize("period", [0.001, 0.004])
 def test_a_reset_can_keep_the_time(period: float) -> None:
     core = build_core(control_period=period)
-    core.apply(follow([0.7, -0.9], 0.4))
+    follow(core, [0.7, -0.9], 0.4)
     for _ in range(123):
         core.tick()
-    core.apply(ask.Reset(keep_time=True))
+    core.reset({}, keep_time=True)
     assert core.ticks == 123
     assert core.time == core.state.time == pytest.approx(123 * period)
-    goal = core.apply(follow([0.7, -0.9], 0.4))
+    goal = follow(core, [0.7, -0.9], 0.4)
     for _ in range(round(1.0 / period)):
         core.tick()
     assert goal.status.is_terminal
     assert core.state.position[:2] == pytest.approx([0.7, -0.9], abs=1e-2)
-    core.apply(ask.Reset())
+    core.reset({}, keep_time=False)
     assert core.time == core.state.time == 0.0
 
 
@@ -116,17 +116,17 @@ def test_the_event_of_a_reset_says_what_time_it_is() -> None:
     loop, bus = build_loop(build_core())
     reader = bus.subscribe()
     loop.run(0.25)
-    loop.call(ask.Reset(keep_time=True))
-    loop.call(ask.Reset())
+    loop.call(lambda: loop.reset({}, keep_time=True))
+    loop.call(lambda: loop.reset({}, keep_time=False))
     assert list(reader.events) == [WasReset(pytest.approx(0.25)), WasReset(0.0)]
 
 
 def test_the_parameters_of_a_loaded_controller_can_be_read() -> None:
     core = build_core()
-    assert core.apply(ask.ReadSpec("arm")) is core.manager.spec("arm")
-    assert core.apply(ask.ReadSpec("group")).joints == ("lift", "bend")
+    assert core.manager.spec("arm") is core.manager.spec("arm")
+    assert core.manager.spec("group").joints == ("lift", "bend")
     with pytest.raises(ControlError) as caught:
-        core.apply(ask.ReadSpec("amr"))
+        core.manager.spec("amr")
     assert "'arm'" in str(caught.value)
 
 

@@ -125,12 +125,12 @@ class Hub:
         self, session: Session, ident: Ident, request: Request[Any]
     ) -> None:
         if isinstance(request, Subscribe | Unsubscribe | SubscribeView):
-            self._change_streams(session, ident, request)
+            await self._change_streams(session, ident, request)
             return
         await self._setpoints.settle(self._superseded(request))
         await self._carry_out(session, ident, request, self._workers)
 
-    def _change_streams(
+    async def _change_streams(
         self,
         session: Session,
         ident: Ident,
@@ -145,14 +145,13 @@ class Hub:
         if refusal is not None:
             session.tell(encode_error(ident, ControlError(refusal)))
             return
-        session.tell(encode_reply(ident, request, None))
-        if isinstance(request, SubscribeView):
-            assert self.attach_view is not None
-            self.attach_view(session)
-        elif self._snapshots is not None:
+        if self._snapshots is not None and not isinstance(request, SubscribeView):
             self._snapshots.remove(session)
             if isinstance(request, Subscribe):
-                self._snapshots.add(session, request.rate)
+                await self._snapshots.add(session, request.rate)
+        session.tell(encode_reply(ident, request, None))
+        if isinstance(request, SubscribeView) and self.attach_view is not None:
+            self.attach_view(session)
 
     def _superseded(self, request: Request[Any]) -> Collection[str]:
         return self.backend.superseded(request)

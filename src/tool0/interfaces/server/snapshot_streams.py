@@ -66,14 +66,13 @@ class SnapshotStreams:
         self._readers: dict[float, _Reader] = {}
         self._task: asyncio.Task[None] | None = None
 
-    def add(self, session: Session, rate: float) -> None:
+    async def add(self, session: Session, rate: float) -> None:
         """Let ``session`` receive ``rate`` snapshots per simulated second [Hz]."""
         if rate not in self._readers:
-            subscription = self._simulation.bus.subscribe(
-                1.0 / rate, self._simulation.update_snapshot_period
-            )
-            self._readers[rate] = _Reader(subscription, rate)
-            self._in_background(self._simulation.update_snapshot_period)
+            simulation = self._simulation
+            subscription = await asyncio.to_thread(simulation.subscribe, rate)
+            subscription.pending()  # the stream starts with the next one
+            self._readers.setdefault(rate, _Reader(subscription, rate))
         self._readers[rate].sessions[session] = False
         if self._task is None:
             self._task = asyncio.create_task(self._poll())
@@ -83,19 +82,15 @@ class SnapshotStreams:
         for rate, reader in list(self._readers.items()):
             if reader.sessions.pop(session, None) is not None and not reader.sessions:
                 del self._readers[rate]
-                self._in_background(reader.subscription.close)
+                _close_in_background(reader)
 
     def close(self) -> None:
         """End every stream."""
         if self._task is not None:
             self._task.cancel()
         for reader in self._readers.values():
-            self._in_background(reader.subscription.close)
+            _close_in_background(reader)
         self._readers.clear()
-
-    def _in_background(self, operation: object) -> None:
-        """Run what waits for the tick in a thread of its own."""
-        asyncio.get_running_loop().run_in_executor(None, operation)  # type: ignore[arg-type]
 
     async def _poll(self) -> None:
         while self._readers:
@@ -115,3 +110,9 @@ class SnapshotStreams:
             text = encode(event_message(self._simulation, events.popleft()))
             for session in reader.sessions:
                 session.tell(text)
+
+
+def _close_in_background(reader: _Reader) -> None:
+    """Close a subscription in a thread of its own: it waits for the tick."""
+    close = reader.subscription.close
+    asyncio.get_running_loop().run_in_executor(None, close)

@@ -1,0 +1,142 @@
+"""The gripper by its opening: commands, and what it says that it does."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from ur5_rig import GRIPPER
+
+import tool0
+from tool0.errors import ControlError, GoalTimeoutError, ModelError, RequestError
+
+
+@pytest.fixture(scope="module")
+def robot() -> Iterator[tool0.Robot]:
+    with tool0.bringup(realtime=False) as robot:
+        yield robot
+
+
+@pytest.mark.parametrize("opening", [-0.001, 0.0851])
+def test_an_opening_out_of_reach_is_refused(robot: tool0.Robot, opening: float) -> None:
+    with pytest.raises(ModelError, match=r"opening .* is outside \[0, 0\.085\]"):
+        robot.gripper.move(opening=opening)
+
+
+@pytest.mark.parametrize(
+    ("setting", "value"), [("speed", 0.0), ("force", 236.0), ("effort", math.nan)]
+)
+def test_a_setting_out_of_range_is_refused_and_the_motion_goes_on(
+    robot: tool0.Robot, setting: str, value: float
+) -> None:
+    robot.gripper.move(opening=0.07).wait(5.0)
+    goal = robot.gripper.move(opening=0.03)
+    with pytest.raises(ControlError, match=setting):
+        robot.gripper.move(opening=0.08, **{setting: value})
+    assert goal.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
+    assert robot.gripper.opening == pytest.approx(0.03, abs=1e-3)
+
+
+@pytest.mark.parametrize("what", ["opening", "speed", "force", "effort"])
+@pytest.mark.parametrize("value", ["0.04", np.array([0.04]), math.nan, math.inf])
+def test_what_is_no_finite_number_is_refused(
+    robot: tool0.Robot, what: str, value: object
+) -> None:
+    with pytest.raises(RequestError, match=f"'{what}'"):
+        robot.gripper.move(**{"opening": 0.04, what: value})  # type: ignore[arg-type]
+
+
+def test_numbers_of_numpy_s_are_numbers(robot: tool0.Robot) -> None:
+    robot.gripper.move(opening=np.float32(0.04))  # type: ignore[arg-type]
+    assert robot.gripper.wait(5.0).opening == pytest.approx(0.04, abs=1e-3)
+
+
+def test_a_refused_goal_leaves_the_effort_as_it_was(robot: tool0.Robot) -> None:
+    robot.reset()
+    robot.emergency_stop()
+    with pytest.raises(ControlError, match="emergency stop"):
+        robot.gripper.move(opening=0.0, effort=0.05)
+    robot.emergency_stop(engaged=False)
+    assert robot.gripper.move(opening=0.02).wait(5.0).error_code == 0
+    robot.run(0.5)
+    assert robot.gripper.opening == pytest.approx(0.02, abs=1e-3)
+
+
+def test_any_other_goal_lifts_the_settings(robot: tool0.Robot) -> None:
+    robot.gripper.move(opening=0.08).wait(5.0)
+    robot.gripper.move(opening=0.0, speed=0.02)
+    robot.run(0.5)
+    assert robot.gripper.opening > 0.06
+    robot.controller(GRIPPER).move({"finger_joint": 0.8133}, speed=1.0)
+    robot.run(1.0)
+    assert robot.gripper.opening < 0.01
+
+
+def test_it_moves_from_the_moment_that_it_was_sent(robot: tool0.Robot) -> None:
+    for opening in (0.085, 0.0):
+        robot.gripper.move(opening=opening)
+        assert robot.gripper.state.motion == "moving"
+        state = robot.gripper.wait()
+        assert (state.motion, state.gobj) == ("at_target", 3)
+        assert state.opening == pytest.approx(opening, abs=1e-3)
+        assert state == robot.gripper.state
+
+
+def test_how_often_snapshots_are_published_does_not_matter(
+    robot: tool0.Robot,
+) -> None:
+    robot.gripper.move(opening=0.05)
+    for _ in range(1500):
+        robot.run(0.001)
+    assert robot.gripper.state.motion == "at_target"
+
+
+def test_to_wait_has_an_end(robot: tool0.Robot) -> None:
+    robot.gripper.move(opening=0.0).wait(5.0)
+    robot.gripper.move(opening=0.08, speed=0.02)
+    before = robot.time
+    with pytest.raises(GoalTimeoutError, match=r"still moves after 0\.1 s"):
+        robot.gripper.wait(timeout=0.1)
+    assert robot.time - before == pytest.approx(0.1, abs=0.01)
+
+
+@pytest.mark.parametrize("timeout", [0.0104, 0.05])
+def test_to_wait_ends_whatever_the_control_period(timeout: float) -> None:
+    with tool0.bringup(
+        realtime=False, control=tool0.ControlConfig(control_period=0.02)
+    ) as robot:
+        robot.gripper.move(opening=0.0, speed=0.02)
+        with pytest.raises(GoalTimeoutError, match="still moves"):
+            robot.gripper.wait(timeout)
+        assert timeout <= robot.time < timeout + 0.02
+
+
+def test_a_gripper_that_nobody_commands_is_idle(robot: tool0.Robot) -> None:
+    robot.switch(stop=[GRIPPER])
+    state = robot.gripper.wait()
+    assert (state.motion, state.gobj) == ("idle", 0)
+    with pytest.raises(
+        ControlError, match="no running controller drives 'finger_joint'"
+    ):
+        robot.gripper.move(opening=0.04)
+    robot.switch(start=[GRIPPER])
+    robot.gripper.move(opening=0.04)
+
+
+def test_in_real_time_it_waits_for_the_wall_clock() -> None:
+    with tool0.bringup(realtime=True) as robot:
+        robot.set_speed(5.0)
+        robot.gripper.move(opening=0.0)
+        assert robot.gripper.wait(10.0).motion == "at_target"
+        robot.gripper.move(opening=0.085, speed=0.02)
+        robot.pause()
+        with pytest.raises(GoalTimeoutError, match="still moves"):
+            robot.gripper.wait(0.05)
+        ended = threading.Timer(0.1, robot.close)
+        ended.start()
+        with pytest.raises(ControlError, match="was closed"):
+            robot.gripper.wait(10.0)
+        ended.join()

@@ -1,0 +1,109 @@
+"""``robot.scene`` as a person uses it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import tool0
+from tool0 import scene
+from tool0.description.scene import PALETTE, STILL_RGBA
+from tool0.errors import ConfigError, ControlError, DescriptionError, RequestError
+from tool0.scene import Box, Pose, SceneObject, Sphere
+
+BOX = Box(size=(0.1, 0.1, 0.1))
+TETRAHEDRON = """
+v 0 0 0
+v 100 0 0
+v 0 100 0
+v 0 0 100
+f 1 3 2
+f 1 2 4
+f 1 4 3
+f 2 3 4
+"""
+
+
+@pytest.fixture(scope="module")
+def shared() -> Iterator[tool0.Robot]:
+    with tool0.bringup(gripper=None, realtime=False) as robot:
+        yield robot
+
+
+@pytest.fixture
+def robot(shared: tool0.Robot) -> tool0.Robot:
+    for name in shared.scene:
+        shared.scene.remove(name)
+    return shared
+
+
+def test_what_is_added_is_there_until_it_is_removed(robot: tool0.Robot) -> None:
+    item = robot.scene.add("cube", BOX, xyz=(2.0, 0.0, 1.0), mass=0.2, friction=0.7)
+    assert item == SceneObject(
+        name="cube",
+        geometry=BOX,
+        pose=Pose(xyz=(2.0, 0.0, 1.0)),
+        mass=0.2,
+        friction=0.7,
+        rgba=PALETTE[0],
+    )
+    assert robot.scene.objects == (item,)
+    assert robot.scene["cube"] == item
+    assert "cube" in robot.scene
+    assert list(robot.scene) == ["cube"]
+    assert len(robot.scene) == 1
+    robot.scene.remove("cube")
+    assert "cube" not in robot.scene
+    assert robot.scene.add(item) == item  # the same again
+
+
+def test_it_says_where_things_are_and_how_they_move(robot: tool0.Robot) -> None:
+    robot.scene.add("ball", Sphere(radius=0.1), xyz=(2.0, 0.0, 1.0), mass=1.0)
+    robot.scene.place("ball", (2.0, 1.0, 1.0), (0, 0, 0, 2), linear=(0.5, 0, 0))
+    assert robot.scene.states["ball"].linear == (0.5, 0.0, 0.0)
+    pose = robot.scene.pose("ball")
+    assert pose.position == (2.0, 1.0, 1.0)
+    assert pose.quat_wxyz == pytest.approx((0, 0, 0, 1))
+
+
+def test_what_names_no_colour_gets_one(robot: tool0.Robot) -> None:
+    colors = [
+        robot.scene.add(name, BOX, xyz=(2.0, y, 1.0), mass=mass).rgba
+        for name, y, mass in (("a", 0.0, 1.0), ("b", 1.0, None), ("c", 2.0, 1.0))
+    ]
+    assert colors == [PALETTE[0], STILL_RGBA, PALETTE[1]]
+    red = (1.0, 0.0, 0.0, 1.0)
+    assert robot.scene.add("d", BOX, xyz=(2.0, 3.0, 1.0), rgba=red).rgba == red
+
+
+def test_a_mesh_goes_by_its_path(robot: tool0.Robot, tmp_path: Path) -> None:
+    path = tmp_path / "part.obj"
+    path.write_text(TETRAHEDRON)
+    shape = scene.mesh(path, scale=0.001)
+    assert shape.scale == (0.001, 0.001, 0.001)
+    robot.scene.add("small", shape, xyz=(2.0, 0.0, 1.0), mass=0.1)
+    large = robot.scene.add("large", str(path), xyz=(200.0, 0.0, 1.0))
+    assert large.geometry == scene.mesh(path)
+    with pytest.raises(DescriptionError, match="there is no mesh"):
+        robot.scene.add("other", tmp_path / "other.obj")
+    assert list(robot.scene) == ["small", "large"]
+
+
+def test_what_cannot_be_is_refused(robot: tool0.Robot) -> None:
+    robot.scene.add("cube", BOX)
+    with pytest.raises(RequestError, match="mass"):
+        robot.scene.add("x", BOX, mass=-1.0)
+    with pytest.raises(ConfigError, match="has the name of a link"):
+        robot.scene.add("tool0", BOX)
+    with pytest.raises(RequestError, match="rpy"):
+        robot.scene.add("x", BOX, rpy=[0.1])
+    with pytest.raises(ConfigError):
+        robot.scene.add("x", Box(size=(1.0, 2.0)))  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="'x' needs a shape"):
+        robot.scene.add("x")  # type: ignore[call-overload]
+    for look in (robot.scene.pose, robot.scene.__getitem__):
+        with pytest.raises(ControlError, match="'cub' in the scene; did you mean 'cu"):
+            look("cub")
+    assert list(robot.scene) == ["cube"]
