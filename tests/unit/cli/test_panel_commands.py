@@ -18,7 +18,7 @@ from served import use_folder
 from tool0.cli import FAILED, OK, main
 from tool0.cli.options import PanelOptions
 from tool0.cli.panel import show
-from tool0.interfaces.panel.address import Door, open_door
+from tool0.interfaces.panel.address import Endpoint, open_endpoint
 
 pytestmark = pytest.mark.slow
 
@@ -29,10 +29,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def taken() -> Iterator[Door]:
-    door = open_door()
-    yield door
-    door.listener.close()
+def taken() -> Iterator[Endpoint]:
+    endpoint = open_endpoint()
+    yield endpoint
+    endpoint.listener.close()
 
 
 @contextmanager
@@ -116,7 +116,7 @@ def test_with_a_json_summary_the_address_goes_to_standard_error(
 
 
 def test_a_port_that_is_taken_is_told_before_anything_starts(
-    taken: Door, capsys: pytest.CaptureFixture[str]
+    taken: Endpoint, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["bringup", "--panel-port", str(taken.port)]) == FAILED
     out, error = capsys.readouterr()
@@ -125,7 +125,7 @@ def test_a_port_that_is_taken_is_told_before_anything_starts(
     assert error.count("\n") == 1
 
 
-def test_another_port_is_found_if_the_usual_one_is_taken(taken: Door) -> None:
+def test_another_port_is_found_if_the_usual_one_is_taken(taken: Endpoint) -> None:
     with running("view") as (program, url):
         assert f":{taken.port}/" not in url
         with urlopen(url) as response:
