@@ -87,6 +87,9 @@ class WebService:
         self._server: uvicorn.Server | None = None
         self._serving: asyncio.Task[None] | None = None
 
+    listener: Final = None
+    """Pages can ask what has happened before the first of them came."""
+
     @property
     def url(self) -> str:
         """The page's address, with the token if it needs one."""
@@ -235,6 +238,9 @@ class Panel:
         backend, service = panel_service(robot, endpoint)
         self._service = service
         self._server = Server(backend, [service])
+
+    listener: Final = None
+    """Pages can ask what has happened before the first of them came."""
 
     @property
     def url(self) -> str:

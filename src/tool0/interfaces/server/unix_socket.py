@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import socket
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.api.address import Claim
 from tool0.errors import TransportError
-from tool0.interfaces.server.session import MessageTooLongError
 
 if TYPE_CHECKING:
+    import asyncio
+
     from tool0.interfaces.server.hub import Hub
 
 MAX_LINE: Final = 1 << 20
@@ -30,11 +30,12 @@ class UnixSocketService:
             TransportError: If the socket cannot be made.
         """
         self._claim = claim
-        self._listener = _listen(claim)
+        self.listener = _listen(claim)
         self._server: asyncio.Server | None = None
 
     async def start(self, hub: Hub) -> None:
         """Take peers."""
+        import asyncio
 
         async def serve(
             reader: asyncio.StreamReader, writer: asyncio.StreamWriter
@@ -48,7 +49,7 @@ class UnixSocketService:
                 await writer.wait_closed()
 
         self._server = await asyncio.start_unix_server(
-            serve, sock=self._listener, limit=MAX_LINE
+            serve, sock=self.listener, limit=MAX_LINE
         )
 
     async def stop(self) -> None:
@@ -58,7 +59,7 @@ class UnixSocketService:
 
     def release(self) -> None:
         """Remove the socket file; twice is allowed."""
-        self._listener.close()
+        self.listener.close()
         self._claim.close()
 
 
@@ -79,6 +80,10 @@ class _LineTransport:
         await self._writer.drain()
 
     async def receive(self) -> bytes | None:
+        import asyncio
+
+        from tool0.interfaces.server.session import MessageTooLongError
+
         while True:
             try:
                 line = await self._reader.readuntil(b"\n")
