@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import logging
 import math
 import sys
@@ -44,6 +45,8 @@ def bring_up(options: BringupOptions) -> int:
     console = sys.stderr if is_json else sys.stdout
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
+        gc.disable()  # what a start makes stays: collections would find nothing
+        exits.callback(gc.enable)
         # Names first: a wrong or taken one is reported before the robot is made.
         claim = _claim(options.run)
         if claim is not None:
@@ -62,6 +65,9 @@ def bring_up(options: BringupOptions) -> int:
             from tool0.cli.panel import show
 
             show(endpoint.url, options.panel, console)
+        gc.freeze()
+        exits.callback(gc.unfreeze)
+        gc.enable()
         url = None if endpoint is None else endpoint.url
         if not is_json or console.isatty():
             print(greeting(robot, options, url, ros), file=console, flush=True)

@@ -192,9 +192,9 @@ def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
 
 
 def _poses(arguments: PickArguments) -> Iterator[Pose | None]:
-    from tool0.cli.pick_demo.trials import TABLE, random_poses
+    from tool0.cli.pick_demo.trials import random_poses
 
-    drawn = random_poses(TABLE, arguments.size, arguments.seed or 0)
+    drawn = random_poses(arguments.size, arguments.seed or 0)
     return drawn if arguments.seed is not None else itertools.chain([None], drawn)
 
 
