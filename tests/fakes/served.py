@@ -1,4 +1,4 @@
-"""A robot that other processes reach, below a socket folder of the tests."""
+"""A bring-up's Unix socket for a test, under its own private folder."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -23,8 +23,8 @@ def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:
 
 
 @contextmanager
-def serving(robot: tool0.Robot, name: str = "tool0") -> Iterator[None]:
-    """Serve ``robot`` as ``tool0 bringup --name NAME`` does."""
-    services = [UnixSocketService(Claim(name))]
-    with Server(SimulationBackend(robot.simulation), services, name):
-        yield
+def serving(robot: tool0.Robot, name: str = "tool0") -> Iterator[Server]:
+    """Serve ``robot`` over the Unix socket."""
+    service = UnixSocketService(Claim(name))
+    with Server(SimulationBackend(robot.simulation), [service], name) as server:
+        yield server

@@ -30,7 +30,7 @@ from tool0.installation.doctor.machine import (
 PROBES: Final = {
     "machine": "tool0.installation.doctor.system_probes",
     "python": "tool0.installation.doctor.system_probes",
-    "mujoco": "tool0.runtime.probes",
+    "mujoco": "tool0.api.probes",
     "panel": "tool0.interfaces.panel.probes",
     "browser": "tool0.interfaces.panel.probes",
     "gpu": "tool0.installation.doctor.system_probes",

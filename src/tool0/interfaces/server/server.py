@@ -1,54 +1,55 @@
-"""The server: a thread with an event loop, a hub, and the services that feed it."""
+"""The server: a thread that serves a robot to all connections.
+
+asyncio and what needs it are imported when the first peer connects: a bring-up that
+nobody talks to starts without them.
+"""
 
 from __future__ import annotations
 
-import contextlib
 import logging
-import select
+import selectors
 import socket
 import threading
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Final, Protocol, final
 
-from tool0.interfaces.server.backend import Backend
-
 if TYPE_CHECKING:
-    import asyncio
-
+    from tool0.interfaces.server.backend import Backend
     from tool0.interfaces.server.hub import Hub
 
 logger = logging.getLogger(__name__)
 
 _CLOSES_WITHIN: Final = 5.0
 """[wall s]"""
-_CHECK_PERIOD: Final = 1.0
-"""Wall time between checks for connections that take nothing [s]."""
 
 
 class Service(Protocol):
-    """A way in: it listens from its construction on."""
+    """Accepts connections at an address; it listens from its construction on."""
 
     @property
-    def listener(self) -> socket.socket | None:
-        """The socket at which the first peer arrives; None to start without one."""
+    def listener(self) -> socket.socket: ...
+
+    @property
+    def starts_at_once(self) -> bool:
+        """Whether to start before the first peer connects."""
 
     async def start(self, hub: Hub) -> None:
-        """Take peers, in the server's event loop."""
+        """Accept peers, in the server's event loop."""
 
     async def stop(self) -> None:
-        """Take no more peers."""
+        """Stop to accept peers; the hub then closes the connections."""
+
+    async def end(self) -> None:
+        """End what is left in the event loop."""
 
     def release(self) -> None:
-        """Give back what was listening; twice is allowed."""
+        """Free the address, also if the service was never started."""
 
 
 @final
-class Server:
-    """Serves a robot from construction to ``close``.
-
-    It loads asyncio and the codec, 50 ms, when the first peer arrives: many bring-ups
-    have none.
-    """
+class Server(AbstractContextManager["Server"]):
+    """Serves a robot from construction to ``close``."""
 
     def __init__(
         self, backend: Backend, services: Sequence[Service], name: str = ""
@@ -57,45 +58,35 @@ class Server:
 
         Args:
             backend: What answers requests.
-            services: The ways in.
+            services: The addresses where it accepts connections.
             name: Of the bring-up.
         """
         self._backend = backend
         self._services = tuple(services)
         self._name = name
         self._wake, self._waker = socket.socketpair()
-        self._is_closing = False
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._stop: asyncio.Event | None = None
         self._thread = threading.Thread(
             target=self._run, name="tool0-server", daemon=True
         )
         self._thread.start()
 
     def close(self) -> None:
-        """Say goodbye to every peer and end; closing twice is allowed."""
-        self._is_closing = True
-        if self._thread.is_alive():
-            with contextlib.suppress(OSError):  # it ends just now
-                self._waker.send(b"x")
-            if self._loop is not None and self._stop is not None:
-                with contextlib.suppress(RuntimeError):  # likewise
-                    self._loop.call_soon_threadsafe(self._stop.set)
-            self._thread.join(_CLOSES_WITHIN)
+        """Close every connection and end; closing twice is allowed."""
+        if self._waker.fileno() < 0:
+            return
+        self._waker.send(b"x")
+        self._thread.join(_CLOSES_WITHIN)
         self._waker.close()
-
-    def __enter__(self) -> Server:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
 
     def _run(self) -> None:
         try:
-            if self._await_peer():
-                import asyncio
+            if self._is_needed():
+                from tool0.interfaces.server.event_loop import run
 
-                asyncio.run(self._serve())
+                run(self._backend, self._services, self._name, self._wake)
         except Exception:  # the robot runs on without its server
             logger.exception("the server failed")
         finally:
@@ -103,29 +94,13 @@ class Server:
                 service.release()
             self._wake.close()
 
-    def _await_peer(self) -> bool:
+    def _is_needed(self) -> bool:
         """Wait for the first peer; return False if the server is closed before."""
-        listeners = [service.listener for service in self._services]
-        sockets = [listener for listener in listeners if listener is not None]
-        if len(sockets) == len(listeners):
-            select.select([*sockets, self._wake], [], [])
-        return not self._is_closing
-
-    async def _serve(self) -> None:
-        import asyncio
-
-        from tool0.interfaces.server.hub import Hub
-
-        stop = self._stop = asyncio.Event()
-        self._loop = asyncio.get_running_loop()
-        hub = Hub(self._backend, self._name)
-        for service in self._services:
-            await service.start(hub)
-        while not (stop.is_set() or self._is_closing):
-            try:
-                await asyncio.wait_for(stop.wait(), _CHECK_PERIOD)
-            except asyncio.TimeoutError:
-                hub.drop_stuck()
-        for service in self._services:
-            await service.stop()
-        await hub.close()
+        if any(service.starts_at_once for service in self._services):
+            return True
+        with selectors.DefaultSelector() as selector:
+            selector.register(self._wake, selectors.EVENT_READ)
+            for service in self._services:
+                selector.register(service.listener, selectors.EVENT_READ)
+            ready = [key.fileobj for key, _ in selector.select()]
+        return self._wake not in ready
