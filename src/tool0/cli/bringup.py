@@ -127,7 +127,7 @@ def _robot(options: BringupOptions) -> Robot:
 def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Server:
     """Serve the robot to other processes and to pages."""
     from tool0.interfaces.server.backend import SimulationBackend
-    from tool0.interfaces.server.server import Server, Service
+    from tool0.interfaces.server.server import Server
 
     services: list[Service] = []
     if claim is not None:
@@ -150,10 +150,10 @@ def _in_ros(
     if not options.run.ros1:
         yield None
         return
-    from tool0.interfaces.ros1.edge import Ros1
+    from tool0.interfaces.ros1.bridge import Ros1Bridge
 
-    with Ros1(robot, options.ros, when_killed=stop.request) as edge:
-        yield f"ROS 1: node {options.ros.node} under {edge.node.master.uri}"
+    with Ros1Bridge(robot, options.ros, on_shutdown=stop.request) as bridge:
+        yield f"ROS 1: node {options.ros.node} under {bridge.node.master.uri}"
 
 
 def _run(
