@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 from fake_robot import FakeRobot
+from tool0.interfaces.socket.server import RemoteServer
 
 from tool0.api.address import Claim
-from tool0.interfaces.socket.server import RemoteServer
 
 
 def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:

@@ -107,6 +107,13 @@ def origin(element: Element) -> Pose:
     return Pose(xyz=vector(child, "xyz", zero), rpy=vector(child, "rpy", zero))
 
 
+def not_negative(value: float, what: str, element: Element) -> float:
+    """Return ``value``, or raise ModelError; ``what`` comes before it."""
+    if not value >= 0:
+        raise ModelError(f"{what} {value:g}; it must not be negative", locate(element))
+    return value
+
+
 def positive(element: Element, attribute: str) -> float:
     """Return ``attribute`` as a number above zero."""
     value = number(element, attribute)

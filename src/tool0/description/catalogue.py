@@ -263,15 +263,9 @@ def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, s
 
 def _load(folder: str, what: str) -> Mapping[str, Any]:  # Any: as the YAML has it
     """Return what ``config/<folder>/<what>.yaml`` lists; nothing without the file."""
-    import yaml
-
     path = config_file(folder, f"{what}.yaml")
-    if not path.is_file():
-        return {}
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    data = yaml.load(path.read_text(encoding="utf-8"), loader)
-    listed: Mapping[str, Any] = data[what]
-    return listed
+    entries = read_verbatim(path).root.children[what].children if path.is_file() else {}
+    return {name: entry.plain() for name, entry in entries.items()}
 
 
 def _with_prefix(text: str, prefix: str, joints: Collection[str]) -> str:

@@ -22,9 +22,9 @@ from typing import Any, final
 from xml.dom.minidom import Document, Node
 
 from tool0.description.packages import find_package
-from tool0.description.parameters import load_parameters
 from tool0.description.xml_source import locate, parse_file
-from tool0.errors import DescriptionError, SourceLocation, did_you_mean
+from tool0.description.yaml_tree import Entry, read_verbatim
+from tool0.errors import ConfigError, DescriptionError, SourceLocation, did_you_mean
 
 logger = logging.getLogger(__name__)
 
@@ -92,24 +92,23 @@ class _Expansion:
 
     def substitute(self, text: str) -> str:
         """Replace ``xacro.eval_extension``: the value of ``$(command …)``."""
-        command, _, rest = text[2:-1].strip().partition(" ")
-        words = rest.split()
-        if command in {"find", "arg", "env"} and len(words) != 1:
-            raise DescriptionError(f"{text}: '{command}' takes one name")
-        if command == "find":
-            return str(find_package(words[0]))
-        if command == "dirname":
-            return str(Path(self._xacro.filestack[-1]).parent)
-        if command == "cwd":
-            return str(Path.cwd())
-        if command == "arg":
-            return self._arg(words[0])
-        if command == "env":
-            return _environment(words[0])
-        if command == "optenv" and words:
-            return os.environ.get(words[0], " ".join(words[1:]))
-        if command == "eval":
-            return self._evaluate(text)
+        match text[2:-1].split():
+            case "find", package:
+                return str(find_package(package))
+            case "arg", name:
+                return self._arg(name)
+            case "env", name:
+                return _environment(name)
+            case ("find" | "arg" | "env") as command, *_:
+                raise DescriptionError(f"{text}: '{command}' takes one name")
+            case "dirname", *_:
+                return str(Path(self._xacro.filestack[-1]).parent)
+            case "cwd", *_:
+                return str(Path.cwd())
+            case "optenv", name, *default:
+                return os.environ.get(name, " ".join(default))
+            case "eval", *_:
+                return self._evaluate(text)
         raise DescriptionError(
             f"nothing reads {text}; valid: $(find PACKAGE), $(dirname), $(arg NAME), "
             "$(env NAME), $(optenv NAME DEFAULT), $(eval EXPRESSION), $(cwd)"
@@ -138,9 +137,49 @@ class _Expansion:
         units = {
             unit.value.tag: unit.constructor for unit in self._xacro.ConstructUnits
         }
-        return load_parameters(
-            Path(self._xacro.abs_filename_spec(str(filename))), units
-        )
+        path = Path(self._xacro.abs_filename_spec(str(filename)))
+        if not path.is_file():
+            raise DescriptionError(
+                f"cannot read the parameters '{path}': there is no such file"
+            )
+        try:
+            root = read_verbatim(path, units).root
+        except ConfigError as error:
+            raise DescriptionError(error.message, error.location) from None
+        if root.is_null:
+            raise DescriptionError("holds no parameters", root.location)
+        return _wrapped(root)
+
+
+@final
+class Parameters(dict[str, Any]):
+    """A mapping of YAML whose keys are attributes, too: ``limits.elbow.upper``.
+
+    A key that is missing is an AttributeError with file, line and the nearest key.
+    """
+
+    _place = ""  # in the class, so that no key of YAML is hidden by an attribute
+
+    def __getattr__(self, key: str) -> Any:
+        try:
+            return dict.__getitem__(self, str(key))
+        except KeyError:
+            hint = did_you_mean(str(key), self)
+            raise AttributeError(f"{self._place} has no key '{key}'{hint}") from None
+
+    __getitem__ = __getattr__
+
+
+def _wrapped(entry: Entry) -> Any:
+    """Return a value of YAML, its mappings as ``Parameters``."""
+    if entry.is_list:
+        return [_wrapped(item) for item in entry.items]
+    if not entry.is_mapping:
+        return entry.scalar
+    wrapped = Parameters({key: _wrapped(c) for key, c in entry.children.items()})
+    name = entry.key.replace("/", ".")
+    wrapped._place = f"'{name}' in {entry.location}" if name else str(entry.location)
+    return wrapped
 
 
 def _environment(name: str) -> str:

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fake_robot import FakeCamera, FakeRobot
+from tool0.interfaces.socket.client import RemoteRobot
 
 from tool0.cli import FAILED, OK, main
 from tool0.description.camera import Camera
 from tool0.errors import RenderError
-from tool0.interfaces.socket.client import RemoteRobot
 from tool0.interfaces.server.unix_socket import MAX_LINE
 from tool0.sensing.png import encode_depth, encode_png
 

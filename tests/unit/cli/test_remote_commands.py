@@ -7,12 +7,12 @@ import sys
 
 import pytest
 from fake_robot import ABORTED, ARM, GRIPPED, FakeRobot
+from tool0.interfaces.socket.remote_gripper import RemoteGrasp
 
 from tool0.cli import FAILED, GOAL_FAILED, INTERRUPTED, OK, main
 from tool0.cli.grip import told
 from tool0.control.goal import GoalStatus
 from tool0.description.transform import Pose
-from tool0.interfaces.socket.remote_gripper import RemoteGrasp
 from tool0.sensing.grasp import GraspState, GripperMotion
 
 pytestmark = pytest.mark.slow

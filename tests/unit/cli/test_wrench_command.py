@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 from fake_robot import FakeRobot
+from tool0.interfaces.socket.client import RemoteRobot
 
 from tool0.cli import FAILED, OK, main
-from tool0.interfaces.socket.client import RemoteRobot
 
 
 @pytest.fixture(autouse=True)

@@ -20,7 +20,6 @@ from tool0.description.forward_kinematics import link_pose
 from tool0.description.model import Inertial, Interface, RobotModel
 from tool0.description.shapes import Mesh
 from tool0.description.urdf import read_model
-from tool0.description.urdf_links import principal_moments
 from tool0.description.xml_source import parse_text
 from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 
@@ -133,7 +132,7 @@ def test_only_the_driven_finger_joint_can_meet_its_stop(model: RobotModel) -> No
 
 def test_every_mass_is_possible(model: RobotModel) -> None:
     for inertial in inertials(model).values():
-        low, middle, high = principal_moments(inertial)
+        low, middle, high = inertial.principal_moments
         assert low > 0
         assert low + middle >= high
         # gyration radii of parts of this size [m]

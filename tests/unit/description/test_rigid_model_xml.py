@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tool0.description.rigid_model_xml import MAX_FRICTION, MAX_LENGTH, read_rigid_model
+from tool0.description.rigid_model import MAX_FRICTION, MAX_LENGTH, read_rigid_model
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ConfigError, DescriptionError, Tool0Error

@@ -2,11 +2,12 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+from tool0.interfaces.panel.simulation import SimulationSource
+
 import tool0
 from tool0.control.manager import ControllerStatus
 from tool0.description.model import Joint, JointLimits, JointType
 from tool0.interfaces.panel.controller_info import controller_infos
-from tool0.interfaces.panel.simulation import SimulationSource
 
 KIND = "effort_controllers/JointTrajectoryController"
 ELBOW = Joint(

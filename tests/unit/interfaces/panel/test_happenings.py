@@ -2,11 +2,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tool0.interfaces.panel.happenings import MOST_AT_ONCE, Watcher
+from tool0.interfaces.panel.simulation import SimulationSource
 
 import tool0
-from tool0.interfaces.panel.happenings import MOST_AT_ONCE, Watcher
 from tool0.interfaces.panel.notices import KEPT, NoticeBook
-from tool0.interfaces.panel.simulation import SimulationSource
 from tool0.interfaces.panel.source import Happening
 from tool0.runtime.bus import Faulted, Overran
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from served import use_folder
 
-from tool0.errors import TransportError
 from tool0.api.address import Claim, folders, running_names, socket_path
+from tool0.errors import TransportError
 
 HOLDER = """
 import sys

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import pytest
 from fake_robot import SUCCEEDED, FakeRobot
+from tool0.interfaces.socket.client import RemoteRobot
 
 from tool0.description.transform import Pose
 from tool0.errors import ControlError
-from tool0.interfaces.socket.client import RemoteRobot
 
 POSE = Pose(xyz=(0.4, -0.1, 0.3), rpy=(3.14, 0.0, 0.5))
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from fake_robot import ABORTED, ARM, GRIPPED, SUCCEEDED, FakeGripper, FakeRobot
 from served import serving, use_folder
+from tool0.interfaces.socket.client import RemoteRobot
 
 from tool0.control.goal import GoalStatus
 from tool0.control.trajectory import TrajectoryPoint
@@ -18,7 +19,6 @@ from tool0.errors import (
     ModelError,
     TransportError,
 )
-from tool0.interfaces.socket.client import RemoteRobot
 
 POINT = TrajectoryPoint([0.0, -1.0, 1.0], time_from_start=2.0)
 

@@ -1,7 +1,7 @@
 import pytest
+from tool0.interfaces.socket.params import Params
 
 from tool0.errors import TransportError
-from tool0.interfaces.socket.params import Params
 
 
 def test_a_key_that_nothing_reads_is_refused_with_the_nearest_one() -> None:

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 import pytest
 from fake_robot import CAN, TABLE, FakeRobot
-
-from tool0.description.shapes import Box
-from tool0.errors import DescriptionError, EngineError, TransportError
 from tool0.interfaces.socket.client import RemoteRobot
 from tool0.interfaces.socket.params import Params
 from tool0.interfaces.socket.remote_scene import RemoteScene
 from tool0.interfaces.socket.scene_methods import SCENE_CALLS
 from tool0.interfaces.socket.wire import Json
+
+from tool0.description.shapes import Box
+from tool0.errors import DescriptionError, EngineError, TransportError
 
 
 @pytest.fixture

@@ -12,11 +12,11 @@ from typing import Any
 import pytest
 from fake_robot import ABORTED, ARM, FakeRobot
 from served import serving, use_folder
-
-from tool0.errors import TransportError
-from tool0.api.address import Claim
 from tool0.interfaces.socket.methods import CALLS, GOALS
 from tool0.interfaces.socket.server import RemoteServer
+
+from tool0.api.address import Claim
+from tool0.errors import TransportError
 from tool0.interfaces.server.unix_socket import MAX_LINE
 from tool0.requests.codec import PROTOCOL
 

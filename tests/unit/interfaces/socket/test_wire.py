@@ -4,11 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from tool0 import errors
-from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Result
-from tool0.errors import DivergenceError, GoalRejectedError, Tool0Error, TransportError
-from tool0.interfaces.server.unix_socket import MAX_LINE
 from tool0.interfaces.socket.wire import (
     LineReader,
     LineTooLongError,
@@ -18,6 +13,11 @@ from tool0.interfaces.socket.wire import (
     result_from_json,
     result_to_json,
 )
+
+from tool0 import errors
+from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Result
+from tool0.errors import DivergenceError, GoalRejectedError, Tool0Error, TransportError
+from tool0.interfaces.server.unix_socket import MAX_LINE
 from tool0.requests.codec import encode
 
 ERRORS = [
