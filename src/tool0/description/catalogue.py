@@ -20,6 +20,7 @@ from tool0.description.model import RobotModel
 from tool0.description.packages import find_package
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file, to_text
+from tool0.description.yaml_tree import read_verbatim
 from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 
 if TYPE_CHECKING:

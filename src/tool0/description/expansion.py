@@ -97,8 +97,13 @@ class _Expansion:
                 return str(find_package(package))
             case "arg", name:
                 return self._arg(name)
+            case "env", name if name in os.environ:
+                return os.environ[name]
             case "env", name:
-                return _environment(name)
+                raise DescriptionError(
+                    f"the environment variable '{name}' is not set; "
+                    f"set it, or write $(optenv {name} DEFAULT)"
+                )
             case ("find" | "arg" | "env") as command, *_:
                 raise DescriptionError(f"{text}: '{command}' takes one name")
             case "dirname", *_:
@@ -117,13 +122,12 @@ class _Expansion:
     def _arg(self, name: str) -> str:
         self._known.add(name)
         args: dict[str, str] = self._xacro.substitution_args_context["arg"]
-        try:
+        if name in args:
             return args[name]
-        except KeyError:
-            hint = did_you_mean(name, set(args))
-            raise DescriptionError(
-                f"the argument '{name}' has neither value nor default{hint}"
-            ) from None
+        hint = did_you_mean(name, set(args))
+        raise DescriptionError(
+            f"the argument '{name}' has neither value nor default{hint}"
+        )
 
     def _evaluate(self, text: str) -> str:
         from xacro.substitution_args import resolve_args
@@ -180,16 +184,6 @@ def _wrapped(entry: Entry) -> Any:
     name = entry.key.replace("/", ".")
     wrapped._place = f"'{name}' in {entry.location}" if name else str(entry.location)
     return wrapped
-
-
-def _environment(name: str) -> str:
-    try:
-        return os.environ[name]
-    except KeyError:
-        raise DescriptionError(
-            f"the environment variable '{name}' is not set; "
-            f"set it, or write $(optenv {name} DEFAULT)"
-        ) from None
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 from tool0.description.model import Joint, JointType, RobotModel
@@ -64,12 +64,11 @@ def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
         joint: The joint; planar and floating ones rest at 0.
         position: Joint positions [rad | m] by name, as for ``link_poses``.
     """
-    return to_transform(joint.origin) @ displacement(
-        joint, joint_position(joint, position)
-    )
+    q = joint_position(joint, position)
+    return to_transform(joint.origin) @ _displacement(joint, q)
 
 
-def displacement(joint: Joint, q: float) -> Transform:
+def _displacement(joint: Joint, q: float) -> Transform:
     """Return the joint's own motion at ``q`` [rad | m], in its frame at 0."""
     x, y, z = joint.axis
     if joint.type is JointType.PRISMATIC:
@@ -89,13 +88,10 @@ def displacement(joint: Joint, q: float) -> Transform:
 
 def joint_position(joint: Joint, position: Mapping[str, float]) -> float:
     """Return the position of ``joint``: as given, else by its mimic relation or 0."""
-    if joint.name in position:
-        return position[joint.name]
-    if joint.mimic is None:
-        return 0.0
-    return joint.mimic.multiplier * position.get(joint.mimic.joint, 0.0) + (
-        joint.mimic.offset
-    )
+    mimic = joint.mimic
+    if mimic is None or joint.name in position:
+        return position.get(joint.name, 0.0)
+    return mimic.multiplier * position.get(mimic.joint, 0.0) + mimic.offset
 
 
 def joint_positions(
@@ -131,14 +127,6 @@ def joint_positions(
         name: positions[name] for name in joints if joints[name].mimic is None
     }
     return [joint_position(joint, independent) for joint in joints.values()]
-
-
-def _joint_velocity(joint: Joint, velocity: Mapping[str, float]) -> float:
-    if joint.name in velocity:
-        return velocity[joint.name]
-    if joint.mimic is None:
-        return 0.0
-    return joint.mimic.multiplier * velocity.get(joint.mimic.joint, 0.0)
 
 
 @final
@@ -195,21 +183,20 @@ def link_motions(
         velocity: Of the same joints [rad/s | m/s]; mimic joints that are left out
             follow, others stand still.
     """
-    poses = link_poses(model, position)
     found = {model.root: FrameMotion()}
     for joint in model.joints:
-        parent = found[joint.parent]
-        pose = poses[joint.child]
-        arm = subtract(pose.position, parent.pose.position)
-        linear = add(parent.linear, cross(parent.angular, arm))
-        angular = parent.angular
-        rate = _joint_velocity(joint, velocity)
+        motion = found[joint.parent].carry(joint_transform(joint, position))
+        mimic = joint.mimic
+        if mimic is None or joint.name in velocity:
+            rate = velocity.get(joint.name, 0.0)
+        else:
+            rate = mimic.multiplier * velocity.get(mimic.joint, 0.0)
         if rate:  # the axis is the same before and after the joint's own motion
-            x, y, z = pose.rotate(joint.axis)
+            x, y, z = motion.pose.rotate(joint.axis)
             own = (rate * x, rate * y, rate * z)
             if joint.type is JointType.PRISMATIC:
-                linear = add(linear, own)
+                motion = replace(motion, linear=add(motion.linear, own))
             else:
-                angular = add(angular, own)
-        found[joint.child] = FrameMotion(pose=pose, linear=linear, angular=angular)
+                motion = replace(motion, angular=add(motion.angular, own))
+        found[joint.child] = motion
     return found

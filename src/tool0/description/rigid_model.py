@@ -9,21 +9,23 @@ from dataclasses import dataclass, field, replace
 from typing import final
 from xml.dom.minidom import Document, Element
 
-from tool0.description.attributes import (
-    child_number,
-    only_child,
-    required,
-    required_child,
-    text_of,
-    to_numbers,
-)
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel
 from tool0.description.scene import DEFAULT_FRICTION, SceneObject
 from tool0.description.shapes import RGBA, SHAPES, Geometry, read_geometry, sizes
 from tool0.description.transform import Pose, Transform, to_pose, to_transform
 from tool0.description.urdf import read_model
-from tool0.description.xml_source import children, locate, parse_text
+from tool0.description.xml_source import (
+    child_number,
+    children,
+    locate,
+    only_child,
+    parse_text,
+    required,
+    required_child,
+    text_of,
+    to_numbers,
+)
 from tool0.errors import DescriptionError, ModelError, SourceLocation
 
 MAX_LENGTH = 1_000_000

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, final
+from typing import final
 
 from tool0.description.packages import resolve_uri
 from tool0.description.transform import Vector3
@@ -53,24 +53,17 @@ class Mesh:
 Geometry = Box | Cylinder | Sphere | Mesh
 
 
-class NumberReader(Protocol):
-    """Reads numbers of a shape: attributes, child elements or YAML values."""
-
-    def __call__(
-        self, name: str, count: int, default: tuple[float, ...] | None = None, /
-    ) -> tuple[float, ...]: ...
-
-
 def read_geometry(
     kind: str,
-    numbers: NumberReader,
+    numbers: Callable[..., tuple[float, ...]],
     uri: Callable[[], tuple[str, SourceLocation | None]],
 ) -> Geometry:
     """Return the shape of a kind in ``SHAPES``, its sizes unchecked.
 
     Args:
         kind: Its kind.
-        numbers: Reads ``size``, ``radius``, ``length`` and ``scale``.
+        numbers: Reads ``size``, ``radius``, ``length`` or ``scale``, by name, count and
+            an optional default: attributes, child elements or YAML values.
         uri: Returns the URI of a mesh, and where it is written.
 
     Raises:

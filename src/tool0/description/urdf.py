@@ -14,15 +14,7 @@ from dataclasses import replace
 from typing import TypeVar
 from xml.dom.minidom import Document, Element
 
-from tool0.description.attributes import (
-    child_number,
-    choice,
-    not_negative,
-    only_child,
-    require_known,
-    required,
-    text_of,
-)
+from tool0.description.finding import quoted
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import (
     Joint,
@@ -40,7 +32,17 @@ from tool0.description.urdf_elements import (
     read_loop,
     read_transmission,
 )
-from tool0.description.xml_source import children, locate
+from tool0.description.xml_source import (
+    child_number,
+    children,
+    choice,
+    locate,
+    not_negative,
+    only_child,
+    require_known,
+    required,
+    text_of,
+)
 from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
 
 logger = logging.getLogger(__name__)
@@ -145,7 +147,7 @@ def _order(
     roots = [name for name in links if name not in above]
     if len(roots) > 1:
         raise ModelError(
-            f"the robot falls apart: no joint leads to {_quoted(roots)}; "
+            f"the robot falls apart: no joint leads to {quoted(roots)}; "
             "join all but one of them to the rest",
             locations.get(f"link:{roots[1]}"),
         )
@@ -159,7 +161,7 @@ def _order(
         if joint.name not in ordered:
             loop = _loop(above, joint)
             raise ModelError(
-                f"the joints {_quoted(loop)} form a loop; URDF is a tree: remove one",
+                f"the joints {quoted(loop)} form a loop; URDF is a tree: remove one",
                 locations.get(f"joint:{loop[0]}"),
             )
     return roots[0], tuple(ordered.values())
@@ -173,10 +175,6 @@ def _loop(above: Mapping[str, Joint], start: Joint) -> list[str]:
         path.append(joint.name)
         joint = above[joint.parent]
     return list(reversed(path[path.index(joint.name) :]))
-
-
-def _quoted(names: list[str]) -> str:
-    return ", ".join(f"'{name}'" for name in names)
 
 
 def _check_mimics(joints: Mapping[str, Joint], locations: _Locations) -> None:

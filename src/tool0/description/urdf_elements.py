@@ -11,21 +11,6 @@ from collections.abc import Collection, Mapping
 from functools import partial
 from xml.dom.minidom import Element
 
-from tool0.description.attributes import (
-    child_number,
-    choice,
-    not_negative,
-    number,
-    numbers,
-    only_child,
-    origin,
-    positive,
-    require_known,
-    required,
-    required_child,
-    text_of,
-    vector,
-)
 from tool0.description.model import (
     Collision,
     Inertial,
@@ -49,7 +34,23 @@ from tool0.description.shapes import (
     read_geometry,
 )
 from tool0.description.transform import Vector3
-from tool0.description.xml_source import children, locate
+from tool0.description.xml_source import (
+    child_number,
+    children,
+    choice,
+    locate,
+    not_negative,
+    number,
+    numbers,
+    only_child,
+    origin,
+    positive,
+    require_known,
+    required,
+    required_child,
+    text_of,
+    vector,
+)
 from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 
 _LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
