@@ -122,12 +122,9 @@ def looking(
     at: Sequence[float],
     up: Sequence[float] = (0.0, 0.0, 1.0),
 ) -> Pose:
-    """Return the pose of an optical frame that looks from one point at another.
+    """Return the pose of an optical frame that looks from one point at another [m].
 
-    Args:
-        position: Where the camera is [m].
-        at: What is to be in the middle of the picture [m].
-        up: What is to point up in the picture.
+    ``at`` is in the middle of the picture, and ``up`` points up in it.
 
     Raises:
         ConfigError: If the points coincide, or ``up`` points at what is looked at.

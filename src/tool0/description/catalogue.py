@@ -137,11 +137,7 @@ def assemble(
 def load_robot(
     path: Path | str, args: Mapping[str, Argument] | None = None
 ) -> RobotDescription:
-    """Return the robot in your own xacro or URDF file.
-
-    Args:
-        path: The file; expanded as xacro unless its name ends in ``.urdf``.
-        args: Values for its ``<xacro:arg>`` elements.
+    """Return the robot in your own file, which is xacro unless it ends in ``.urdf``.
 
     Raises:
         DescriptionError: If the file, or a file it refers to, cannot be read.
@@ -244,10 +240,8 @@ def _check(kind: str, name: str, valid: tuple[str, ...]) -> None:
 def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, str]:
     """Return the arguments as text, as xacro wants them, without those left out.
 
-    Args:
-        args: The values by name.
-        ours: Whether ``…_params`` are paths: xacro would resolve a relative one from
-            the folder of its own file.
+    In ``ours`` each ``…_params`` is a path, made absolute here: xacro would resolve a
+    relative one from the folder of its own file.
     """
     texts = {}
     for name, value in args.items():

@@ -40,43 +40,33 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
     """
     import xacro
 
+    start = str(path.absolute())
     with _LOCK:
-        run = _Expansion(xacro, dict(args or {}))
+        run = _Expansion(xacro)
         with _substituted(xacro, run):
-            document = run.expand(path.absolute())
-    run.refuse_unused_args(path)
+            xacro.init_stacks(start)
+            try:
+                document = run.parse(None, start)
+                xacro.process_doc(document, mappings=dict(args or {}), verbosity=0)
+            except Exception as error:  # the file's Python raises anything
+                raise _describe(xacro, error) from error
+    for name in args or {}:
+        if name not in run.known:
+            hint = did_you_mean(name, run.known)
+            raise DescriptionError(
+                f"no file declares the argument '{name}'{hint}", SourceLocation(path)
+            )
     return document
 
 
 @final
 class _Expansion:
-    """One expansion: the given arguments, and those that the files declare or read."""
+    """What xacro calls during one expansion instead of its own functions."""
 
-    def __init__(self, xacro: ModuleType, args: dict[str, str]) -> None:
+    def __init__(self, xacro: ModuleType) -> None:
         self._xacro = xacro
-        self._args = args
-        self._known: set[str] = set()
-
-    def expand(self, path: Path) -> Document:
-        """Return ``path`` expanded, or raise DescriptionError."""
-        xacro = self._xacro
-        xacro.init_stacks(str(path))
-        try:
-            document = self.parse(None, str(path))
-            xacro.process_doc(document, mappings=dict(self._args), verbosity=0)
-        except Exception as error:  # the file's Python raises anything
-            raise _describe(xacro, error) from error
-        return document
-
-    def refuse_unused_args(self, path: Path) -> None:
-        """Raise DescriptionError if an argument was given that no file reads."""
-        for name in self._args:
-            if name not in self._known:
-                hint = did_you_mean(name, self._known)
-                raise DescriptionError(
-                    f"no file declares the argument '{name}'{hint}",
-                    SourceLocation(path),
-                )
+        self.known: set[str] = set()
+        """The arguments that the files declare or read."""
 
     def parse(self, inp: None, filename: str) -> Document:
         """Replace ``xacro.parse``: elements have their lines."""
@@ -87,7 +77,7 @@ class _Expansion:
             raise self._xacro.XacroException(f"there is no file '{path}'", exc=error)
         document = parse_file(path)
         for element in document.getElementsByTagName("xacro:arg"):
-            self._known.add(element.getAttribute("name"))
+            self.known.add(element.getAttribute("name"))
         return document
 
     def substitute(self, text: str) -> str:
@@ -120,7 +110,7 @@ class _Expansion:
         )
 
     def _arg(self, name: str) -> str:
-        self._known.add(name)
+        self.known.add(name)
         args: dict[str, str] = self._xacro.substitution_args_context["arg"]
         if name in args:
             return args[name]
@@ -133,7 +123,7 @@ class _Expansion:
         from xacro.substitution_args import resolve_args
 
         context = dict(self._xacro.substitution_args_context)
-        self._known.update(name for name in context["arg"] if name in text)
+        self.known.update(name for name in context["arg"] if name in text)
         return str(resolve_args(text, context=context))
 
     def load_yaml(self, filename: str) -> Any:  # whatever YAML holds

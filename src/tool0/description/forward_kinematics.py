@@ -26,10 +26,7 @@ def link_poses(
 ) -> dict[str, Transform]:
     """Return the pose of every link in the root link.
 
-    Args:
-        model: The robot.
-        position: Joint positions [rad | m] by name.  A joint left out is at 0, or
-            follows the one it mimics.
+    A joint without a ``position`` [rad | m] is at 0, or follows the one it mimics.
 
     Raises:
         ModelError: If ``position`` names a joint that the robot lacks.
@@ -60,9 +57,7 @@ def link_pose(
 def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
     """Return the pose of the joint's child link in its parent link.
 
-    Args:
-        joint: The joint; planar and floating ones rest at 0.
-        position: Joint positions [rad | m] by name, as for ``link_poses``.
+    Positions are as for ``link_poses``; planar and floating joints rest at 0.
     """
     q = joint_position(joint, position)
     return to_transform(joint.origin) @ _displacement(joint, q)
@@ -177,11 +172,8 @@ def link_motions(
 ) -> dict[str, FrameMotion]:
     """Return how every link moves in the root link.
 
-    Args:
-        model: The robot.
-        position: Joint positions [rad | m] by name, as for ``link_poses``.
-        velocity: Of the same joints [rad/s | m/s]; mimic joints that are left out
-            follow, others stand still.
+    Positions [rad | m] are by joint, as for ``link_poses``; so are velocities [rad/s |
+    m/s], of which mimic joints that are left out follow, and others are 0.
     """
     found = {model.root: FrameMotion()}
     for joint in model.joints:

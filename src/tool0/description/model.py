@@ -21,8 +21,6 @@ Item = TypeVar("Item")
 
 FLANGE = "tool0"
 """Name of the link at the end of an arm, after a prefix (REP-199)."""
-
-
 DEFAULT_TURN_VELOCITY = 1.0
 """Velocity of turning joints without a velocity limit [rad/s]; chosen to be slow."""
 DEFAULT_SLIDE_VELOCITY = 0.25

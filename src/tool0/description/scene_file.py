@@ -77,9 +77,7 @@ def shipped_scenes() -> dict[str, Path]:
 def scene_path(given: Path | str) -> Path:
     """Return the file of a scene that is given by path or built-in name.
 
-    Args:
-        given: A path, or a name without folder and suffix.  A file of that very name
-            comes first.
+    A file comes before a built-in scene of the same name.
 
     Raises:
         ConfigError: If it is only a name, and there is neither.
@@ -97,10 +95,7 @@ def scene_path(given: Path | str) -> Path:
 
 
 def load_scene(path: Path | str) -> Scene:
-    """Return the objects in a YAML file, or in a built-in scene.
-
-    Args:
-        path: The file, or the name of one of ``shipped_scenes``.
+    """Return the objects in a YAML file, or in the built-in scene of that name.
 
     Raises:
         ConfigError: If anything in it is wrong, with file and line.

@@ -131,12 +131,9 @@ def _find_mesh(uri: str, location: SourceLocation | None) -> Path:
 
 
 def mesh(file: Path | str, scale: float | Vector3 = 1.0) -> Mesh:
-    """Return the shape in a file, STL or OBJ.
+    """Return the shape in a file, STL or OBJ: a path, ``package://`` or ``file://``.
 
-    Args:
-        file: Its path, or ``package://``, ``file://``.
-        scale: What its lengths are multiplied by to be [m], in all or each direction:
-            0.001 for millimetres.
+    Its lengths times ``scale``, for all or each direction, are [m]: 0.001 for mm.
 
     Raises:
         DescriptionError: If it is not there, or of a kind that nothing reads.

@@ -150,10 +150,7 @@ def read_verbatim(file: Path, units: Mapping[str, Constructor] | None = None) ->
     """Return what a YAML file holds; the root is null if it is empty.
 
     Keys and texts are taken as they are, without rosparam's slashes and angles.
-
-    Args:
-        file: The file.
-        units: Constructors of tagged scalars by tag, such as ``!degrees``.
+    ``units`` constructs tagged scalars by tag, such as ``!degrees``.
 
     Raises:
         ConfigError: If it cannot be read, or is not YAML.

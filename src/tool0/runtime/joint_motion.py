@@ -104,7 +104,7 @@ def planned_motion(
     Its other joints go on to where they are going, or stay.
 
     Args:
-        controller: Whose joints; it is only asked.
+        controller: Whose joints; it does not change.
         positions: Joint → where to [rad | m].
         speed: Part of each joint's largest velocity.
         now: Simulated time of the coming update [s].
