@@ -18,13 +18,15 @@ from types import TracebackType
 from typing import Any
 from xmlrpc.client import ServerProxy
 
-from tool0.installation.ros1.child import Child
+from tool0.installation.child_process import ChildProcess
 
 PATIENCE = 60.0
 """For what takes a moment on a busy machine [wall s]."""
 _GLANCE = 0.02
 """Between two looks at what announces nothing [wall s]."""
 _CALLER = "/test"
+_GRACE = 5.0
+"""That programs of ROS have to end by themselves [wall s]."""
 _LAST_LINES = 60
 """Of what a program printed, for who reads that a test failed."""
 _UNSET = ("ROS_HOSTNAME", "ROS_NAMESPACE", "ROS_OS_OVERRIDE", "ROSCONSOLE_CONFIG_FILE")
@@ -55,19 +57,21 @@ class Ros:
         }
         inherited = {k: v for k, v in os.environ.items() if k not in _UNSET}
         self.environment: Mapping[str, str] = {**inherited, **own}
-        self._core: Child | None = None
+        self._core: ChildProcess | None = None
         self._tools: Mapping[str, str] | None = None
-        self._started: list[Child | Bringup] = []
+        self._started: list[ChildProcess | Bringup] = []
 
     # --- the master ---
 
     def start(self) -> Ros:
         """Start the roscore and wait for it."""
         command = [shutil.which("roscore") or "roscore", "-p", str(self.port)]
-        self._core = core = Child(command, self.environment)
+        self._core = core = ChildProcess(
+            command, environment=self.environment, grace=_GRACE
+        )
 
         def is_up() -> bool:
-            assert core.exit_status is None, core.last_words()
+            assert core.exit_status is None, core.last_output()
             return self.is_up and self.address_of("/rosout") is not None
 
         until(is_up, f"roscore at {self.uri}")
@@ -171,9 +175,9 @@ class Ros:
         """Run a program of rospy in the system's Python, as a person's script is."""
         return self.run(system_python(), "-c", program, *arguments, patience=patience)
 
-    def spawn(self, *command: str) -> Child:
+    def spawn(self, *command: str) -> ChildProcess:
         """Start a program that ends with the roscore at the latest."""
-        child = Child(command, self.tools)
+        child = ChildProcess(command, environment=self.tools, grace=_GRACE)
         self._started.append(child)
         return child
 
@@ -187,7 +191,7 @@ class Ros:
 
     def said(self) -> dict[str, str]:
         """Return what those printed that run under it: name → the last lines."""
-        names = {} if self._core is None else {"roscore": self._core.last_words()}
+        names = {} if self._core is None else {"roscore": self._core.last_output()}
         for number, one in enumerate(self._started, start=1):
             if isinstance(one, Bringup) and not one.is_closed:
                 names |= {

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from in_gazebo import PATIENCE, BringUp, gazebo_with, process_with_a_robot
-from processes import Watch, children, listening, program
+from processes import Watch, descendants, listening, program
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
@@ -107,7 +107,7 @@ def test_what_cannot_be_brought_up_leaves_nothing(tmp_path: Path) -> None:
     )
     with pytest.raises(EngineError, match="has a model 'ur5_robot' already"):
         tool0.bringup(simulation=gazebo_with(world=world))
-    assert not [pid for pid in children(os.getpid()) if "gz" in program(pid)]
+    assert not [pid for pid in descendants(os.getpid()) if "gz" in program(pid)]
 
 
 def test_two_run_side_by_side(bring_up: BringUp) -> None:
@@ -133,7 +133,7 @@ def test_nobody_else_reaches_it(bring_up: BringUp) -> None:
 
 def test_it_ends_with_a_process_that_is_killed(bring_up: BringUp) -> None:
     with process_with_a_robot() as (ours, folder):
-        servers = [pid for pid in children(ours.pid) if "gzserver" in program(pid)]
+        servers = [pid for pid in descendants(ours.pid) if "gzserver" in program(pid)]
         watch = Watch(servers)
         ours.kill()
     assert watch.all_ended(PATIENCE)

@@ -25,7 +25,7 @@ from tool0.description.catalogue import assemble, named_poses
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.installation.gazebo.installation import find_installation
-from tool0.installation.workspace.contents import PACKAGES
+from tool0.installation.workspace.layout import PACKAGES
 from tool0.installation.workspace.writing import write_workspace
 
 DATA = Path(__file__).parents[1] / "data"
@@ -400,5 +400,5 @@ def test_the_view_shows_the_robot(
         world = view(pixels)
         return bool(blue(world).sum() > 400 and black(world).sum() > 600)
 
-    assert screen.wait_for(shows_the_robot, PATIENCE) is not None, launch.last_words()
+    assert screen.wait_for(shows_the_robot, PATIENCE) is not None, launch.last_output()
     launch.close()

@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 from xmlrpc.client import ServerProxy
 
 import pytest
-from processes import Watch, children, listening, program
+from processes import Watch, descendants, listening, program
 from ros import PATIENCE, Bringup, Ros, system_python, until
 
 CLIENT = """
@@ -232,8 +232,8 @@ def test_a_hundred_thousand_points(ros: Ros, bringup: Bringup, wrist: Wrist) -> 
 def test_what_we_start_ends_with_us_when_we_are_killed(own_ros: Ros) -> None:
     own_ros.stop()
     bringup = own_ros.bring_up("--roscore")
-    started = _descendants(bringup.process.pid)
-    assert len(started) >= 5  # a leash, roscore and its two, robot_state_publisher's
+    started = descendants(bringup.process.pid)
+    assert len(started) >= 5  # supervisors, roscore and its two, and others
     watch = Watch(started)
     bringup.process.kill()
     assert watch.all_ended(PATIENCE)
@@ -248,14 +248,10 @@ def test_a_roscore_of_ours_ends_with_us(own_ros: Ros) -> None:
     assert not own_ros.is_up
 
 
-def _descendants(parent: int) -> list[int]:
-    return [pid for child in children(parent) for pid in (child, *_descendants(child))]
-
-
 def test_what_is_ours_listens_on_this_machine_alone(own_ros: Ros) -> None:
     own_ros.stop()
     bringup = own_ros.bring_up("--roscore")
-    pids = [bringup.process.pid, *_descendants(bringup.process.pid)]
+    pids = [bringup.process.pid, *descendants(bringup.process.pid)]
     in_python = [pid for pid in pids if program(pid).startswith("python")]
     assert len(in_python) >= 5  # roscpp's nodes have no such choice
     found = {

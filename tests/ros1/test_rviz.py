@@ -39,7 +39,7 @@ def test_it_shows_the_robot_moving(
 ) -> None:
     rviz = start_rviz(ros, screen, tmp_path, size=SIZE)
     before = screen.wait_for(shows_the_robot, PATIENCE)
-    assert before is not None, rviz.last_words()
+    assert before is not None, rviz.last_output()
 
     ros.run(
         *("rostopic", "pub", "--once", "/eff_joint_traj_controller/command"),

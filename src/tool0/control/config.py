@@ -19,6 +19,11 @@ from tool0.errors import ConfigError, SourceLocation, did_you_mean
 
 NOT_ENFORCED = ("max_acceleration", "max_jerk")
 """Limits that ROS knows and no drive here enforces."""
+_SAMPLE_LIMITS = """
+{has_position_limits: true, min_position: 0, max_position: 0,
+ has_velocity_limits: true, max_velocity: 1, has_effort_limits: true, max_effort: 1}
+"""
+"""A joint with every limit, for ``joint_limit_parameters``."""
 
 
 @final
@@ -136,13 +141,7 @@ def joint_limit_parameters() -> frozenset[str]:
     tree.load(_SAMPLE_LIMITS, SourceLocation(None, 1))
     sample = Namespace(tree.root)
     _limits(sample)
-    return frozenset(key.strip("/") for key in sample.read_keys())
-
-
-_SAMPLE_LIMITS = """
-{has_position_limits: true, min_position: 0, max_position: 0,
- has_velocity_limits: true, max_velocity: 1, has_effort_limits: true, max_effort: 1}
-"""
+    return sample.read_keys()
 
 
 def _limits(limits: Namespace) -> LimitOverrides:

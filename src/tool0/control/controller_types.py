@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from importlib import import_module
 
@@ -84,6 +84,16 @@ def parameters_of(type_name: str) -> frozenset[str]:
     sample = Namespace(tree.root.children["sample"])
     parser_of(type_name)(sample, RobotJoints.assumed("*", type_name))
     return sample.read_keys() - {"type"}
+
+
+def siblings(parameter: str, known: Iterable[str]) -> set[str]:
+    """Return the names of the known parameters beside ``parameter``."""
+    prefix = parameter[: parameter.rfind("/") + 1]
+    return {
+        name.removeprefix(prefix).partition("/")[0]
+        for name in known
+        if name.startswith(prefix)
+    }
 
 
 def readers_of(parameter: str) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 from tool0.control.parameters import RobotJoints
 from tool0.description.model import Interface
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean
 from tool0.hardware.joint_state import JointState
@@ -144,7 +144,7 @@ def _extra_joints(
     return tuple(joint for joint in extra if joint.name not in joints)
 
 
-def _extra_joint(entry: Entry) -> ExtraJoint:
+def _extra_joint(entry: YamlEntry) -> ExtraJoint:
     if not entry.is_mapping:
         raise ConfigError(
             f"'{entry.key}' must be a mapping with a name, got {entry.describe()}",

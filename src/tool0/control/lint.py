@@ -11,11 +11,11 @@ from tool0.control.config import (
     ControllerConfig,
     joint_limit_parameters,
 )
-from tool0.control.controller_types import TYPES, parameters_of, readers_of
+from tool0.control.controller_types import TYPES, parameters_of, readers_of, siblings
 from tool0.control.parameters import joint_entries
 from tool0.description.finding import Finding
 from tool0.description.model import RobotModel
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import nearest_name
 
 OF_TOOL0 = ("gazebo-only", "not-enforced")
@@ -67,7 +67,7 @@ def _or_remove(near: str | None) -> str:
 
 
 def _lint_other(
-    name: str, entry: Entry, known: Collection[str] | None
+    name: str, entry: YamlEntry, known: Collection[str] | None
 ) -> Iterator[Finding]:
     """Yield what is wrong with an entry at the top that is no controller."""
     gains = entry.find("pid_gains")
@@ -91,7 +91,7 @@ def _lint_other(
         )
 
 
-def _gazebo_gains(name: str, gains: Entry) -> Finding:
+def _gazebo_gains(name: str, gains: YamlEntry) -> Finding:
     if name == "gazebo_ros_control":
         return gains.finding(
             "gazebo-only",
@@ -107,7 +107,9 @@ def _gazebo_gains(name: str, gains: Entry) -> Finding:
     )
 
 
-def _unknown_joints(names: Entry, known: Collection[str] | None) -> Iterator[Finding]:
+def _unknown_joints(
+    names: YamlEntry, known: Collection[str] | None
+) -> Iterator[Finding]:
     for name, entry in names.children.items():
         if known is not None and name not in known:
             unused = [joint for joint in known if joint not in names.children]
@@ -118,7 +120,7 @@ def _unknown_joints(names: Entry, known: Collection[str] | None) -> Iterator[Fin
             )
 
 
-def _lint_limits(limits: Entry, known: Collection[str] | None) -> Iterator[Finding]:
+def _lint_limits(limits: YamlEntry, known: Collection[str] | None) -> Iterator[Finding]:
     yield from _unknown_joints(limits, known)
     valid = joint_limit_parameters()
     for joint in limits.children.values():
@@ -146,7 +148,7 @@ def _lint_limits(limits: Entry, known: Collection[str] | None) -> Iterator[Findi
 class _Controller:
     """The parameters of one controller, whose type is known."""
 
-    entry: Entry
+    entry: YamlEntry
     type: str
     known_joints: Collection[str] | None
     """The robot's movable joints, if they are known."""
@@ -175,7 +177,7 @@ class _Controller:
         if any(pattern.endswith("/p") for pattern in read):
             yield from _idle_integrals(self.entry)
 
-    def _path(self, entry: Entry) -> str:
+    def _path(self, entry: YamlEntry) -> str:
         return entry.key[len(self.entry.key) + 1 :]
 
     def _pattern(self, path: str) -> str:
@@ -183,7 +185,7 @@ class _Controller:
         joints = self.joints
         return "/".join("*" if part in joints else part for part in path.split("/"))
 
-    def _outermost_unread(self, path: str) -> Entry:
+    def _outermost_unread(self, path: str) -> YamlEntry:
         """Return the outermost entry on ``path`` of which nothing is read."""
         read = parameters_of(self.type)
         here = self.entry
@@ -194,7 +196,7 @@ class _Controller:
                 break
         return here
 
-    def _unread(self, entry: Entry) -> Finding:
+    def _unread(self, entry: YamlEntry) -> Finding:
         path, read = self._path(entry), parameters_of(self.type)
         first, _, rest = path.partition("/")
         is_by_joint = any(p.startswith(f"{first}/*") for p in read)
@@ -214,19 +216,12 @@ class _Controller:
                 f"{self.type} has no use for {first}: its interface needs no PID",
                 "remove it",
             )
-        outer = pattern.rpartition("/")[0]
-        prefix = f"{outer}/" if outer else ""
-        siblings = {
-            parameter.removeprefix(prefix).partition("/")[0]
-            for parameter in read
-            if parameter.startswith(prefix)
-        }
-        near = nearest_name(path.rpartition("/")[2], siblings)
+        near = nearest_name(path.rpartition("/")[2], siblings(pattern, read))
         return entry.finding(
             "unread-key", f"{self.kind} does not read it", _or_remove(near)
         )
 
-    def _not_a_joint(self, entry: Entry, mapping: str, name: str) -> Finding:
+    def _not_a_joint(self, entry: YamlEntry, mapping: str, name: str) -> Finding:
         is_unknown = self.known_joints is not None and name not in self.known_joints
         if mapping == "constraints" and name not in (self.known_joints or ()):
             near = nearest_name(name, ("goal_time", "stopped_velocity_tolerance"))
@@ -241,7 +236,7 @@ class _Controller:
         return entry.finding("unread-key", message, remedy)
 
 
-def _idle_integrals(entry: Entry) -> Iterator[Finding]:
+def _idle_integrals(entry: YamlEntry) -> Iterator[Finding]:
     """Yield integral gains whose contribution is clamped to zero."""
     for gains in entry.children.values():
         yield from _idle_integrals(gains)
@@ -259,6 +254,6 @@ def _idle_integrals(entry: Entry) -> Iterator[Finding]:
             )
 
 
-def _number(entry: Entry | None) -> float:
+def _number(entry: YamlEntry | None) -> float:
     value = None if entry is None else entry.scalar
     return float(value) if isinstance(value, int | float) else 0.0

@@ -8,7 +8,7 @@ from typing import final
 
 from tool0.control.pid import Gains
 from tool0.description.model import Interface, Joint, JointType
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean, nearest_name
 
@@ -48,7 +48,7 @@ class RobotJoints:
         return RobotJoints(joints, dict.fromkeys(joints, interface))
 
 
-def joint_entries(controller: Entry) -> list[Entry]:
+def joint_entries(controller: YamlEntry) -> list[YamlEntry]:
     """Return where a controller names its joints: ``joint`` and those of ``joints``."""
     joint, joints = controller.find("joint"), controller.find("joints")
     return [
@@ -58,7 +58,7 @@ def joint_entries(controller: Entry) -> list[Entry]:
 
 
 def controlled_joint(
-    robot: RobotJoints, name: str, interface: Interface | None, entry: Entry
+    robot: RobotJoints, name: str, interface: Interface | None, entry: YamlEntry
 ) -> Joint:
     """Return the joint called ``name``, if a controller may command it.
 

@@ -42,7 +42,7 @@ from tool0.description.shapes import (
     read_geometry,
 )
 from tool0.description.transform import Pose
-from tool0.description.yaml_tree import Entry, read_files
+from tool0.description.yaml_tree import YamlEntry, read_files
 from tool0.description.yaml_values import Namespace
 from tool0.errors import (
     ConfigError,
@@ -129,7 +129,7 @@ def _read_list(
     return tuple(found), locations
 
 
-def _objects(entry: Entry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
+def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
     """Return the objects of an entry: one, or the walls of a bin."""
     values = Namespace(entry)
     values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
@@ -195,8 +195,13 @@ def _geometry(kind: str, shape: Namespace) -> Geometry:
         raise ConfigError(error.message, error.location) from None
 
 
+<<<<<<< HEAD
 def _camera(entry: Entry) -> Camera:
     values = Namespace(entry)
+=======
+def _camera(entry: YamlEntry) -> Camera:
+    values = Namespace.of(entry)
+>>>>>>> main
     values.only("name", "link", "pose", *_CAMERA_PIXELS, *_CAMERA_NUMBERS)
     given: dict[str, Any] = {  # keywords of two types
         **{key: values.number(key) for key in _CAMERA_NUMBERS if values.find(key)},
@@ -245,7 +250,7 @@ def _pose(values: Namespace, *other_keys: str) -> Pose:
 
 
 @contextmanager
-def _located(entry: Entry) -> Iterator[None]:
+def _located(entry: YamlEntry) -> Iterator[None]:
     """Add the location of ``entry`` to an error without one."""
     try:
         yield

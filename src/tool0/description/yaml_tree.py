@@ -30,13 +30,13 @@ _ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
 
 @final
 @dataclass(slots=True)
-class Entry:
+class YamlEntry:
     """A value of YAML: a scalar, a list or a mapping."""
 
     key: str
     """The full name: ``arm_controller/gains/elbow_joint/p``."""
     location: SourceLocation
-    value: Scalar | list[Entry] | dict[str, Entry] = None
+    value: Scalar | list[YamlEntry] | dict[str, YamlEntry] = None
 
     @property
     def is_mapping(self) -> bool:
@@ -57,18 +57,18 @@ class Entry:
         return None if isinstance(self.value, list | dict) else self.value
 
     @property
-    def items(self) -> list[Entry]:
+    def items(self) -> list[YamlEntry]:
         """The elements of a list; empty if it is none."""
         return self.value if isinstance(self.value, list) else []
 
     @property
-    def children(self) -> dict[str, Entry]:
+    def children(self) -> dict[str, YamlEntry]:
         """The entries of a mapping by key; empty if it is none."""
         return self.value if isinstance(self.value, dict) else {}
 
-    def find(self, path: str) -> Entry | None:
+    def find(self, path: str) -> YamlEntry | None:
         """Return the entry at ``a/b`` below this one, or None."""
-        entry: Entry | None = self
+        entry: YamlEntry | None = self
         for part in path.split("/"):
             entry = None if entry is None else entry.children.get(part)
         return entry
@@ -93,7 +93,7 @@ class Entry:
             self.location, rule, self.key, message, remedy, severity=severity
         )
 
-    def leaves(self) -> Iterator[Entry]:
+    def leaves(self) -> Iterator[YamlEntry]:
         """Yield every value that is no mapping, depth first."""
         if not self.is_mapping:
             yield self
@@ -106,7 +106,9 @@ class Entry:
 class Tree:
     """All parameters of one or several files; later ones override, as in ROS."""
 
-    root: Entry = field(default_factory=lambda: Entry("", SourceLocation(None), {}))
+    root: YamlEntry = field(
+        default_factory=lambda: YamlEntry("", SourceLocation(None), {})
+    )
     findings: list[Finding] = field(default_factory=list)
     """What is suspicious, yet can be read."""
 
@@ -146,8 +148,13 @@ def read_files(files: list[Path]) -> Tree:
     return tree
 
 
+<<<<<<< HEAD
 def read_verbatim(file: Path, units: Mapping[str, Constructor] | None = None) -> Tree:
     """Return what a YAML file holds; the root is null if it is empty.
+=======
+def read_with_units(file: Path, units: Mapping[str, Constructor]) -> YamlEntry | None:
+    """Return what a YAML file of xacro holds; None if it is empty.
+>>>>>>> main
 
     Keys and texts are taken as they are, without rosparam's slashes and angles.
     ``units`` constructs tagged scalars by tag, such as ``!degrees``.
@@ -170,7 +177,7 @@ def _text_of(file: Path) -> str:
         ) from None
 
 
-def _merge(target: Entry, source: Entry) -> None:
+def _merge(target: YamlEntry, source: YamlEntry) -> None:
     """Put ``source`` over ``target``; both are mappings."""
     for name, child in source.children.items():
         present = target.children.get(name)
@@ -199,7 +206,7 @@ class _TreeReader:
         self._left = MOST_ENTRIES
         self._loader = yaml.SafeLoader("")
 
-    def read(self, text: str) -> Entry | None:
+    def read(self, text: str) -> YamlEntry | None:
         """Return what the text holds; None if that is nothing."""
         import yaml
 
@@ -218,7 +225,7 @@ class _TreeReader:
             raise ConfigError(f"not YAML: {error}", self._location) from None
         return None if node is None else self._entry(node, "")
 
-    def _entry(self, node: yaml.Node, key: str) -> Entry:
+    def _entry(self, node: yaml.Node, key: str) -> YamlEntry:
         import yaml
 
         where = self._where(node)
@@ -240,13 +247,18 @@ class _TreeReader:
                     self._entry(item, f"{key}[{number}]")
                     for number, item in enumerate(node.value)
                 ]
-                return Entry(key, where, items)
-            return Entry(key, where, self._scalar(node, key, where))
+                return YamlEntry(key, where, items)
+            return YamlEntry(key, where, self._scalar(node, key, where))
         finally:
             self._open.pop()
 
+<<<<<<< HEAD
     def _mapping(self, node: yaml.Node, key: str) -> Entry:
         result = Entry(key, self._where(node), {})
+=======
+    def _mapping(self, node: yaml.MappingNode, key: str) -> YamlEntry:
+        result = YamlEntry(key, self._where(node), {})
+>>>>>>> main
         seen: set[str] = set()
         for name_node, value in self._pairs(node):
             name = str(name_node.value)
@@ -260,8 +272,10 @@ class _TreeReader:
                 self._findings.append(found)
             seen.add(name)
             for depth in range(len(path) - 1, 0, -1):
-                child = Entry(_joined(key, path[:depth]), where, {path[depth]: child})
-            _merge(result, Entry(key, where, {path[0]: child}))
+                child = YamlEntry(
+                    _joined(key, path[:depth]), where, {path[depth]: child}
+                )
+            _merge(result, YamlEntry(key, where, {path[0]: child}))
         return result
 
     def _path(self, name_node: yaml.Node, key: str) -> list[str]:

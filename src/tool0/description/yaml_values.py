@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import final
 
 from tool0.description.transform import Vector3
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 
 
@@ -20,13 +20,22 @@ class Namespace:
     So does the constructor if ``entry`` is no mapping.
     """
 
-    entry: Entry
+    entry: YamlEntry
     lookups: set[str] = field(default_factory=set)
     """The full key of everything that was looked up so far."""
 
+<<<<<<< HEAD
     def __post_init__(self) -> None:
         if not self.entry.is_mapping:
             raise _wrong(self.entry, "a mapping")
+=======
+    @staticmethod
+    def of(entry: YamlEntry) -> Namespace:
+        """Return ``entry`` as a namespace, or raise ConfigError if it is none."""
+        if not entry.is_mapping:
+            raise _wrong(entry, "a mapping")
+        return Namespace(entry)
+>>>>>>> main
 
     @property
     def location(self) -> SourceLocation:
@@ -37,7 +46,7 @@ class Namespace:
         """The last part of its key."""
         return self.entry.key.rpartition("/")[2]
 
-    def find(self, path: str) -> Entry | None:
+    def find(self, path: str) -> YamlEntry | None:
         """Return what stands at ``a/b``, or None."""
         self.lookups.add(f"{self.entry.key}/{path}")
         return self.entry.find(path)
@@ -93,7 +102,7 @@ class Namespace:
         x, y, z = self.numbers(path, 3, default)
         return (x, y, z)
 
-    def items(self, path: str) -> tuple[Entry, ...]:
+    def items(self, path: str) -> tuple[YamlEntry, ...]:
         """Return the elements of the list at ``path``; none if it is not there."""
         entry = self.find(path)
         if entry is None or entry.is_null:
@@ -145,7 +154,7 @@ class Namespace:
         )
 
 
-def _number(entry: Entry) -> float:
+def _number(entry: YamlEntry) -> float:
     value = entry.scalar
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise _wrong(entry, "a number")
@@ -154,7 +163,7 @@ def _number(entry: Entry) -> float:
     return float(value)
 
 
-def _wrong(entry: Entry, wanted: str) -> ConfigError:
+def _wrong(entry: YamlEntry, wanted: str) -> ConfigError:
     hint = ""
     text = entry.scalar
     if isinstance(text, str) and wanted == "a number":

@@ -10,14 +10,14 @@ from typing import ParamSpec, TypeVar, final
 from tool0.description.finding import Finding, error_at
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
-from tool0.lint.launch_file import ReadLaunch
+from tool0.lint.launch_file import ParsedLaunch
 from tool0.lint.package_file import judge_missing_package, package_findings
 from tool0.lint.packages import PackageIndex, packages_around
 from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.resource_limits import ResourceLimitError, run_limited
 from tool0.lint.robot.facts import RobotFacts
 from tool0.lint.robot_file import (
-    ReadRobot,
+    ParsedRobot,
     XacroSource,
     read_robot,
     read_xacro_source,
@@ -78,7 +78,7 @@ class _Check:
         self._findings: list[Finding] = []
         self._notes = [f"{path}: {why}" for path, why in self._sources.skipped]
         self._loaded: set[Path] = set()
-        self._robots: dict[_Expansion, ReadRobot | None] = {}
+        self._robots: dict[_Expansion, ParsedRobot | None] = {}
 
     def report(self) -> CheckReport:
         """Check everything: what loads other files before what is loaded."""
@@ -100,10 +100,10 @@ class _Check:
     # --- kinds of files ---
 
     def _launch_files(self) -> None:
-        read: dict[Path, ReadLaunch] = {}
+        read: dict[Path, ParsedLaunch] = {}
         for source in self._sources.of(FileKind.LAUNCH):
             path = source.path
-            answer = self._try(path, launch_file.read, path, self._packages)
+            answer = self._try(path, launch_file.read_launch_file, path, self._packages)
             if answer is not None:
                 read[path] = answer
         included = {path for answer in read.values() for path in answer.included}
@@ -112,7 +112,7 @@ class _Check:
             if path.absolute() not in included or named:
                 self._launch_file(path, answer)
 
-    def _launch_file(self, path: Path, read: ReadLaunch) -> None:
+    def _launch_file(self, path: Path, read: ParsedLaunch) -> None:
         own = {source.path.resolve() for source in self._sources.files}
         for finding in read.findings:  # but for those in other people's files
             file = finding.location.file
@@ -203,7 +203,7 @@ class _Check:
 
     def _read_robot(
         self, file: Path, args: Mapping[str, str] | None, *, spawned: bool = False
-    ) -> ReadRobot | None:
+    ) -> ParsedRobot | None:
         """Return the robot of a file, read once for each set of arguments."""
         self._loaded.add(file.resolve())
         key = (file.resolve(), tuple(sorted((args or {}).items())))

@@ -41,7 +41,7 @@ class LoadedRobot:
 
 @final
 @dataclass(frozen=True, slots=True)
-class ReadLaunch:
+class ParsedLaunch:
     """A launch file as far as it could be read."""
 
     findings: tuple[Finding, ...]
@@ -53,7 +53,7 @@ class ReadLaunch:
     launch: LaunchFile | None = field(default=None, repr=False)
 
 
-def read(file: Path, packages: Mapping[str, Path]) -> ReadLaunch:
+def read_launch_file(file: Path, packages: Mapping[str, Path]) -> ParsedLaunch:
     """Return what a launch file loads, and what is wrong with itself.
 
     Args:
@@ -66,7 +66,7 @@ def read(file: Path, packages: Mapping[str, Path]) -> ReadLaunch:
         if rosparam.command == "load" and rosparam.yaml is not None:
             text = rosparam.yaml.resolved or rosparam.yaml.raw
             yamls.append(YamlText(text, rosparam.yaml.location))
-    return ReadLaunch(
+    return ParsedLaunch(
         findings=(*launch.findings, *_commented_out(launch, yamls)),
         robots=tuple(_robots(launch)),
         yamls=tuple(yamls),
@@ -76,7 +76,7 @@ def read(file: Path, packages: Mapping[str, Path]) -> ReadLaunch:
     )
 
 
-def control_findings(read: ReadLaunch, robot: RobotFacts | None) -> Iterator[Finding]:
+def control_findings(read: ParsedLaunch, robot: RobotFacts | None) -> Iterator[Finding]:
     """Yield what is wrong between a launch file's controllers, YAML and robot."""
     yield from yaml_findings(read.yamls, robot)
     wanted = list(_spawn_requests(read.launch)) if read.launch is not None else []

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.dom.minidom import Element
 
+<<<<<<< HEAD
 from tool0.description.finding import Finding, error_at
 from tool0.description.xml_source import (
     LocatedElement,
@@ -16,6 +17,11 @@ from tool0.description.xml_source import (
     parse_file,
     text_of,
 )
+=======
+from tool0.description.attributes import text_of
+from tool0.description.finding import Finding, error_at, warning_at
+from tool0.description.xml_source import LocatedElement, children, locate, parse_file
+>>>>>>> main
 from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.packages import PackageIndex
 from tool0.lint.sources import FileKind, Source
@@ -25,6 +31,8 @@ _REQUIRED = ("name", "version", "description", "maintainer", "license")
 _USES = re.compile(r"\$\(find +([\w-]+) *\)|package://([\w-]+)/")
 _CHOICES = ("xacro:if", "xacro:unless")
 _GAZEBO_PLUGIN = "libgazebo_ros_control.so"
+_RULES = ("unresolved-find", "unknown-package", "missing-package")
+_NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 
 
 def declared_dependencies(package: Path) -> frozenset[str]:
@@ -95,14 +103,14 @@ def package_findings(
             )
         else:
             comes = None
-        yield Finding(
-            location=here,
-            rule="missing-dependency",
-            severity="warning" if comes else "error",
-            key=used,
-            message=f"{where} uses '{used}', which package.xml does not name: "
+        finding_at = warning_at if comes else error_at
+        yield finding_at(
+            here,
+            "missing-dependency",
+            used,
+            f"{where} uses '{used}', which package.xml does not name: "
             + (comes or "rosdep does not install it; on another machine it is missing"),
-            remedy=f"add <exec_depend>{used}</exec_depend>",
+            f"add <exec_depend>{used}</exec_depend>",
         )
 
 
@@ -160,10 +168,6 @@ def _uses(root: Element | None) -> Iterator[tuple[str, Element]]:
             yield element.getAttribute("pkg"), element
         if _GAZEBO_PLUGIN in element.getAttribute("filename"):
             yield "gazebo_ros_control", element
-
-
-_RULES = ("unresolved-find", "unknown-package", "missing-package")
-_NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 
 
 def judge_missing_package(finding: Finding) -> Finding | str:

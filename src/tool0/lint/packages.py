@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import final
 
-from tool0.description.finding import Finding, short
+from tool0.description.finding import Finding, error_at, short, warning_at
 from tool0.description.packages import (
     BUNDLED,
     crawl,
@@ -101,13 +101,13 @@ class PackageIndex:
         else:
             message = f"{user} names no package, and '{short(name)}' can be none"
             remedy = "write package://PACKAGE/PATH or $(find PACKAGE)"
-        return Finding(
-            location=location,
-            rule="unknown-package",
-            severity="error" if near or not is_name else "warning",
-            key=name,
-            message=message,
-            remedy=f"write {near}" if near else remedy,
+        finding_at = error_at if near or not is_name else warning_at
+        return finding_at(
+            location,
+            "unknown-package",
+            name,
+            message,
+            f"write {near}" if near else remedy,
         )
 
     def package_of(self, file: Path) -> str | None:

@@ -32,11 +32,14 @@ from tool0.lint.robot.xacro_source import (
 )
 
 _DEFINES = frozenset({"xacro:include", "xacro:macro", "xacro:property", "xacro:arg"})
+_NONE: Mapping[str, Path] = MappingProxyType({})
+_MOST = 50
+"""Findings of one subject; a file with more needs another look after these."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class ReadRobot:
+class ParsedRobot:
     """A robot as far as it could be read."""
 
     facts: RobotFacts | None
@@ -63,7 +66,7 @@ def read_robot(
     packages: Mapping[str, Path],
     *,
     spawned: bool = False,
-) -> ReadRobot:
+) -> ParsedRobot:
     """Return the robot of a file, and what is wrong with it.
 
     Args:
@@ -77,23 +80,23 @@ def read_robot(
             document = parse_file(file) if args is None else expand(file, args)
         except Tool0Error as error:
             rule = "bad-xml" if args is None else "xacro-fails"
-            return ReadRobot(None, (_as_finding(error, rule, file),))
+            return ParsedRobot(None, (_as_finding(error, rule, file),))
         root = document.documentElement
         if not isinstance(root, LocatedElement) or root.tagName != "robot":
             name = "nothing" if root is None else f"<{root.tagName}>"
             wrong = Tool0Error(f"begins with {name}, and no <robot>")
-            return ReadRobot(None, (_as_finding(wrong, "no-robot", file),))
+            return ParsedRobot(None, (_as_finding(wrong, "no-robot", file),))
         findings = tuple(robot_findings(root, packages, spawned=spawned))
         facts = facts_of(root)
         if any(finding.severity == "error" for finding in findings):
-            return ReadRobot(facts, findings)
+            return ParsedRobot(facts, findings)
         try:  # what else keeps tool0 from simulating it, though ROS may take it
             read_model(document)
         except Tool0Error as error:
             found = _as_finding(error, "no-model", file)
             if found.location not in {finding.location for finding in findings}:
                 findings += (replace(found, severity="warning"),)
-        return ReadRobot(facts, findings)
+        return ParsedRobot(facts, findings)
 
 
 def read_xacro_source(file: Path, packages: Mapping[str, Path]) -> XacroSource:
@@ -133,11 +136,6 @@ def _as_finding(error: Tool0Error, rule: str, file: Path) -> Finding:
         "",
         message,
     )
-
-
-_NONE: Mapping[str, Path] = MappingProxyType({})
-_MOST = 50
-"""Findings of one subject; a file with more needs another look after these."""
 
 
 def robot_findings(
@@ -183,13 +181,7 @@ def _at_most(findings: Iterator[Finding]) -> Iterator[Finding]:
     """Yield at most ``_MOST`` and one more, which says that there are others."""
     for count, finding in enumerate(findings, 1):
         if count > _MOST:
-            yield Finding(
-                location=finding.location,
-                rule=finding.rule,
-                severity=finding.severity,
-                key=finding.key,
-                message=f"and more such as this: {finding.message}",
-                remedy=finding.remedy,
-            )
+            message = f"and more such as this: {finding.message}"
+            yield replace(finding, message=message)
             return
         yield finding

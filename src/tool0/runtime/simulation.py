@@ -108,11 +108,11 @@ class Simulation:
             raise ControlError(
                 f"rate {rate} Hz is outside (0, {MAX_SNAPSHOT_RATE:g}] Hz"
             )
-        subscription = self.bus.subscribe(1.0 / rate, self.update_snapshot_period)
-        self.update_snapshot_period()
+        subscription = self.bus.subscribe(1.0 / rate, self._update_snapshot_period)
+        self._update_snapshot_period()
         return subscription
 
-    def update_snapshot_period(self) -> None:
+    def _update_snapshot_period(self) -> None:
         """Publish as often as the fastest subscriber asks for."""
         bus, loop = self.bus, self.loop
         if not loop.is_closed:

@@ -70,17 +70,18 @@ class Snapshot:
 
         It is worked out here, in the thread of the reader.
         """
-        found = dict(self.received_setpoints)
+        if not self.controller_setpoints:
+            return self.received_setpoints
+        found: dict[str, JointSetpoint] = {}
         for setpoint in self.controller_setpoints.values():
-            desired = setpoint.state().desired
-            rows = zip(
-                setpoint.joint_names,
-                desired.positions,
-                desired.velocities,
-                setpoint.target(),
-                strict=True,
-            )
-            found.update({name: JointSetpoint(q, qd, end) for name, q, qd, end in rows})
+            time = setpoint.measured.time
+            for joint, spline in zip(
+                setpoint.joint_models, setpoint.splines, strict=True
+            ):
+                now = spline.sample(time)
+                found[joint.name] = JointSetpoint(
+                    now.position, now.velocity, spline.target
+                )
         return found
 
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:

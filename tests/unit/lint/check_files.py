@@ -14,10 +14,10 @@ from tool0.lint.robot.facts import RobotFacts
 
 DATA = Path(__file__).parents[2] / "data"
 
-Told = list[tuple[int | None, str, str]]
+Summary = list[tuple[int | None, str, str]]
 
 
-def told(findings: Iterable[Finding]) -> Told:
+def summary(findings: Iterable[Finding]) -> Summary:
     """Return line, rule and key of each finding."""
     return [(item.location.line, item.rule, item.key) for item in findings]
 

@@ -170,7 +170,7 @@ class GazeboEngine:
     def _start(self, world: Path | None, gui: bool) -> tuple[BridgeConnection, str]:
         listener = BridgeListener(self.server.socket_path)
         try:
-            self.server.start((world or EMPTY_WORLD).resolve(), seen=gui)
+            self.server.start((world or EMPTY_WORLD).resolve(), has_window=gui)
             peer, version = listener.accept(self._dt, self.server.check, START_TIMEOUT)
         finally:
             listener.close()

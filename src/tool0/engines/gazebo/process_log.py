@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import signal
-import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Final
+
+from tool0.installation.child_process import ChildProcess
 
 _LAST_LINES: Final = 12
 _COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
@@ -20,9 +21,9 @@ _NOISE: Final = re.compile(
 _ERROR: Final = re.compile(r"\[Err\]|Error|\[Wrn\] \[Server")
 
 
-def exit_report(why: str, process: subprocess.Popen[bytes] | None, log: Path) -> str:
+def exit_report(why: str, process: ChildProcess | None, log: Path) -> str:
     """Return ``why``, how ``process`` ended if it did, and the end of its log."""
-    status = None if process is None else process.poll()
+    status = None if process is None else process.exit_status
     if status is None:
         how = ""
     elif status < 0:

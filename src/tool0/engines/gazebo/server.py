@@ -15,11 +15,13 @@ from typing import Final, final
 from tool0.engines.gazebo.process_log import error_lines, exit_report, log_lines
 from tool0.engines.gazebo.window import ClientWindow, require_window
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.installation import Installation
+from tool0.installation.child_process import ChildProcess
+from tool0.installation.gazebo.installation import GazeboInstallation
 from tool0.installation.gazebo.plugin import BridgeLibraries
 from tool0.user_data import locked
 
-_GRACE = 0.2  # [s] for a server that hung up to end by itself
+_EXIT_TIMEOUT: Final = 0.2
+"""For a server that closed the connection to end by itself [wall s]."""
 _FOLDER: Final = "tool0-gazebo-"
 _LOCK: Final = "lock"
 _NEW_LOCK: Final = "lock.new"
@@ -29,11 +31,12 @@ _NEW_LOCK: Final = "lock.new"
 class GazeboServer:
     """One gzserver with its own folder, its own port and its own HOME.
 
-    It ends with ``close``, and with this process however that ends: the leash that is
-    preloaded into it, and into gzclient, holds the other end of a pipe.
+    It ends with ``close``, and with this process however that ends.
     """
 
-    def __init__(self, installation: Installation, libraries: BridgeLibraries) -> None:
+    def __init__(
+        self, installation: GazeboInstallation, libraries: BridgeLibraries
+    ) -> None:
         """Make the folder; ``start`` runs something in it."""
         self._installation = installation
         self._libraries = libraries
@@ -42,10 +45,7 @@ class GazeboServer:
         self._log = self.folder / "gzserver.log"
         self._lines_read = 0
         self._port = _free_port()
-        self._lifeline, our_end = os.pipe()
-        for end in (self._lifeline, our_end):
-            self._exits.callback(os.close, end)
-        self._server: subprocess.Popen[bytes] | None = None
+        self._server: ChildProcess | None = None
         self._window: ClientWindow | None = None
 
     @property
@@ -60,17 +60,18 @@ class GazeboServer:
 
     @property
     def process_ids(self) -> tuple[int, ...]:
-        """Of the processes that run."""
+        """Of the programs that run."""
         processes = (self._server, self._window and self._window.process)
-        return tuple(p.pid for p in processes if p is not None and p.poll() is None)
+        running = (p for p in processes if p is not None and p.exit_status is None)
+        return tuple(process.pid for process in running)
 
-    def start(self, world: Path, *, seen: bool) -> None:
+    def start(self, world: Path, *, has_window: bool) -> None:
         """Run gzserver with ``world`` and the bridge.
 
-        Unless it is ``seen`` by a gzclient of ours, ``~/physics/contacts`` stays empty:
-        to publish it at each step, to nobody, takes a tenth of the time.
+        Without a gzclient of ours, ``~/physics/contacts`` stays empty: publishing it at
+        each step takes a tenth of the time.
         """
-        quiet = () if seen else ("--minimal_comms",)
+        quiet = () if has_window else ("--minimal_comms",)
         bridge = str(self._libraries.bridge)
         self._server = self._run(
             self._installation.server,
@@ -86,7 +87,7 @@ class GazeboServer:
             EngineUnavailableError: If it is not installed or there is no display.
         """
         client = require_window(self._installation)
-        # Its own HOME is the person's: what they set up in the window stays.
+        # The person's own HOME, so that settings of the window persist.
         home = os.environ.get("HOME", str(self.folder))
         log = self.folder / "gzclient.log"
         self._window = ClientWindow(
@@ -95,7 +96,7 @@ class GazeboServer:
 
     def check(self) -> None:
         """Raise EngineUnavailableError if the server has ended."""
-        if self._server is None or self._server.poll() is not None:
+        if self._server is None or self._server.exit_status is not None:
             raise EngineUnavailableError(
                 exit_report("gzserver did not start", self._server, self._log)
             )
@@ -108,11 +109,9 @@ class GazeboServer:
 
     def lost(self, why: str) -> EngineUnavailableError:
         """End what is left of the server, and return the error that says so."""
-        try:
-            if self._server is not None:
-                self._server.wait(_GRACE)
-        except subprocess.TimeoutExpired:
-            pass
+        if self._server is not None:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._server.wait(_EXIT_TIMEOUT)
         error = EngineUnavailableError(exit_report(why, self._server, self._log))
         self.close()
         return error
@@ -122,14 +121,13 @@ class GazeboServer:
         if self._window is not None:
             self._window.close()
         if self._server is not None:
-            self._server.kill()  # nothing of its outlives the folder
-            self._server.wait()
+            self._server.close()  # before its folder is removed
         self._exits.close()
 
     def _run(
         self, program: Path, arguments: list[str], log: Path, extra: Mapping[str, str]
-    ) -> subprocess.Popen[bytes]:
-        preload = [str(self._libraries.leash), os.environ.get("LD_PRELOAD", "")]
+    ) -> ChildProcess:
+        preload = [str(self._libraries.preload), os.environ.get("LD_PRELOAD", "")]
         environment = {
             **os.environ,
             **self._installation.environment,
@@ -138,29 +136,24 @@ class GazeboServer:
             "GAZEBO_IP": "127.0.0.1",
             "IGN_IP": "127.0.0.1",
             "GAZEBO_MODEL_DATABASE_URI": "",  # or it waits for the network
-            "TOOL0_LIFELINE": str(self._lifeline),
             "LD_PRELOAD": ":".join(filter(None, preload)),
             **extra,
         }
         with log.open("wb") as stream:
-            return subprocess.Popen(
+            return ChildProcess(
                 [str(program), *arguments],
-                env=environment,
-                cwd=self.folder,
-                stdin=subprocess.DEVNULL,
+                environment=environment,
+                folder=self.folder,
                 stdout=stream,
-                stderr=subprocess.STDOUT,
-                pass_fds=[self._lifeline],
-                start_new_session=True,  # a Ctrl-C is for us, who end it in order
             )
 
 
 @contextlib.contextmanager
 def _own_folder() -> Iterator[Path]:
-    """Make a folder that is removed at the end, or by the next one if we are killed."""
+    """Make a folder that is removed at the end; remove those of killed processes."""
     parent = Path(tempfile.gettempdir())
     for left in parent.glob(f"{_FOLDER}*/{_LOCK}"):
-        # A running one is locked, and one that begins has no lock yet.
+        # That of a running server is locked, and a new one has no lock yet.
         with contextlib.suppress(OSError), locked(left, wait=False):
             shutil.rmtree(left.parent, ignore_errors=True)
     folder = Path(tempfile.mkdtemp(prefix=_FOLDER))

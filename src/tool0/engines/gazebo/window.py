@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import os
 import signal
-import subprocess
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -13,16 +12,17 @@ from typing import Final, final
 
 from tool0.engines.gazebo.process_log import exit_report
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.installation import Installation
+from tool0.installation.child_process import ChildProcess
+from tool0.installation.gazebo.installation import GazeboInstallation
 
 logger = logging.getLogger(__name__)
 
-_TRIES: Final = 3
-_BY_A_PERSON: Final = (0, -signal.SIGTERM, -signal.SIGINT, -signal.SIGKILL)
-"""How it ends if somebody wants it to."""
+_MAX_STARTS: Final = 3
+_CLOSED_BY_PERSON: Final = (0, -signal.SIGTERM, -signal.SIGINT, -signal.SIGKILL)
+"""Exit statuses when somebody closes it."""
 
 
-def require_window(installation: Installation) -> Path:
+def require_window(installation: GazeboInstallation) -> Path:
     """Return the program gzclient, or raise EngineUnavailableError."""
     if installation.client is None:
         raise EngineUnavailableError(
@@ -44,8 +44,8 @@ class ClientWindow:
     30 times on two busy cores, with software GL.
     """
 
-    def __init__(self, run: Callable[[], subprocess.Popen[bytes]], log: Path) -> None:
-        """Start it by ``run``, which writes what it says into ``log``."""
+    def __init__(self, run: Callable[[], ChildProcess], log: Path) -> None:
+        """Start it by ``run``, which writes its output to ``log``."""
         self._run = run
         self._log = log
         self._lock = threading.Lock()
@@ -58,14 +58,13 @@ class ClientWindow:
         """End it; closing twice is allowed."""
         with self._lock:
             self._is_closed = True
-            self.process.kill()
-            self.process.wait()
+            self.process.close()
 
     def _watch(self) -> None:
-        for tries_left in reversed(range(_TRIES)):
+        for tries_left in reversed(range(_MAX_STARTS)):
             status = self.process.wait()
             with self._lock:
-                if self._is_closed or status in _BY_A_PERSON:
+                if self._is_closed or status in _CLOSED_BY_PERSON:
                     return
                 if status != -signal.SIGSEGV or not tries_left:
                     why = exit_report(
@@ -73,4 +72,5 @@ class ClientWindow:
                     )
                     logger.warning("%s", why)
                     return
+                self.process.close()
                 self.process = self._run()

@@ -12,7 +12,7 @@ from typing import final
 from tool0.api.robot import Robot
 from tool0.errors import RosUnavailableError
 from tool0.installation.ros1.library import keep_to_this_machine
-from tool0.installation.ros1.master import Master, Watch, running_master
+from tool0.installation.ros1.master import Master, MasterWatch, running_master
 from tool0.installation.ros1.messages import import_messages
 from tool0.interfaces.ros1.camera_edge import CameraEdges
 from tool0.interfaces.ros1.controllers import ControllerEdges
@@ -147,10 +147,10 @@ class Ros1:
             node.register_again()
             self._transforms.register_again()
 
-        watch = Watch(node.master, node.options.node, node.uri, again)
+        watch = MasterWatch(node.master, node.options.node, node.uri, again)
         while not self._over.wait(_WATCH_PERIOD):
             try:
-                watch.look()
+                watch.check()
                 self._agree_on_the_clock()
             except RosUnavailableError as error:
                 node.complain(str(error))

@@ -12,7 +12,7 @@ from tool0.control.publish_rate import PublishRate
 from tool0.description.forward_kinematics import joint_transform
 from tool0.description.model import Joint
 from tool0.description.transform import Transform
-from tool0.installation.ros1.child import Child
+from tool0.installation.child_process import ChildProcess
 from tool0.installation.ros1.packages import find_node
 from tool0.interfaces.ros1.camera_edge import camera_transforms
 from tool0.interfaces.ros1.node import Part, RosNode
@@ -22,6 +22,7 @@ logger = logging.getLogger(__name__)
 
 NAME = "robot_state_publisher"
 _WATCH_RATE = 1.0  # [Hz] of simulated time
+_GRACE = 5.0  # [wall s] that it has to end by itself
 
 
 class Transforms(Part, Protocol):
@@ -54,13 +55,14 @@ class TheirTransforms:
         self._static.publish(TFMessage(camera_transforms(node, robot)))
         self._child = self._start()
 
-    def _start(self) -> Child:
+    def _start(self) -> ChildProcess:
         node, options = self._node, self._node.options
         place = node.name(NAME)
         node.master.call("setParam", f"{place}/publish_frequency", options.tf_pub_rate)
         node.master.call("setParam", f"{place}/tf_prefix", node.frame_prefix)
         environment = {**os.environ, "ROS_NAMESPACE": options.root or "/"}
-        return Child([str(self._program), f"__name:={NAME}"], environment)
+        command = [str(self._program), f"__name:={NAME}"]
+        return ChildProcess(command, environment=environment, grace=_GRACE)
 
     def register_again(self) -> None:
         """Start it anew: nodes of roscpp do not notice that the master is another."""
@@ -76,7 +78,7 @@ class TheirTransforms:
                 "robot_state_publisher ended with status %d; /tf is published by "
                 "tool0 from now on.  It said last:\n%s",
                 self._child.exit_status,
-                self._child.last_words(),
+                self._child.last_output(),
             )
             self._own = OwnTransforms(self._node, self._robot)
 

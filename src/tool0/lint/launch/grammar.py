@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import Final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, Severity
-from tool0.description.xml_source import children
+from tool0.description.finding import Finding, error_at, warning_at
+from tool0.description.xml_source import children, locate
 from tool0.errors import SourceLocation, did_you_mean, nearest_name
 
 _NODE: Final = (
@@ -75,31 +75,25 @@ def check(
     for name, _ in element.attributes.items():
         if name in known or name.startswith("xmlns"):
             continue
-        is_near = nearest_name(name, known) is not None
         obsolete = _OBSOLETE.get((tag, name))
+        is_typo = nearest_name(name, known) is not None
+        finding_at = error_at if is_typo or obsolete else warning_at
         report(
-            _finding(
+            finding_at(
                 location,
                 "unknown-attribute",
                 name,
                 obsolete
                 or f"is no attribute of <{tag}>, and roslaunch ignores it"
                 + did_you_mean(name, known),
-                severity="error" if is_near or obsolete else "warning",
-                remedy=f"remove {name}, or write the attribute that was meant",
+                f"remove {name}, or write the attribute that was meant",
             )
         )
     missing = [n for n in REQUIRED.get(tag, ()) if not element.hasAttribute(n)]
     for name in missing:
-        report(
-            _finding(
-                location,
-                "missing-attribute",
-                name,
-                f"is missing from <{tag}>, and roslaunch stops without it",
-                remedy=f'write {name}="…"',
-            )
-        )
+        message = f"is missing from <{tag}>, and roslaunch stops without it"
+        remedy = f'write {name}="…"'
+        report(error_at(location, "missing-attribute", name, message, remedy))
     allowed = CHILDREN.get(tag, frozenset())
     for child in children(element):
         if child.tagName not in allowed:
@@ -111,31 +105,12 @@ def _unknown_element(
 ) -> Finding:
     name = child.tagName
     hint = did_you_mean(name, allowed) if allowed else ""
-    return _finding(
-        getattr(child, "location", None) or around,
+    return error_at(
+        locate(child) or around,
         "unknown-element",
         name,
         f"is nothing that <{tag}> may hold, and roslaunch ignores it{hint}",
-        remedy=f"remove <{name}>, or write the element that was meant",
-    )
-
-
-def _finding(
-    location: SourceLocation,
-    rule: str,
-    key: str,
-    message: str,
-    *,
-    severity: Severity = "error",
-    remedy: str,
-) -> Finding:
-    return Finding(
-        location=location,
-        rule=rule,
-        severity=severity,
-        key=key,
-        message=message,
-        remedy=remedy,
+        f"remove <{name}>, or write the element that was meant",
     )
 
 

@@ -15,6 +15,17 @@ from typing import Literal, TypeAlias, final
 from tool0.description.finding import Finding
 from tool0.errors import SourceLocation
 
+Origin: TypeAlias = Literal[
+    "command line",
+    "include",
+    "pass_all_args",
+    "value",
+    "default",
+    "missing",
+    "switched off",
+]
+"""Where an argument's value comes from; ``value`` is one that cannot be overridden."""
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,16 +85,6 @@ class Place:
         return Activity.UNKNOWN if None in held else Activity.ACTIVE
 
 
-Origin: TypeAlias = Literal[
-    "command line",
-    "include",
-    "pass_all_args",
-    "value",
-    "default",
-    "missing",
-    "switched off",
-]
-"""Where an argument's value comes from; ``value`` is one that cannot be overridden."""
 NamedText: TypeAlias = tuple[str, Text]
 
 

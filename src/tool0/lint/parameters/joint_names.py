@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import final
 
 from tool0.description.finding import Finding
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import nearest_name
 from tool0.lint.robot.facts import RobotFacts
 
@@ -24,36 +22,32 @@ def usual_joints() -> frozenset[str]:
     return frozenset(joint.name for joint in assemble().model.movable_joints)
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class JointNames:
-    """Which joints there are, as far as it is known."""
+def unknown_joints(
+    entries: Sequence[tuple[str, YamlEntry]], robot: RobotFacts | None
+) -> Iterator[Finding]:
+    """Yield a finding for each joint of one list that the robot lacks.
 
-    robot: RobotFacts | None
-
-    def unknown(self, entries: Sequence[tuple[str, Entry]]) -> Iterator[Finding]:
-        """Yield a finding for each joint of one list that the robot lacks.
-
-        Args:
-            entries: What is named, and where.
-        """
-        names = [name for name, _ in entries]
-        if self.robot is not None:
-            known = {j.name for j in self.robot.joints.values() if j.is_movable}
-            reason = "the robot has no such joint"
-        else:
-            known = set(usual_joints())
-            if sum(name in known for name in names) < _ENOUGH * len(names):
-                return
-            reason = "a UR with a 2F-85, whose joints are beside it, has no such joint"
-        for name, entry in entries:
-            if name in known:
-                continue
-            unused = known.difference(names)
-            near = nearest_name(name, unused) or nearest_name(name, known)
-            yield entry.finding(
-                "unknown-joint",
-                f"names '{name}', but {reason}",
-                f"did you mean '{near}'?" if near else "name one that it has",
-                severity="error" if self.robot is not None else "warning",
-            )
+    Args:
+        entries: The names, and where they are written.
+        robot: The robot, if it is known.
+    """
+    names = [name for name, _ in entries]
+    if robot is not None:
+        known = {j.name for j in robot.joints.values() if j.is_movable}
+        reason = "the robot has no such joint"
+    else:
+        known = set(usual_joints())
+        if sum(name in known for name in names) < _ENOUGH * len(names):
+            return
+        reason = "a UR with a 2F-85, whose joints are beside it, has no such joint"
+    for name, entry in entries:
+        if name in known:
+            continue
+        unused = known.difference(names)
+        near = nearest_name(name, unused) or nearest_name(name, known)
+        yield entry.finding(
+            "unknown-joint",
+            f"names '{name}', but {reason}",
+            f"did you mean '{near}'?" if near else "name one that it has",
+            severity="error" if robot is not None else "warning",
+        )

@@ -14,9 +14,9 @@ from tool0.control.parameters import (
     joint_entries,
 )
 from tool0.description.finding import Finding, error_at
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, nearest_name
-from tool0.lint.parameters.joint_names import JointNames
+from tool0.lint.parameters.joint_names import unknown_joints
 from tool0.lint.robot.facts import RobotFacts
 
 OTHER_TYPES: Final = (
@@ -56,7 +56,6 @@ def controller_findings(
         config: What it holds.
         robot: The robot that it is for, if it is known.
     """
-    names = JointNames(robot)
     joints = None
     if robot is not None:  # fixed ones take no command
         joints = [j.name for j in robot.joints.values() if j.is_movable]
@@ -69,7 +68,7 @@ def controller_findings(
     wrong = {f.key.partition("/")[0] for f in linted if f.severity == "error"}
     for name, entry in config.tree.root.children.items():
         if name in config.names:
-            found = _Ros1Controller(config, name, entry, robot, names).findings()
+            found = _Ros1Controller(config, name, entry, robot).findings()
             for finding in found:
                 is_reported = finding.rule == "missing-key" and any(
                     f"did you mean '{finding.key.rpartition('/')[2]}'" in other.remedy
@@ -80,7 +79,7 @@ def controller_findings(
                     yield finding
         elif robot is None and "pid_gains" in entry.children:
             gains = entry.children["pid_gains"]  # the linter knows no joints
-            yield from names.unknown(list(gains.children.items()))
+            yield from unknown_joints(list(gains.children.items()), robot)
 
 
 def _is_controller(finding: Finding, config: ControllerConfig) -> bool:
@@ -108,12 +107,11 @@ class _Ros1Controller:
         self,
         config: ControllerConfig,
         name: str,
-        entry: Entry,
+        entry: YamlEntry,
         robot: RobotFacts | None,
-        names: JointNames,
     ) -> None:
         self._config, self._name, self._entry = config, name, entry
-        self._robot, self._names = robot, names
+        self._robot = robot
         self._keys = entry.children
         self._type_entry = self._keys["type"]
         self._type = str(self._type_entry.scalar)
@@ -125,7 +123,7 @@ class _Ros1Controller:
         joints = [(str(item.scalar), item) for item in joint_entries(self._entry)]
         wrong = [
             *self._missing(),
-            *self._names.unknown(joints),
+            *unknown_joints(joints, self._robot),
             *self._interfaces(joints),
         ]
         if not wrong or self._robot is None:
@@ -170,7 +168,7 @@ class _Ros1Controller:
             message = f"there is no controller type '{written}', so it does not load"
         yield self._type_entry.finding("unknown-type", message, remedy)
 
-    def _interfaces(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
+    def _interfaces(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield joints that this controller cannot command."""
         wanted = INTERFACE_OF_PACKAGE.get(self._type.partition("/")[0])
         robot = self._robot
@@ -204,7 +202,7 @@ class _Ros1Controller:
                         "change the controller's type, or the interface",
                     )
 
-    def _gains(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
+    def _gains(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield joints without the gains that this controller needs."""
         patterns = parameters_of(self._type)
         for pattern, path in (
@@ -226,7 +224,7 @@ class _Ros1Controller:
                     f"write {self._name}/{path.format(name)}: {{p: …, i: …, d: …}}",
                 )
 
-    def _values(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
+    def _values(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield what else keeps the controller from loading."""
         robot = RobotJoints.assumed((name for name, _ in joints), self._type)
         try:

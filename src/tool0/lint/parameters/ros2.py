@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping
 from typing import final
 
 from tool0.control.controller_types import TYPES as TYPES_OF_ROS1
+from tool0.control.controller_types import siblings
 from tool0.description.finding import Finding, Severity, error_at
-from tool0.description.yaml_tree import Entry
+from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import nearest_name
-from tool0.lint.parameters.joint_names import JointNames
+from tool0.lint.parameters.joint_names import unknown_joints
 from tool0.lint.parameters.ros2_tables import (
     COMMON,
     MANAGER,
@@ -25,7 +26,7 @@ _TYPO = 0.75
 _MISSPELT = ("ros_parameters", "ros__parameter", "ros_parameter", "ros___parameters")
 
 
-def is_ros2(root: Entry) -> bool:
+def is_ros2(root: YamlEntry) -> bool:
     """Return whether a file has the layout of ROS 2, perhaps with a typo."""
     return (
         any(
@@ -37,17 +38,17 @@ def is_ros2(root: Entry) -> bool:
     )
 
 
-def controller_findings(root: Entry, robot: RobotFacts | None) -> Iterator[Finding]:
+def controller_findings(root: YamlEntry, robot: RobotFacts | None) -> Iterator[Finding]:
     """Yield what is wrong with the controllers of a ROS 2 YAML.
 
     Args:
         root: Its parameters.
         robot: The robot that it is for, if it is known.
     """
-    nodes: dict[str, Entry] = {}
+    nodes: dict[str, YamlEntry] = {}
     yield from _collect(root, nodes)
     manager = nodes.pop(_MANAGER, None)
-    declared: dict[str, Entry] = {}
+    declared: dict[str, YamlEntry] = {}
     for name, entry in ({} if manager is None else manager.children).items():
         if "type" in entry.children:
             declared[name] = entry.children["type"]
@@ -65,7 +66,7 @@ def controller_findings(root: Entry, robot: RobotFacts | None) -> Iterator[Findi
         yield from _Ros2Controller(name, type_entry, parameters, robot).findings()
 
 
-def _collect(root: Entry, nodes: dict[str, Entry]) -> Iterator[Finding]:
+def _collect(root: YamlEntry, nodes: dict[str, YamlEntry]) -> Iterator[Finding]:
     """Put the parameters of every node into ``nodes``, by the node's name."""
     for name, entry in root.children.items():
         children = entry.children
@@ -87,17 +88,17 @@ def _collect(root: Entry, nodes: dict[str, Entry]) -> Iterator[Finding]:
             yield from _collect(entry, nodes)
 
 
-def _is_controller(children: Mapping[str, Entry]) -> bool:
+def _is_controller(children: Mapping[str, YamlEntry]) -> bool:
     return "joints" in children or "command_interfaces" in children
 
 
-def _missing_level(entry: Entry, remedy: str) -> Finding:
+def _missing_level(entry: YamlEntry, remedy: str) -> Finding:
     message = "no node of ROS 2 gets these parameters"
     return entry.finding("no-ros-parameters", message, remedy)
 
 
 def _misnamed(
-    nodes: Mapping[str, Entry], declared: Mapping[str, Entry]
+    nodes: Mapping[str, YamlEntry], declared: Mapping[str, YamlEntry]
 ) -> Iterator[Finding]:
     """Yield parameters whose controller is declared under a similar name."""
     without = [name for name in declared if name not in nodes]
@@ -114,7 +115,7 @@ def _misnamed(
             )
 
 
-def _unread(entry: Entry, who: str, near: str) -> Finding:
+def _unread(entry: YamlEntry, who: str, near: str) -> Finding:
     message = f"{who} does not read it"
     return entry.finding("unread-key", message, f"did you mean '{near}'?")
 
@@ -126,8 +127,8 @@ class _Ros2Controller:
     def __init__(
         self,
         name: str,
-        type_entry: Entry,
-        parameters: Entry | None,
+        type_entry: YamlEntry,
+        parameters: YamlEntry | None,
         robot: RobotFacts | None,
     ) -> None:
         self._name, self._type_entry, self._robot = name, type_entry, robot
@@ -148,7 +149,7 @@ class _Ros2Controller:
             for entry in (self._keys[key].items or [self._keys[key]])
         ]
         if self._robot is not None or len(joints) > 1:
-            yield from JointNames(self._robot).unknown(joints)
+            yield from unknown_joints(joints, self._robot)
         yield from self._interfaces(joints)
         yield from self._unread_keys(patterns, {n for n, _ in joints})
 
@@ -181,7 +182,7 @@ class _Ros2Controller:
             f"write them under '{self._name}: {PARAMETERS}:'",
         )
 
-    def _interfaces(self, joints: list[tuple[str, Entry]]) -> Iterator[Finding]:
+    def _interfaces(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         entry = self._keys.get("command_interfaces")
         wanted = [str(item.scalar) for item in (entry.items if entry else ())]
         if (
@@ -231,16 +232,10 @@ class _Ros2Controller:
             yield self._unread(leaf, path, pattern, read)
 
     def _unread(
-        self, leaf: Entry, path: list[str], pattern: str, read: frozenset[str]
+        self, leaf: YamlEntry, path: list[str], pattern: str, read: frozenset[str]
     ) -> Finding:
         others = [name for name, keys in TYPES.items() if pattern in keys]
-        siblings = {
-            candidate.split("/")[len(path) - 1]
-            for candidate in read
-            if candidate.count("/") >= len(path) - 1
-            and candidate.split("/")[: len(path) - 1] == pattern.split("/")[:-1]
-        }
-        near = nearest_name(path[-1], siblings, _TYPO)
+        near = nearest_name(path[-1], siblings(pattern, read), _TYPO)
         severity: Severity = "error"
         kind = self._type.partition("/")[2]
         if near is not None:

@@ -123,16 +123,14 @@ def _parameters(plugin: PluginFacts, known: tuple[str, ...]) -> Iterator[Finding
         if name in known:
             continue
         close = nearest_name(name, known)
-        yield Finding(
-            location=location,
-            rule="unread-parameter",
-            severity="error" if close else "warning",
-            key=name,
-            message=(
-                f"the plugin {short(plugin.filename)} does not read "
-                f"<{short(name)}>, so it does nothing"
-            ),
-            remedy=f"write <{close}>" if close else f"it reads {quoted(known)}",
+        finding_at = error_at if close else warning_at
+        yield finding_at(
+            location,
+            "unread-parameter",
+            name,
+            f"the plugin {short(plugin.filename)} does not read "
+            f"<{short(name)}>, so it does nothing",
+            f"write <{close}>" if close else f"it reads {quoted(known)}",
         )
 
 

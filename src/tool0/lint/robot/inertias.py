@@ -134,19 +134,15 @@ def _tensor(
     body = _Body(name, mass, moments, extent_of(link))
     low, middle, high = moments
     if not low > 0:
-        yield Finding(
-            location=place(tensor),
-            rule="bad-inertia",
-            severity="error" if is_alone else "warning",
-            key=name,
-            message=(
-                f"{body}, where all must be above zero (positive definite): the "
-                "simulator refuses it, or throws the robot away"
-            ),
-            remedy=(
-                "check signs and products of inertia: ixy, ixz and iyz are small "
-                "beside ixx, iyy and izz"
-            ),
+        finding_at = error_at if is_alone else warning_at
+        yield finding_at(
+            place(tensor),
+            "bad-inertia",
+            name,
+            f"{body}, where all must be above zero (positive definite): the "
+            "simulator refuses it, or throws the robot away",
+            "check signs and products of inertia: ixy, ixz and iyz are small "
+            "beside ixx, iyy and izz",
         )
     elif not low + middle >= high * (1 - _ROUNDING):
         yield warning_at(
@@ -196,16 +192,14 @@ def _size(tensor: Element, body: _Body) -> Iterator[Finding]:
 def _implausible(
     tensor: Element, body: _Body, reason: str, *, is_error: bool = False
 ) -> Finding:
-    return Finding(
-        location=place(tensor),
-        rule="implausible-inertia",
-        severity="error" if is_error else "warning",
-        key=body.name,
-        message=f"{body}; {reason}",
-        remedy=(
-            "give moments in kg·m² about the centre of mass, not in g·mm²: a solid "
-            "box has mass/12·(a²+b²), a cylinder mass/2·r² about its axis"
-        ),
+    finding_at = error_at if is_error else warning_at
+    return finding_at(
+        place(tensor),
+        "implausible-inertia",
+        body.name,
+        f"{body}; {reason}",
+        "give moments in kg·m² about the centre of mass, not in g·mm²: a solid "
+        "box has mass/12·(a²+b²), a cylinder mass/2·r² about its axis",
     )
 
 
@@ -236,19 +230,15 @@ def _without(
             continue
         is_base = name in carriers and name not in moved
         if name in moved or (is_base and for_gazebo):
-            yield Finding(
-                location=facts.links[name],
-                rule="no-inertia",
-                severity="error" if for_gazebo else "warning",
-                key=name,
-                message=(
-                    f"link '{short(name)}' "
-                    + ("carries joints that move" if is_base else "moves")
-                    + ", yet neither it nor what is fixed to it has an <inertial>: "
-                    "Gazebo drops it, and all that hangs on it"
-                ),
-                remedy=(
-                    "give it <inertial> with mass and inertia"
-                    + (', or fix it to <link name="world"/>' * is_base)
-                ),
+            finding_at = error_at if for_gazebo else warning_at
+            yield finding_at(
+                facts.links[name],
+                "no-inertia",
+                name,
+                f"link '{short(name)}' "
+                + ("carries joints that move" if is_base else "moves")
+                + ", yet neither it nor what is fixed to it has an <inertial>: "
+                "Gazebo drops it, and all that hangs on it",
+                "give it <inertial> with mass and inertia"
+                + (', or fix it to <link name="world"/>' * is_base),
             )

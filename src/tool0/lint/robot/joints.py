@@ -27,6 +27,31 @@ _TYPES = (*MOVABLE, "fixed")
 _LIMITED = ("revolute", "prismatic")
 _FASTEST = {"revolute": 100.0, "continuous": 1000.0, "prismatic": 20.0}
 """[rad/s | m/s]; an arm's joint turns at 3 rad/s, and a gripper's at 2."""
+_COUNTS: dict[str, dict[str, int]] = {
+    "origin": {"xyz": 3, "rpy": 3},
+    "axis": {"xyz": 3},
+    "limit": {"lower": 1, "upper": 1, "effort": 1, "velocity": 1},
+    "dynamics": {"damping": 1, "friction": 1},
+    "mimic": {"multiplier": 1, "offset": 1},
+    "safety_controller": {
+        "soft_lower_limit": 1,
+        "soft_upper_limit": 1,
+        "k_position": 1,
+        "k_velocity": 1,
+    },
+    "mass": {"value": 1},
+    "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    "mesh": {"scale": 3},
+}
+_LIGHT = 0.5
+"""Moving mass below which a joint is a finger rather than an arm [kg]."""
+_STRONG = {"revolute": 100.0, "continuous": 100.0, "prismatic": 1000.0}
+"""Efforts that no motor of such a finger has [N·m | N]: a 2F-85 has 23 N·m at most."""
+_MOST_LINKS = 100
+"""Of a finger; a longer chain is no finger."""
 
 
 def joint_findings(root: Element, facts: RobotFacts) -> Iterator[Finding]:
@@ -151,27 +176,6 @@ def _no_power(joint: Element, name: str) -> Iterator[Finding]:
             )
 
 
-_COUNTS: dict[str, dict[str, int]] = {
-    "origin": {"xyz": 3, "rpy": 3},
-    "axis": {"xyz": 3},
-    "limit": {"lower": 1, "upper": 1, "effort": 1, "velocity": 1},
-    "dynamics": {"damping": 1, "friction": 1},
-    "mimic": {"multiplier": 1, "offset": 1},
-    "safety_controller": {
-        "soft_lower_limit": 1,
-        "soft_upper_limit": 1,
-        "k_position": 1,
-        "k_velocity": 1,
-    },
-    "mass": {"value": 1},
-    "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
-    "box": {"size": 3},
-    "cylinder": {"radius": 1, "length": 1},
-    "sphere": {"radius": 1},
-    "mesh": {"scale": 3},
-}
-
-
 def value_findings(root: Element) -> Iterator[Finding]:
     """Yield the attributes of links and joints that are no numbers."""
     for kind in ("link", "joint"):
@@ -207,14 +211,6 @@ def _advice(text: str, numbers: str) -> str:
     if "," in text:
         return f"write {numbers}, with spaces and a decimal point, no comma"
     return f"write {numbers}, in m, rad, kg, N, as in 0.5"
-
-
-_LIGHT = 0.5
-"""Moving mass below which a joint is a finger rather than an arm [kg]."""
-_STRONG = {"revolute": 100.0, "continuous": 100.0, "prismatic": 1000.0}
-"""Efforts that no motor of such a finger has [N·m | N]: a 2F-85 has 23 N·m at most."""
-_MOST_LINKS = 100
-"""Of a finger; a longer chain is no finger."""
 
 
 @final

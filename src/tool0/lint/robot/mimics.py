@@ -40,24 +40,20 @@ def _leader(joint: JointFacts, facts: RobotFacts) -> Iterator[Finding]:
         return
     circle = _is_circle(joint, facts)
     if circle or leader.mimic_of is not None:
-        yield Finding(
-            location=joint.location,
-            rule="mimic-circle" if circle else "mimic-chain",
-            severity="error" if circle else "warning",
-            key=joint.name,
-            message=(
-                f"joint '{short(joint.name)}' mimics '{short(of)}'"
-                + (
-                    ", which comes back to itself: none of them is driven"
-                    if circle
-                    else ", which mimics another: joint_state_publisher, MoveIt and "
-                    "the plugins for Gazebo each read such a chain in another way"
-                )
+        finding_at = error_at if circle else warning_at
+        yield finding_at(
+            joint.location,
+            "mimic-circle" if circle else "mimic-chain",
+            joint.name,
+            f"joint '{short(joint.name)}' mimics '{short(of)}'"
+            + (
+                ", which comes back to itself: none of them is driven"
+                if circle
+                else ", which mimics another: joint_state_publisher, MoveIt and "
+                "the plugins for Gazebo each read such a chain in another way"
             ),
-            remedy=(
-                "name the joint that has the motor and mimics none, and multiply "
-                "the multipliers"
-            ),
+            "name the joint that has the motor and mimics none, and multiply "
+            "the multipliers",
         )
     elif not (joint.is_movable and leader.is_movable):
         fixed = joint if not joint.is_movable else leader

@@ -65,25 +65,21 @@ def _type(transmission: TransmissionFacts) -> Iterator[Finding]:
     # HalfDifferentialTransmission, a robot's own, is 0.92 like the nearest of these.
     close = nearest_name(transmission.type.rpartition("/")[2], known, cutoff=0.93)
     is_typo = close is not None and transmission.type not in _OTHERS
-    yield Finding(
-        location=transmission.location,
-        rule="unknown-transmission",
-        severity="error" if is_typo else "warning",
-        key=transmission.name,
-        message=(
-            f"{_said(transmission)} has the type '{short(transmission.type)}'"
-            + (
-                ", which is misspelt: a real robot's driver refuses it"
-                if is_typo
-                else ", which gazebo_ros_control does not simulate: it drives one "
-                "joint by itself, and skips a transmission of several"
-            )
+    finding_at = error_at if is_typo else warning_at
+    yield finding_at(
+        transmission.location,
+        "unknown-transmission",
+        transmission.name,
+        f"{_said(transmission)} has the type '{short(transmission.type)}'"
+        + (
+            ", which is misspelt: a real robot's driver refuses it"
+            if is_typo
+            else ", which gazebo_ros_control does not simulate: it drives one "
+            "joint by itself, and skips a transmission of several"
         ),
-        remedy=(
-            f"write <type>{known[close]}</type>"
-            if close and is_typo
-            else f"for Gazebo write <type>{SIMPLE}</type>, once for each joint"
-        ),
+        f"write <type>{known[close]}</type>"
+        if close and is_typo
+        else f"for Gazebo write <type>{SIMPLE}</type>, once for each joint",
     )
 
 

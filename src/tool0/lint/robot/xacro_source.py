@@ -20,6 +20,15 @@ from tool0.lint.robot.interfaces import is_interface, meant_interface
 _PARAMETER = re.compile(
     r"\s*([^\s:=]+?)(?:\s*(?::=|=)\s*(\^\|)?(?:'([^']*)'|\"([^\"]*)\"|(\S*)))?(?:\s+|$)"
 )
+_FIND = re.compile(r"\$\(find\s+([^\s)]+)\s*\)")
+_TRUE = ("true", "1")
+_PATTERN = re.compile(r"[*?\[]")
+"""xacro includes every file that matches, or none."""
+_WORD = re.compile(r"[^\W\d]\w*")
+_OUTER = "^"
+"""The default that means: what the calling macro calls so."""
+_PREFIX = "prefix"
+_LIKE = re.compile(r"interf|hardware", re.IGNORECASE)
 
 
 @final
@@ -69,12 +78,6 @@ def parameters_of(macro: Element) -> tuple[MacroParameter, ...]:
         default = next((value for value in values if value is not None), None)
         found.append(MacroParameter(name.lstrip("*"), default, name.startswith("*")))
     return tuple(found)
-
-
-_FIND = re.compile(r"\$\(find\s+([^\s)]+)\s*\)")
-_TRUE = ("true", "1")
-_PATTERN = re.compile(r"[*?\[]")
-"""xacro includes every file that matches, or none."""
 
 
 def include_findings(root: Element, known: Mapping[str, Path]) -> Iterator[Finding]:
@@ -130,11 +133,6 @@ def _missing(element: Element, text: str, packages: PackageIndex) -> Iterator[Fi
         "robot_description stays empty",
         f"there is '{close}'; write that" if close else "check the path",
     )
-
-
-_WORD = re.compile(r"[^\W\d]\w*")
-_OUTER = "^"
-"""The default that means: what the calling macro calls so."""
 
 
 def parameter_findings(root: Element) -> Iterator[Finding]:
@@ -198,9 +196,6 @@ def _declared_twice(root: Element) -> Iterator[Finding]:
         )
 
 
-_PREFIX = "prefix"
-
-
 def call_findings(root: Element) -> Iterator[Finding]:
     """Yield the calls in macros with a prefix that hand on an empty one."""
     for macro in macros_of(root):
@@ -237,9 +232,6 @@ def _hard_coded(macro: Element, call: Element, prefix: str) -> Finding:
         "in the same robot collides, and so does a base_link of both",
         f'write <{short(inner)} {prefix}="${{{prefix}}}" …>',
     )
-
-
-_LIKE = re.compile(r"interf|hardware", re.IGNORECASE)
 
 
 def interface_findings(root: Element) -> Iterator[Finding]:

@@ -1,0 +1,294 @@
+"""The server over its Unix socket: whatever a peer sends or does, the robot goes on."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import json
+import os
+import socket
+import stat
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import tool0
+from tool0.api.address import Claim
+from tool0.errors import ControlError, GoalTimeoutError, TransportError
+from tool0.interfaces.server.backend import SimulationBackend
+from tool0.interfaces.server.line_transport import MAX_LINE
+from tool0.interfaces.server.server import Server
+from tool0.interfaces.server.unix_socket import UnixSocketService
+from tool0.requests.codec import PROTOCOL
+from tool0.runtime.bus import GoalFinished, WasReset
+from tool0.scene import Box
+
+ARM = "eff_joint_traj_controller"
+LONG = 30.0  # [wall s]; only a failing test waits so long
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    tmp_path.chmod(0o700)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    return tmp_path / "tool0"
+
+
+@pytest.fixture(scope="module")
+def robot() -> Iterator[tool0.Robot]:
+    with tool0.bringup(speed=2.0) as robot:
+        yield robot
+
+
+@contextlib.contextmanager
+def serving(robot: tool0.Robot, name: str = "tool0") -> Iterator[Server]:
+    service = UnixSocketService(Claim(name))
+    with Server(SimulationBackend(robot.simulation), [service], name) as server:
+        yield server
+
+
+@pytest.fixture
+def server(robot: tool0.Robot) -> Iterator[Server]:
+    robot.resume()
+    robot.emergency_stop(False)
+    robot.reset()
+    with serving(robot) as server:
+        yield server
+
+
+class Peer:
+    """A client that can misbehave."""
+
+    def __init__(self, folder: Path) -> None:
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.settimeout(LONG)
+        self.socket.connect(str(folder / "tool0.sock"))
+        self._lines = self.socket.makefile("rb")
+        self.hello = self.receive()
+
+    def send(self, message: object) -> None:
+        line = message if isinstance(message, bytes) else json.dumps(message).encode()
+        self.socket.sendall(line + b"\n")
+
+    def receive(self) -> Any:
+        line = self._lines.readline()
+        return json.loads(line) if line else None
+
+    def ask(self, method: str, **params: object) -> Any:
+        self.send({"id": 7, "method": method, "params": params})
+        while (answer := self.receive())["type"] != "reply":
+            pass
+        assert answer["id"] == 7
+        return answer
+
+    def close(self) -> None:
+        self._lines.close()
+        self.socket.close()
+
+
+@pytest.fixture
+def peer(server: Server, folder: Path) -> Iterator[Peer]:
+    peer = Peer(folder)
+    yield peer
+    peer.close()
+
+
+def test_the_socket_is_for_this_user_only_and_goes_with_the_server(
+    robot: tool0.Robot, folder: Path
+) -> None:
+    with serving(robot):
+        path = folder / "tool0.sock"
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+        assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    assert not path.exists()
+
+
+def test_it_greets_with_its_protocol(peer: Peer) -> None:
+    assert peer.hello["type"] == "hello"
+    assert peer.hello["protocol"] == PROTOCOL
+    assert (peer.hello["pid"], peer.hello["mode"]) == (os.getpid(), "simulation")
+
+
+@pytest.mark.parametrize(
+    "line", [b"nothing", b"[]", b"{}", b'{"id": 1, "method": 5}', b"\xff\xfe", b"[" * 9]
+)
+def test_malformed_lines_are_answered_and_the_next_one_works(
+    peer: Peer, line: bytes
+) -> None:
+    peer.send(b"")  # an empty line is ignored
+    peer.send(line)
+    assert peer.receive()["error"]["type"] == "TransportError"
+    assert peer.ask("read_snapshot")["result"]["is_paused"] is False
+
+
+def test_an_endless_line_is_answered_and_ends_only_that_connection(
+    peer: Peer, folder: Path
+) -> None:
+    with contextlib.suppress(OSError):  # the server may hang up before it has all
+        peer.send(b"x" * (MAX_LINE + 10))
+    with contextlib.suppress(OSError):
+        assert peer.receive()["error"]["type"] == "TransportError"
+        assert peer.receive() is None
+    other = Peer(folder)
+    assert "result" in other.ask("read_snapshot")
+    other.close()
+
+
+def test_requests_of_one_connection_are_answered_in_order(peer: Peer) -> None:
+    peer.ask("pause")
+    for ident in range(50):
+        peer.send({"id": ident, "method": "step"})
+    assert [peer.receive()["id"] for _ in range(50)] == list(range(50))
+
+
+def test_an_emergency_stop_overtakes_queued_steps(
+    peer: Peer, robot: tool0.Robot
+) -> None:
+    peer.ask("pause")
+    for ident in range(50):
+        peer.send({"id": ident, "method": "step", "params": {"ticks": 300}})
+    peer.send({"id": "stop", "method": "emergency_stop"})
+    order = [peer.receive()["id"] for _ in range(51)]
+    assert order.index("stop") < 25
+    assert robot.snapshot.is_stopped
+
+
+def test_a_goal_is_followed_to_its_end_and_a_dead_peer_s_goal_goes_on(
+    peer: Peer, robot: tool0.Robot
+) -> None:
+    params = {"positions": {"shoulder_pan_joint": 0.2}}
+    (started,) = peer.ask("move_joints", **params)["result"]
+    while (message := peer.receive())["type"] != "goal_finished":
+        pass
+    assert message["goal"] == started["goal"]
+    assert message["outcome"]["status"] == "SUCCEEDED"
+    (started,) = peer.ask("move_joints", positions={"shoulder_pan_joint": 0.0})[
+        "result"
+    ]
+    peer.close()
+    goal = robot.simulation.goals.find(started["goal"])
+    assert goal.wait(LONG)
+    assert goal.status.value == "SUCCEEDED"
+
+
+def test_a_client_that_is_killed_is_forgotten(server: Server, folder: Path) -> None:
+    program = (
+        "import socket, sys; s = socket.socket(socket.AF_UNIX); "
+        "s.connect(sys.argv[1]); s.recv(9); print('in', flush=True); sys.stdin.read()"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", program, str(folder / "tool0.sock")],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    ) as client:
+        assert client.stdout is not None
+        assert client.stdout.readline() == b"in\n"
+        client.kill()
+    other = Peer(folder)
+    assert "result" in other.ask("read_snapshot")
+    other.close()
+
+
+def test_a_second_bringup_of_the_name_is_refused(server: Server) -> None:
+    with pytest.raises(TransportError) as caught:
+        Claim("tool0")
+    assert str(os.getpid()) in str(caught.value)
+
+
+def test_closing_ends_connections_and_waits(robot: tool0.Robot) -> None:
+    robot.resume()
+    with serving(robot) as server:
+        remote = tool0.connect()
+        point = tool0.TrajectoryPoint([0.0] * 6, time_from_start=1e6)
+        goal = remote.controller(ARM).follow([point])
+        failed = threading.Event()
+
+        def wait() -> None:
+            with pytest.raises(TransportError):
+                goal.wait()
+            failed.set()
+
+        waiter = threading.Thread(target=wait)
+        waiter.start()
+        server.close()
+        waiter.join(LONG)
+        assert failed.is_set()
+        with pytest.raises(TransportError):
+            remote.pause()
+        remote.close()
+
+
+def test_a_stream_has_every_snapshot_and_events(
+    server: Server, robot: tool0.Robot
+) -> None:
+    with tool0.connect() as remote:
+        stream = remote.subscribe(rate=500.0)
+        first = stream.following(LONG)
+        assert first is not None
+        times = [first.time]
+        while len(times) < 300:
+            snapshot = stream.following(LONG)
+            assert snapshot is not None
+            times.append(snapshot.time)
+        steps = {round(1e3 * (b - a)) for a, b in itertools.pairwise(times)}
+        assert steps == {2}
+        assert snapshot.setpoints().keys() >= {"elbow_joint", "finger_joint"}
+        remote.move_joints({"wrist_3_joint": 0.1})[0].wait(LONG)
+        remote.reset()
+        while not {GoalFinished, WasReset} <= set(map(type, stream.events)):
+            assert stream.following(LONG) is not None
+        stream.close()
+    assert robot.simulation.bus.shortest_period == pytest.approx(0.008)
+
+
+def test_the_remote_robot_does_what_the_local_one_does(
+    server: Server, robot: tool0.Robot
+) -> None:
+    with tool0.connect() as remote:
+        assert remote.controllers() == robot.controllers()
+        assert remote.info == robot.info
+        assert remote.description.urdf == robot.description.urdf
+        assert list(remote.grippers) == list(robot.grippers)
+        goal = remote.gripper.move(opening=0.04, speed=0.1, force=40.0)
+        assert goal.wait(LONG).status is tool0.GoalStatus.SUCCEEDED
+        assert remote.gripper.wait(LONG).motion == "at_target"
+        assert remote.gripper.opening == pytest.approx(robot.gripper.opening, abs=1e-4)
+        remote.pause()
+        assert remote.arm.pose() == robot.arm.pose()
+        assert remote.pose("tool0", "base_link") == robot.pose("tool0", "base_link")
+        assert remote.arm.inverse_kinematics(
+            remote.arm.pose()
+        ) == robot.arm.inverse_kinematics(robot.arm.pose())
+        assert remote.joint_state == robot.joint_state
+        state = remote.controller(ARM).state
+        assert state == robot.controller(ARM).state
+        assert remote.force_torque.start(100.0) == pytest.approx(100.0)
+        remote.force_torque.zero()
+        remote.step(20)
+        assert len(remote.force_torque.samples()) >= 2
+        assert remote.force_torque.read() == robot.force_torque.read()
+        cube = Box(size=(0.1, 0.1, 0.1))
+        added = remote.scene.add("cube", cube, xyz=(0.0, 2.0, 0.0), mass=1.0)
+        assert added == robot.scene["cube"]
+        remote.scene.place("cube", (0.0, 3.0, 0.0), linear=(0.0, 0.0, 1.0))
+        assert remote.scene.states == robot.scene.states
+        remote.scene.remove("cube")
+        assert len(robot.scene) == 0
+        assert remote.contacts() == robot.contacts()
+        assert remote.summary().keys() == robot.summary().keys()
+        with pytest.raises(ControlError):
+            _ = remote.engine
+        with pytest.raises(ControlError):
+            remote.run(0.1)  # paused
+        with pytest.raises(GoalTimeoutError):
+            remote.move_joints({"elbow_joint": 1.0})[0].wait(0.01)
+        remote.resume()
+        remote.switch(stop=[ARM])
+        remote.switch(start=["joint_group_eff_controller"])
+        remote.controller("joint_group_eff_controller").command([0.0] * 6)
+        remote.switch(start=[ARM], stop=["joint_group_eff_controller"])
