@@ -23,7 +23,7 @@ from xml.dom.minidom import Document, Node
 
 from tool0.description.packages import find_package
 from tool0.description.xml_source import locate, parse_file
-from tool0.description.yaml_tree import Entry, read_verbatim
+from tool0.description.yaml_tree import YamlEntry, read_verbatim
 from tool0.errors import ConfigError, DescriptionError, SourceLocation, did_you_mean
 
 logger = logging.getLogger(__name__)
@@ -164,7 +164,7 @@ class Parameters(dict[str, Any]):
     __getitem__ = __getattr__
 
 
-def _wrapped(entry: Entry) -> Any:
+def _wrapped(entry: YamlEntry) -> Any:
     """Return a value of YAML, its mappings as ``Parameters``."""
     if entry.is_list:
         return [_wrapped(item) for item in entry.items]

@@ -111,7 +111,7 @@ def load_scene(path: Path | str) -> Scene:
 
 
 def _read_list(
-    root: Namespace, kind: str, read: Callable[[Entry], tuple[Item, ...]]
+    root: Namespace, kind: str, read: Callable[[YamlEntry], tuple[Item, ...]]
 ) -> tuple[tuple[Item, ...], dict[str, SourceLocation]]:
     """Return what the entries of a list describe, and where each name is written."""
     found: list[Item] = []
@@ -195,13 +195,8 @@ def _geometry(kind: str, shape: Namespace) -> Geometry:
         raise ConfigError(error.message, error.location) from None
 
 
-<<<<<<< HEAD
-def _camera(entry: Entry) -> Camera:
-    values = Namespace(entry)
-=======
 def _camera(entry: YamlEntry) -> Camera:
-    values = Namespace.of(entry)
->>>>>>> main
+    values = Namespace(entry)
     values.only("name", "link", "pose", *_CAMERA_PIXELS, *_CAMERA_NUMBERS)
     given: dict[str, Any] = {  # keywords of two types
         **{key: values.number(key) for key in _CAMERA_NUMBERS if values.find(key)},

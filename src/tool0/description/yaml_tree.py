@@ -148,13 +148,8 @@ def read_files(files: list[Path]) -> Tree:
     return tree
 
 
-<<<<<<< HEAD
 def read_verbatim(file: Path, units: Mapping[str, Constructor] | None = None) -> Tree:
     """Return what a YAML file holds; the root is null if it is empty.
-=======
-def read_with_units(file: Path, units: Mapping[str, Constructor]) -> YamlEntry | None:
-    """Return what a YAML file of xacro holds; None if it is empty.
->>>>>>> main
 
     Keys and texts are taken as they are, without rosparam's slashes and angles.
     ``units`` constructs tagged scalars by tag, such as ``!degrees``.
@@ -164,7 +159,7 @@ def read_with_units(file: Path, units: Mapping[str, Constructor]) -> YamlEntry |
     """
     start, findings = SourceLocation(file, 1), list[Finding]()
     entry = _TreeReader(start, findings, units or {}).read(_text_of(file))
-    return Tree(entry or Entry("", start), findings)
+    return Tree(entry or YamlEntry("", start), findings)
 
 
 def _text_of(file: Path) -> str:
@@ -252,13 +247,8 @@ class _TreeReader:
         finally:
             self._open.pop()
 
-<<<<<<< HEAD
-    def _mapping(self, node: yaml.Node, key: str) -> Entry:
-        result = Entry(key, self._where(node), {})
-=======
-    def _mapping(self, node: yaml.MappingNode, key: str) -> YamlEntry:
+    def _mapping(self, node: yaml.Node, key: str) -> YamlEntry:
         result = YamlEntry(key, self._where(node), {})
->>>>>>> main
         seen: set[str] = set()
         for name_node, value in self._pairs(node):
             name = str(name_node.value)

@@ -24,18 +24,9 @@ class Namespace:
     lookups: set[str] = field(default_factory=set)
     """The full key of everything that was looked up so far."""
 
-<<<<<<< HEAD
     def __post_init__(self) -> None:
         if not self.entry.is_mapping:
             raise _wrong(self.entry, "a mapping")
-=======
-    @staticmethod
-    def of(entry: YamlEntry) -> Namespace:
-        """Return ``entry`` as a namespace, or raise ConfigError if it is none."""
-        if not entry.is_mapping:
-            raise _wrong(entry, "a mapping")
-        return Namespace(entry)
->>>>>>> main
 
     @property
     def location(self) -> SourceLocation:
@@ -143,7 +134,7 @@ class Namespace:
             raise _wrong(entry, "a list of names, like [joint_1, joint_2]")
         return texts
 
-    def _required(self, path: str, kind: str) -> Entry:
+    def _required(self, path: str, kind: str) -> YamlEntry:
         entry = self.find(path)
         if entry is not None:
             return entry

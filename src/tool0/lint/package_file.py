@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.dom.minidom import Element
 
-<<<<<<< HEAD
-from tool0.description.finding import Finding, error_at
+from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.xml_source import (
     LocatedElement,
     children,
@@ -17,11 +16,6 @@ from tool0.description.xml_source import (
     parse_file,
     text_of,
 )
-=======
-from tool0.description.attributes import text_of
-from tool0.description.finding import Finding, error_at, warning_at
-from tool0.description.xml_source import LocatedElement, children, locate, parse_file
->>>>>>> main
 from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.packages import PackageIndex
 from tool0.lint.sources import FileKind, Source

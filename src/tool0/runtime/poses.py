@@ -13,7 +13,7 @@ from typing import final
 from urllib.parse import quote
 
 from tool0.description.catalogue import RobotDescription, named_poses
-from tool0.description.yaml_tree import Entry, read_verbatim
+from tool0.description.yaml_tree import YamlEntry, read_verbatim
 from tool0.errors import ConfigError, ControlError, SourceLocation, did_you_mean
 from tool0.user_data import data_folder, locked
 
@@ -183,13 +183,13 @@ def _parse(file: Path) -> dict[str, Positions]:
     }
 
 
-def _children(entry: Entry, what: str) -> dict[str, Entry]:
+def _children(entry: YamlEntry, what: str) -> dict[str, YamlEntry]:
     if not entry.is_mapping:
         raise ConfigError(f"{what} must be a mapping", entry.location)
     return entry.children
 
 
-def _number(entry: Entry, what: str) -> float:
+def _number(entry: YamlEntry, what: str) -> float:
     try:
         number = float(str(entry.scalar))  # YAML 1.1 takes 1e-05 for a text
     except ValueError:
