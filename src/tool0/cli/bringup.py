@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import logging
 import math
 import sys
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from tool0.cli.stop_signal import StopSignal
     from tool0.interfaces.panel.address import Endpoint
     from tool0.interfaces.server.server import Server
+    from tool0.interfaces.server.service import Service
 
 _POLL_PERIOD: Final = 0.1
 """Longest time between checks of the clock and the signals [wall s]."""
@@ -27,13 +29,11 @@ _RUN_PERIOD: Final = 0.2
 """Simulated time between checks without real time [s]: some 10 ms of wall time."""
 
 
-def run(command: str, arguments: list[str]) -> int:
+def bringup(arguments: list[str]) -> int:
     """Run the command and return its exit status."""
     options = parse_quickly(BringupOptions, arguments, READERS)
     if options is None:
-        options = parse(
-            BringupOptions, command, arguments, readers=READERS, flag_pairs=True
-        )
+        options = parse(BringupOptions, "bringup", arguments, READERS)
     return bring_up(options)
 
 
@@ -46,6 +46,8 @@ def bring_up(options: BringupOptions) -> int:
     console = sys.stderr if is_json else sys.stdout
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
+        gc.disable()  # what a start makes stays: collections would find nothing
+        exits.callback(gc.enable)
         # Names first: a wrong or taken one is reported before the robot is made.
         claim = _claim(options.run)
         if claim is not None:
@@ -64,6 +66,9 @@ def bring_up(options: BringupOptions) -> int:
             from tool0.cli.panel import show
 
             show(endpoint.url, options.panel, console)
+        gc.freeze()
+        exits.callback(gc.unfreeze)
+        gc.enable()
         url = None if endpoint is None else endpoint.url
         if not is_json or console.isatty():
             print(greeting(robot, options, url, ros), file=console, flush=True)
@@ -123,7 +128,7 @@ def _robot(options: BringupOptions) -> Robot:
 def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Server:
     """Serve the robot to other processes and to pages."""
     from tool0.interfaces.server.backend import SimulationBackend
-    from tool0.interfaces.server.server import Server, Service
+    from tool0.interfaces.server.server import Server
 
     services: list[Service] = []
     if claim is not None:
@@ -146,10 +151,10 @@ def _in_ros(
     if not options.run.ros1:
         yield None
         return
-    from tool0.interfaces.ros1.edge import Ros1
+    from tool0.interfaces.ros1.bridge import Ros1Bridge
 
-    with Ros1(robot, options.ros, when_killed=stop.request) as edge:
-        yield f"ROS 1: node {options.ros.node} under {edge.node.master.uri}"
+    with Ros1Bridge(robot, options.ros, on_shutdown=stop.request) as bridge:
+        yield f"ROS 1: node {options.ros.node} under {bridge.node.master.uri}"
 
 
 def _run(

@@ -9,8 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import final
 
-from tool0.control.controller import ControllerSpec
-from tool0.control.controller_types import parser_of
+from tool0.control.controller_types import ControllerSpec, parser_of
 from tool0.control.parameters import RobotJoints
 from tool0.description.model import JointLimits
 from tool0.description.yaml_tree import Tree, read_files
@@ -131,7 +130,7 @@ class ControllerConfig:
         """Return the limits that ``joint_limits`` puts over the URDF's, by joint."""
         limits = Namespace(self.tree.root).namespace("joint_limits")
         entries = {} if limits is None else limits.entry.children
-        return {name: _limits(Namespace.of(entry)) for name, entry in entries.items()}
+        return {name: _limits(Namespace(entry)) for name, entry in entries.items()}
 
 
 @cache

@@ -8,9 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 from xml.dom.minidom import Element
 
-from tool0.description.attributes import text_of
 from tool0.description.finding import Finding, error_at, warning_at
-from tool0.description.xml_source import LocatedElement, children, locate, parse_file
+from tool0.description.xml_source import (
+    LocatedElement,
+    children,
+    locate,
+    parse_file,
+    text_of,
+)
 from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.packages import PackageIndex
 from tool0.lint.sources import FileKind, Source

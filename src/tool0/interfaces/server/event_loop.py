@@ -9,7 +9,7 @@ from typing import Final
 
 from tool0.interfaces.server.backend import Backend
 from tool0.interfaces.server.hub import Hub
-from tool0.interfaces.server.server import Service
+from tool0.interfaces.server.service import Service
 
 _CHECK_PERIOD: Final = 1.0
 """Wall time between checks for connections that take nothing [s]."""

@@ -12,39 +12,16 @@ import socket
 import threading
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
-from typing import TYPE_CHECKING, Final, Protocol, final
+from typing import TYPE_CHECKING, Final, final
 
 if TYPE_CHECKING:
     from tool0.interfaces.server.backend import Backend
-    from tool0.interfaces.server.hub import Hub
+    from tool0.interfaces.server.service import Service
 
 logger = logging.getLogger(__name__)
 
 _CLOSES_WITHIN: Final = 5.0
 """[wall s]"""
-
-
-class Service(Protocol):
-    """Accepts connections at an address; it listens from its construction on."""
-
-    @property
-    def listener(self) -> socket.socket: ...
-
-    @property
-    def starts_at_once(self) -> bool:
-        """Whether to start before the first peer connects."""
-
-    async def start(self, hub: Hub) -> None:
-        """Accept peers, in the server's event loop."""
-
-    async def stop(self) -> None:
-        """Stop to accept peers; the hub then closes the connections."""
-
-    async def end(self) -> None:
-        """End what is left in the event loop."""
-
-    def release(self) -> None:
-        """Free the address, also if the service was never started."""
 
 
 @final

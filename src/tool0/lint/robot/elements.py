@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterator
 from xml.dom.minidom import Element
 
-from tool0.description.attributes import text_of
-from tool0.description.xml_source import children, locate
+from tool0.description.xml_source import children, locate, text_of
 from tool0.errors import SourceLocation
 
 HUGE = 1e12

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import final
 from xml.dom.minidom import Element
 
-from tool0.description.attributes import text_of
-from tool0.description.xml_source import LocatedElement, children
+from tool0.description.xml_source import LocatedElement, children, text_of
 from tool0.errors import SourceLocation
 from tool0.lint.robot.elements import attribute, child, child_text, number, place
 from tool0.lint.robot.interfaces import InterfaceFacts, meant_interface

@@ -10,7 +10,6 @@ from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding, Severity, error_at, short, warning_at
 from tool0.description.model import Inertial
-from tool0.description.urdf_links import principal_moments
 from tool0.description.xml_source import children
 from tool0.lint.robot.bodies import bodies, extent_of
 from tool0.lint.robot.elements import attribute, child, number, place
@@ -118,9 +117,9 @@ def _moments(tensor: Element, mass: float) -> tuple[float, float, float] | None:
     # So scaled, and without what is less than rounding, no power over- or underflows.
     values = [value / scale if abs(value) > 1e-9 * scale else 0.0 for value in found]
     ixx, iyy, izz, ixy, ixz, iyz = values
-    low, middle, high = principal_moments(
-        Inertial(mass=mass, ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)
-    )
+    low, middle, high = Inertial(
+        mass=mass, ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz
+    ).principal_moments
     return (low * scale, middle * scale, high * scale)
 
 

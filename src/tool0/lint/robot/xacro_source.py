@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import final
 from xml.dom.minidom import Element
 
-from tool0.description.attributes import text_of
 from tool0.description.finding import Finding, error_at, short, warning_at
-from tool0.description.xml_source import children
+from tool0.description.xml_source import children, text_of
 from tool0.lint.packages import PackageIndex, nearest_file
 from tool0.lint.robot.elements import attribute, descendants, place
 from tool0.lint.robot.interfaces import is_interface, meant_interface
