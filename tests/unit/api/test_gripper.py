@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from raises_naming import raises_naming
 from ur5_rig import GRIPPER
 
 import tool0
@@ -20,9 +21,8 @@ def robot() -> Iterator[tool0.Robot]:
 
 @pytest.mark.parametrize("opening", [-0.001, 0.0851])
 def test_an_opening_out_of_reach_is_refused(robot: tool0.Robot, opening: float) -> None:
-    with pytest.raises(ModelError) as error:
+    with raises_naming(ModelError, "0.085"):
         robot.gripper.move(opening=opening)
-    assert "0.085" in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -33,9 +33,8 @@ def test_a_setting_out_of_range_is_refused_and_the_motion_goes_on(
 ) -> None:
     robot.gripper.move(opening=0.07).wait(5.0)
     goal = robot.gripper.move(opening=0.03)
-    with pytest.raises(ControlError) as error:
+    with raises_naming(ControlError, setting):
         robot.gripper.move(opening=0.08, **{setting: value})
-    assert setting in str(error.value)
     assert goal.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
     assert robot.gripper.opening == pytest.approx(0.03, abs=1e-3)
 
@@ -45,9 +44,8 @@ def test_a_setting_out_of_range_is_refused_and_the_motion_goes_on(
 def test_what_is_no_finite_number_is_refused(
     robot: tool0.Robot, what: str, value: object
 ) -> None:
-    with pytest.raises(RequestError) as error:
+    with raises_naming(RequestError, what):
         robot.gripper.move(**{"opening": 0.04, what: value})  # type: ignore[arg-type]
-    assert what in str(error.value)
 
 
 def test_it_moves_from_the_moment_that_it_was_sent(robot: tool0.Robot) -> None:
@@ -84,9 +82,8 @@ def test_a_gripper_that_nobody_commands_is_idle(robot: tool0.Robot) -> None:
     robot.switch(stop=[GRIPPER])
     state = robot.gripper.wait()
     assert (state.motion, state.gobj) == ("idle", 0)
-    with pytest.raises(ControlError) as error:
+    with raises_naming(ControlError, "'finger_joint'"):
         robot.gripper.move(opening=0.04)
-    assert "'finger_joint'" in str(error.value)
     robot.switch(start=[GRIPPER])
     robot.gripper.move(opening=0.04)
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from raises_naming import raises_naming
 
 import tool0
 from tool0.description.catalogue import assemble
@@ -103,7 +104,7 @@ def held_at(robot: tool0.Robot) -> NDArray[np.float64]:
 def test_a_robot_of_one_s_own_brings_its_own_gripper(tmp_path: Path) -> None:
     path = tmp_path / "own.urdf"
     path.write_text(LINKAGE.urdf)
-    with pytest.raises(ConfigError, match="gripper_model"):
+    with raises_naming(ConfigError, "gripper_model"):
         bring_up(robot=path)
     with tool0.bringup(robot=path, realtime=False) as robot:
         robot.run(0.1)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from raises_naming import raises_naming
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, POST, POST_GRIPPER
 
 import tool0
@@ -108,22 +109,19 @@ def test_a_joint_that_no_trajectory_controller_claims_stops_all() -> None:
     with tool0.bringup(realtime=False, controllers_file=[POST, POST_GRIPPER]) as robot:
         before = desired(robot)
         for bad in (FINGER, "elbow"):
-            with pytest.raises(ControlError) as error:
+            with raises_naming(ControlError, f"'{bad}'"):
                 robot.move_joints({PAN: 1.0, bad: 0.4})
-            assert f"'{bad}'" in str(error.value)
         robot.switch(stop=[ARM])
-        with pytest.raises(ControlError) as stopped:
+        with raises_naming(ControlError, PAN):
             robot.move_joints({PAN: 1.0})
-        assert PAN in str(stopped.value)
         robot.switch(start=[ARM])
         robot.run(0.1)
         assert desired(robot) == pytest.approx(before, abs=0.01)
 
 
 def test_a_joint_of_another_controller_is_refused(robot: tool0.Robot) -> None:
-    with pytest.raises(GoalRejectedError) as error:
+    with raises_naming(GoalRejectedError, "'elbow_joint'") as error:
         robot.controller(ARM).move({"elbow": 0.0})
-    assert "'elbow_joint'" in str(error.value)
     assert error.value.code == GoalRejectedError.INVALID_JOINTS
     with pytest.raises(ControlError):
         robot.controller("joint_state_controller").steer({PAN: 0.0})

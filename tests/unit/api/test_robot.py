@@ -7,6 +7,7 @@ from dataclasses import FrozenInstanceError
 from pathlib import Path
 
 import pytest
+from raises_naming import raises_naming
 from ur5_rig import ARM, CONTROLLERS, HOME, POST, point
 
 import tool0
@@ -72,9 +73,8 @@ def test_poses_are_those_of_the_kinematics(robot: tool0.Robot) -> None:
     unit = T_base_tool0 @ T_tool0_base
     assert unit.position == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
     assert robot.pose("world") == Transform()
-    with pytest.raises(ModelError) as error:
+    with raises_naming(ModelError, "'tool0'"):
         robot.pose("tol0")
-    assert "'tool0'" in str(error.value)
 
 
 def test_controllers_are_loaded_switched_and_unloaded_without_time_passing(
@@ -91,17 +91,15 @@ def test_controllers_are_loaded_switched_and_unloaded_without_time_passing(
     assert states(robot)["joint_group_eff_controller"] == "running"
     robot.switch(start=["nobody"], stop=["joint_group_eff_controller"], strict=False)
     assert states(robot)["joint_group_eff_controller"] == "stopped"
-    with pytest.raises(ControlError) as error:
+    with raises_naming(ControlError, ARM):
         robot.controller("eff_joint_trj_controller")
-    assert ARM in str(error.value)
     assert robot.time == 0.0
 
 
 @pytest.mark.parametrize("duration", [-1.0, math.nan])
 def test_time_runs_forwards_only(robot: tool0.Robot, duration: float) -> None:
-    with pytest.raises(RequestError) as error:
+    with raises_naming(RequestError, "duration"):
         robot.run(duration)
-    assert "duration" in str(error.value)
 
 
 def test_a_wait_passes_time_until_the_goal_ends(robot: tool0.Robot) -> None:
@@ -226,9 +224,8 @@ def test_a_pose_may_be_named_or_given_by_joints() -> None:
         position = robot.joint_state.position
         assert (position["elbow_joint"], position["finger_joint"]) == (1.0, 0.2)
         assert position["shoulder_lift_joint"] == -1.5708  # as at home
-    with pytest.raises(ConfigError) as error:
+    with raises_naming(ConfigError, "'home'"):
         tool0.bringup(realtime=False, initial_pose="hme")
-    assert "'home'" in str(error.value)
 
 
 def test_a_controller_tells_its_parameters(robot: tool0.Robot) -> None:

@@ -1,6 +1,7 @@
 import math
 
 import pytest
+from raises_naming import raises_naming
 from toy_robot import ToyRobot
 
 from tool0.description.model import Interface
@@ -38,9 +39,8 @@ def test_a_bad_command_changes_nothing(values: list[float], shown: str) -> None:
     robot = ToyRobot(GROUP.format("effort", "Effort"))
     controller = robot.start("c")
     controller.command([3.0, 4.0])
-    with pytest.raises(ControlError) as error:
+    with raises_naming(ControlError, shown):
         controller.command(values)
-    assert shown in str(error.value)
     robot.tick()
     assert robot.hardware.command == [0.0, 4.0, 0.0, 3.0]
 

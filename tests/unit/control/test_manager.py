@@ -1,4 +1,5 @@
 import pytest
+from raises_naming import raises_naming
 from toy_robot import ARM, ToyRobot
 
 from tool0.control.goal import GoalStatus
@@ -100,9 +101,8 @@ def test_updates_write_the_commands_of_running_controllers_only(
 def test_two_controllers_on_one_joint_are_refused_by_name(robot: ToyRobot) -> None:
     switch(robot, ["arm"])
     for strictness in Strictness:
-        with pytest.raises(ClaimError) as error:
+        with raises_naming(ClaimError, "'arm'", "'one'", "'hip'"):
             switch(robot, ["one"], [], strictness)
-        assert all(name in str(error.value) for name in ("'arm'", "'one'", "'hip'"))
     assert running(robot) == {"arm"}
 
 
@@ -115,9 +115,8 @@ def test_strict_changes_nothing_unless_everything_fits(robot: ToyRobot) -> None:
         (["group"], ["arm"], "'arm'"),
         (["one", "group"], [], "'one'"),
     ):
-        with pytest.raises(ControlError) as error:
+        with raises_naming(ControlError, culprit):
             switch(robot, start, stop)
-        assert culprit in str(error.value)
         assert running(robot) == {"one"}
         assert robot.hardware.claimed == ["hip"]
 
@@ -162,9 +161,8 @@ def test_loading_twice_and_unloading_while_running_are_refused(robot) -> None:
     ],
 )
 def test_what_cannot_be_loaded_says_why(robot: ToyRobot, name: str, shown: str) -> None:
-    with pytest.raises(ConfigError) as error:
+    with raises_naming(ConfigError, shown):
         robot.manager.load(name)
-    assert shown in str(error.value)
     assert name not in states(robot)
 
 
@@ -187,13 +185,11 @@ def test_a_joint_that_cannot_be_claimed_fails_the_load(
 
 
 def test_only_a_running_controller_can_be_asked(robot: ToyRobot) -> None:
-    with pytest.raises(GoalRejectedError) as rejected:
+    with raises_naming(GoalRejectedError, "initialized"):
         robot.manager.running("arm")
-    assert "initialized" in str(rejected.value)
     for name in ("typo", "rm"):
-        with pytest.raises(ControlError) as error:
+        with raises_naming(ControlError, f"'{name}'"):
             robot.manager.running(name)
-        assert f"'{name}'" in str(error.value)
 
 
 def test_a_restart_ends_goals_and_holds_where_it_is(robot: ToyRobot) -> None:
