@@ -15,24 +15,36 @@ from tool0.description.packages import preferring
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import LocatedElement, children, parse_file
 from tool0.errors import SourceLocation, Tool0Error
-from tool0.lint.robot.facts import RobotFacts, facts_of
-from tool0.lint.robot.gazebo import extension_findings, plugin_findings
+from tool0.lint.packages import PackageIndex
+from tool0.lint.robot import bodies, gazebo, joints, xacro_source
+from tool0.lint.robot.elements import Tag
+from tool0.lint.robot.facts import Robot, RobotFacts, facts_of
 from tool0.lint.robot.inertias import inertia_findings
-from tool0.lint.robot.joints import effort_findings, joint_findings, value_findings
 from tool0.lint.robot.meshes import mesh_findings
-from tool0.lint.robot.mimics import mimic_findings
 from tool0.lint.robot.transmissions import transmission_findings
 from tool0.lint.robot.tree import tree_findings
-from tool0.lint.robot.xacro_source import (
-    call_findings,
-    include_findings,
-    included_files,
-    interface_findings,
-    parameter_findings,
-)
 
 _DEFINES = frozenset({"xacro:include", "xacro:macro", "xacro:property", "xacro:arg"})
 _NONE: Mapping[str, Path] = MappingProxyType({})
+_ROBOT_RULES = (
+    tree_findings,
+    joints.joint_findings,
+    joints.value_findings,
+    inertia_findings,
+    transmission_findings,
+    gazebo.plugin_findings,
+    gazebo.extension_findings,
+    joints.mimic_findings,
+    gazebo.follower_findings,
+    bodies.effort_findings,
+    mesh_findings,
+)
+_XACRO_RULES = (
+    xacro_source.include_findings,
+    xacro_source.parameter_findings,
+    xacro_source.call_findings,
+    xacro_source.interface_findings,
+)
 _MOST = 50
 """Findings of one subject; a file with more needs another look after these."""
 
@@ -87,7 +99,7 @@ def read_robot(
             wrong = Tool0Error(f"begins with {name}, and no <robot>")
             return ParsedRobot(None, (_as_finding(wrong, "no-robot", file),))
         findings = tuple(robot_findings(root, packages, spawned=spawned))
-        facts = facts_of(root)
+        facts = facts_of(Tag(root))
         if any(finding.severity == "error" for finding in findings):
             return ParsedRobot(facts, findings)
         try:  # what else keeps tool0 from simulating it, though ROS may take it
@@ -115,10 +127,11 @@ def read_xacro_source(file: Path, packages: Mapping[str, Path]) -> XacroSource:
             for item in children(root, "xacro:arg")
             if not item.getAttribute("default")
         )
+        files = xacro_source.included_files(Tag(root), PackageIndex(packages))
         return XacroSource(
             findings=tuple(xacro_findings(root, packages)),
             makes_a_robot=makes,
-            includes=tuple(map(_resolved, included_files(root, packages))),
+            includes=tuple(map(_resolved, files)),
             needs=needs,
         )
 
@@ -148,33 +161,18 @@ def robot_findings(
         packages: Folders of packages by name, which are found before any other.
         spawned: Whether it is known to be put into Gazebo to be controlled there.
     """
-    facts = facts_of(root)
-    for subject in (
-        tree_findings(root, facts),
-        joint_findings(root, facts),
-        value_findings(root),
-        inertia_findings(root, facts, spawned),
-        transmission_findings(facts, spawned),
-        plugin_findings(facts, spawned),
-        extension_findings(root, facts),
-        mimic_findings(facts, spawned),
-        effort_findings(root, facts),
-        mesh_findings(root, packages),
-    ):
-        yield from _at_most(subject)
+    facts = facts_of(Tag(root))
+    robot = Robot(Tag(root), facts, facts.bodies(), PackageIndex(packages), spawned)
+    for rules in _ROBOT_RULES:
+        yield from _at_most(rules(robot))
 
 
 def xacro_findings(
     root: LocatedElement, packages: Mapping[str, Path] = _NONE
 ) -> Iterator[Finding]:
     """Yield what is wrong in a xacro file as it is written, before any expansion."""
-    for subject in (
-        include_findings(root, packages),
-        parameter_findings(root),
-        call_findings(root),
-        interface_findings(root),
-    ):
-        yield from _at_most(subject)
+    for rules in _XACRO_RULES:
+        yield from _at_most(rules(Tag(root), PackageIndex(packages)))
 
 
 def _at_most(findings: Iterator[Finding]) -> Iterator[Finding]:

@@ -33,7 +33,7 @@ def unknown_joints(
     """
     names = [name for name, _ in entries]
     if robot is not None:
-        known = {j.name for j in robot.joints.values() if j.is_movable}
+        known = set(robot.movable_joints)
         reason = "the robot has no such joint"
     else:
         known = set(usual_joints())

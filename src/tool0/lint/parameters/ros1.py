@@ -56,9 +56,7 @@ def controller_findings(
         config: What it holds.
         robot: The robot that it is for, if it is known.
     """
-    joints = None
-    if robot is not None:  # fixed ones take no command
-        joints = [j.name for j in robot.joints.values() if j.is_movable]
+    joints = None if robot is None else robot.movable_joints
     linted = [
         finding
         for finding in lint_joints(config, joints)
@@ -197,7 +195,7 @@ class _Ros1Controller:
                     yield entry.finding(
                         "interface-mismatch",
                         f"{self._type} commands {wanted.value}, but the <transmission> "
-                        f"of '{name}' ({offered[0].location}) offers "
+                        f"of '{name}' ({offered[0].at.location}) offers "
                         f"'{offered[0].written}'",
                         "change the controller's type, or the interface",
                     )

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import final
-from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, Severity, error_at, short, warning_at
+from tool0.description.finding import Finding, short
 from tool0.description.model import Inertial
 from tool0.description.urdf_links import principal_moments
-from tool0.description.xml_source import children
-from tool0.lint.robot.bodies import bodies, extent_of
-from tool0.lint.robot.elements import attribute, child, number, place
-from tool0.lint.robot.facts import RobotFacts
+from tool0.lint.robot.bodies import extent_of, mass_of
+from tool0.lint.robot.elements import Subject, Tag
+from tool0.lint.robot.facts import Robot
 
 _WORLD = "world"
 _DENSEST = 22600.0
@@ -26,63 +24,43 @@ _SIZES = (0.02, 3.0)
 """How far the radius of gyration may be from the link's own size, as a factor of it."""
 
 
-def inertia_findings(
-    root: Element, facts: RobotFacts, spawned: bool
-) -> Iterator[Finding]:
+def inertia_findings(robot: Robot) -> Iterator[Finding]:
     """Yield what is wrong in the links' <inertial>."""
-    links = {attribute(link, "name"): link for link in children(root, "link")}
-    body = bodies(facts)
-    masses = {name: _mass(link) for name, link in links.items()}
+    facts, body = robot.facts, robot.body
+    links = {link["name"]: link for link in robot.root.children("link")}
+    masses = {name: mass_of(link) for name, link in links.items()}
     heavy = {body.get(name) for name, mass in masses.items() if mass and mass > 0}
-    for_gazebo = spawned or facts.has_extensions or bool(facts.transmissions)
+    for_gazebo = robot.is_spawned or facts.has_extensions or bool(facts.transmissions)
     for name, link in links.items():
-        inertial = child(link, "inertial")
-        if inertial is None:
-            continue
-        is_alone = body.get(name, name) == name
-        yield from _incomplete(inertial, name)
-        mass = masses[name]
+        inertial, mass = link.child("inertial"), masses[name]
+        for tag in ("mass", "inertia"):
+            if inertial and not inertial.child(tag):
+                yield inertial.at.error(
+                    "incomplete-inertial",
+                    f"the <inertial> of link '{short(name)}' has no <{tag}>, so ROS "
+                    "refuses the whole robot_description",
+                    f"add <{tag}>, or leave <inertial> out for a mere frame",
+                )
         if mass is None:
             continue
         if mass > 0:
-            yield from _tensor(link, inertial, name, mass, is_alone)
+            yield from _tensor(link, mass, is_alone=body.get(name, name) == name)
         elif mass < 0 or body.get(name) not in {*heavy, _WORLD}:
-            severity: Severity = "error" if mass < 0 or for_gazebo else "warning"
-            yield _bad_mass(inertial, name, mass, severity)
-    yield from _without(facts, links, for_gazebo)
-
-
-def _mass(link: Element) -> float | None:
-    return number(child(child(link, "inertial"), "mass"), "value")
-
-
-def _incomplete(inertial: Element, name: str) -> Iterator[Finding]:
-    for tag in ("mass", "inertia"):
-        if child(inertial, tag) is None:
-            yield error_at(
-                place(inertial),
-                "incomplete-inertial",
-                name,
-                f"the <inertial> of link '{short(name)}' has no <{tag}>, so ROS "
-                "refuses the whole robot_description",
-                f"add <{tag}>, or leave <inertial> out for a mere frame",
+            yield inertial.child("mass").at.error(
+                "bad-mass",
+                f"link '{short(name)}' has the mass {mass:g} kg, "
+                + (
+                    "and nothing heavier is fixed to it: Gazebo drops it, and all that "
+                    "hangs on it"
+                    if mass == 0
+                    else "which no body has"
+                ),
+                "give its mass in kg, or leave <inertial> out for a mere frame",
+                severity="error" if mass < 0 or for_gazebo else "warning",
             )
-
-
-def _bad_mass(inertial: Element, name: str, mass: float, severity: Severity) -> Finding:
-    return Finding(
-        location=place(child(inertial, "mass") or inertial),
-        rule="bad-mass",
-        severity=severity,
-        key=name,
-        message=(
-            f"link '{short(name)}' has the mass {mass:g} kg, and nothing heavier is "
-            "fixed to it: Gazebo drops it, and all that hangs on it"
-            if mass == 0
-            else f"link '{short(name)}' has the mass {mass:g} kg, which no body has"
-        ),
-        remedy="give its mass in kg, or leave <inertial> out for a mere frame",
-    )
+    weighed = {name for name, link in links.items() if link.child("inertial")}
+    if weighed or for_gazebo:  # else it is drawn only
+        yield from _without(robot, weighed, for_gazebo)
 
 
 @final
@@ -103,14 +81,12 @@ class _Body:
         )
 
 
-def _moments(tensor: Element, mass: float) -> tuple[float, float, float] | None:
+def _moments(tensor: Tag, mass: float) -> tuple[float, float, float] | None:
     """Return the principal moments, smallest first; None if a number is missing."""
-    names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-    given = [number(tensor, name) if attribute(tensor, name) else 0.0 for name in names]
+    given = [tensor.number(name) for name in ("ixx", "iyy", "izz")]
+    given += [tensor.number(name, 0.0) for name in ("ixy", "ixz", "iyz")]
     found = [value for value in given if value is not None]
-    if len(found) != len(names) or any(
-        not attribute(tensor, name) for name in names[:3]
-    ):
+    if len(found) != len(given):
         return None
     scale = max(map(abs, found))
     if not scale > 0:
@@ -124,84 +100,64 @@ def _moments(tensor: Element, mass: float) -> tuple[float, float, float] | None:
     return (low * scale, middle * scale, high * scale)
 
 
-def _tensor(
-    link: Element, inertial: Element, name: str, mass: float, is_alone: bool
-) -> Iterator[Finding]:
+def _tensor(link: Tag, mass: float, *, is_alone: bool) -> Iterator[Finding]:
     """Yield what is wrong with the inertia; less if it is merged into another."""
-    tensor = child(inertial, "inertia")
-    moments = None if tensor is None else _moments(tensor, mass)
-    if tensor is None or moments is None:
+    tensor = link.child("inertial").child("inertia")
+    moments = _moments(tensor, mass)
+    if moments is None:
         return
-    body = _Body(name, mass, moments, extent_of(link))
+    body = _Body(link["name"], mass, moments, extent_of(link))
     low, middle, high = moments
     if not low > 0:
-        finding_at = error_at if is_alone else warning_at
-        yield finding_at(
-            place(tensor),
+        yield tensor.at.error(
             "bad-inertia",
-            name,
             f"{body}, where all must be above zero (positive definite): the "
             "simulator refuses it, or throws the robot away",
             "check signs and products of inertia: ixy, ixz and iyz are small "
             "beside ixx, iyy and izz",
+            severity="error" if is_alone else "warning",
         )
     elif not low + middle >= high * (1 - _ROUNDING):
-        yield warning_at(
-            place(tensor),
+        yield tensor.at.warning(
             "bad-inertia",
-            name,
             f"{body}: no body's largest exceeds the sum of the others (triangle "
             "inequality). MuJoCo and the new Gazebo refuse it, and Gazebo "
             "classic turns it wrongly",
             "check units and axes, and that a CAD program's signs are kept",
         )
-    elif is_alone:
-        yield from _size(tensor, body)
+    elif is_alone and (reason := _implausible(body)):
+        yield tensor.at.error(
+            "implausible-inertia",
+            f"{body}; {reason}",
+            "give moments in kg·m² about the centre of mass, not in g·mm²: a solid "
+            "box has mass/12·(a²+b²), a cylinder mass/2·r² about its axis",
+            severity="error" if high < _moment_of_ball(mass) / 100 else "warning",
+        )
 
 
-def _size(tensor: Element, body: _Body) -> Iterator[Finding]:
-    """Compare the radius of gyration with sizes that a body may have."""
+def _implausible(body: _Body) -> str:
+    """Return what is odd about the radius of gyration; empty if nothing is."""
     high = body.moments[2]
     gyration = math.sqrt(high / body.mass)
     compact = _moment_of_ball(body.mass)
     if high < compact:
-        yield _implausible(
-            tensor,
-            body,
+        return (
             f"a ball of osmium, the densest there is, has {compact:.3g} kg·m²: the "
-            "moments are too small by far, and the simulation will shake",
-            is_error=high < compact / 100,
+            "moments are too small by far, and the simulation will shake"
         )
-    elif gyration > _LONGEST:
-        yield _implausible(
-            tensor,
-            body,
+    if gyration > _LONGEST:
+        return (
             f"it lies {gyration:.3g} m around its centre (radius of gyration), so it "
-            "hardly turns",
+            "hardly turns"
         )
-    elif body.extent and not (_SIZES[0] <= gyration / body.extent <= _SIZES[1]):
+    if body.extent and not (_SIZES[0] <= gyration / body.extent <= _SIZES[1]):
         much = "small" if gyration < body.extent else "large"
-        yield _implausible(
-            tensor,
-            body,
+        return (
             f"its mass lies {gyration:.3g} m around its centre (radius of gyration), "
             f"while its shapes measure {body.extent:.3g} m: the moments are too {much} "
-            f"for it",
+            f"for it"
         )
-
-
-def _implausible(
-    tensor: Element, body: _Body, reason: str, *, is_error: bool = False
-) -> Finding:
-    finding_at = error_at if is_error else warning_at
-    return finding_at(
-        place(tensor),
-        "implausible-inertia",
-        body.name,
-        f"{body}; {reason}",
-        "give moments in kg·m² about the centre of mass, not in g·mm²: a solid "
-        "box has mass/12·(a²+b²), a cylinder mass/2·r² about its axis",
-    )
+    return ""
 
 
 def _moment_of_ball(mass: float) -> float:
@@ -214,13 +170,10 @@ def _moment_of_ball(mass: float) -> float:
 
 
 def _without(
-    facts: RobotFacts, links: Mapping[str, Element], for_gazebo: bool
+    robot: Robot, weighed: Collection[str], for_gazebo: bool
 ) -> Iterator[Finding]:
     """Yield the bodies that move, or that all hangs on, and have no inertia."""
-    weighed = {name for name, link in links.items() if child(link, "inertial")}
-    if not (weighed or for_gazebo):
-        return  # drawn only
-    body = bodies(facts)
+    facts, body = robot.facts, robot.body
     heavy = {body[name] for name in weighed if name in body}
     moved = {joint.child for joint in facts.joints.values() if facts.moves(joint)}
     carriers = {
@@ -231,15 +184,13 @@ def _without(
             continue
         is_base = name in carriers and name not in moved
         if name in moved or (is_base and for_gazebo):
-            finding_at = error_at if for_gazebo else warning_at
-            yield finding_at(
-                facts.links[name],
+            yield Subject(name, facts.links[name]).error(
                 "no-inertia",
-                name,
                 f"link '{short(name)}' "
                 + ("carries joints that move" if is_base else "moves")
                 + ", yet neither it nor what is fixed to it has an <inertial>: "
                 "Gazebo drops it, and all that hangs on it",
                 "give it <inertial> with mass and inertia"
                 + (', or fix it to <link name="world"/>' * is_base),
+                severity="error" if for_gazebo else "warning",
             )

@@ -14,8 +14,7 @@ from robot_xml import DRIVEN, joint, link, root_of
 from tool0.description.catalogue import assemble
 from tool0.description.expansion import expand
 from tool0.description.xml_source import LocatedElement, parse_file, parse_text
-from tool0.lint.robot.elements import descendants
-from tool0.lint.robot.facts import facts_of
+from tool0.lint.robot.elements import Tag
 from tool0.lint.robot_file import robot_findings, xacro_findings
 
 pytestmark = pytest.mark.slow
@@ -47,7 +46,7 @@ def changed(
 ) -> LocatedElement:
     """Return ``root`` after a few changes somewhere in it."""
     for what, where, text in changes:
-        elements = list(descendants(root))
+        elements = [tag.element for tag in Tag(root).descendants() if tag.element]
         element = elements[where % len(elements)]
         keys = sorted(element.attributes.keys())
         parent = element.parentNode
@@ -73,7 +72,6 @@ def changed(
 
 
 def judge(root: LocatedElement) -> None:
-    facts_of(root)
     for finding in (
         *robot_findings(root),
         *robot_findings(root, spawned=True),
@@ -108,7 +106,9 @@ def test_the_projects_own_robot_with_values_swapped_is_judged(seed: int) -> None
     root = parse_text(URDF).documentElement
     assert isinstance(root, LocatedElement)
     chance = random.Random(seed)
-    elements = [item for item in descendants(root) if item.attributes]
+    elements = [
+        tag.element for tag in Tag(root).descendants() if tag.element and tag.attributes
+    ]
     for _ in range(20):
         one, other = chance.sample(elements, 2)
         key = chance.choice(sorted(one.attributes.keys()))
