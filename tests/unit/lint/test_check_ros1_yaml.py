@@ -9,6 +9,7 @@ from check_files import DATA, of_yaml, summary
 from tool0.control.controller_types import TYPES
 from tool0.description.catalogue import assemble
 from tool0.description.xml_source import parse_text
+from tool0.lint.robot.elements import Tag
 from tool0.lint.robot.facts import RobotFacts, facts_of
 
 ARM = """\
@@ -28,7 +29,7 @@ PUBLISHED = yaml.safe_load(
 def robot() -> RobotFacts:
     root = parse_text(assemble().urdf).documentElement
     assert root is not None
-    return facts_of(root)
+    return facts_of(Tag(root))
 
 
 def test_a_good_file_is_clean(robot: RobotFacts) -> None:
@@ -166,7 +167,9 @@ def test_a_fixed_joint_is_not_what_was_meant() -> None:
     robot = parse_text(text).documentElement
     assert robot is not None
     gains = "ros_control:\n  pid_gains:\n    right_outer_knuckle_joint: {p: 1}\n"
-    unknown = [f for f in of_yaml(gains, facts_of(robot)) if f.rule == "unknown-joint"]
+    unknown = [
+        f for f in of_yaml(gains, facts_of(Tag(robot))) if f.rule == "unknown-joint"
+    ]
     assert [item.remedy for item in unknown] == ["did you mean 'right_finger_joint'?"]
 
 

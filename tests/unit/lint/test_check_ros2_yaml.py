@@ -5,6 +5,7 @@ import yaml
 from check_files import DATA, of_yaml
 
 from tool0.description.xml_source import parse_text
+from tool0.lint.robot.elements import Tag
 from tool0.lint.robot.facts import RobotFacts, facts_of
 
 GOOD = """\
@@ -49,7 +50,7 @@ ROBOT = """
 def robot() -> RobotFacts:
     root = parse_text(ROBOT).documentElement
     assert root is not None
-    return facts_of(root)
+    return facts_of(Tag(root))
 
 
 def test_a_good_file_is_clean(robot: RobotFacts) -> None:

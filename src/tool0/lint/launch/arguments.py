@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, final
@@ -16,13 +16,12 @@ from tool0.lint.launch.load_context import is_file
 from tool0.lint.launch.model import (
     Activity,
     Argument,
-    Environment,
     Include,
-    NamedText,
     Passed,
+    Statement,
     Text,
 )
-from tool0.lint.launch.nodes import read_env
+from tool0.lint.launch.nodes import read_statement
 from tool0.lint.launch.scope import Scope
 
 
@@ -140,13 +139,20 @@ class Arguments:
             "write default instead of value, or do not give it",
         )
 
-    def missing(self) -> tuple[Argument, ...]:
-        """Return the active arguments that are required and not given."""
-        return tuple(
-            argument
-            for argument in self._found
-            if argument.origin == "missing" and argument.name not in self._scope.values
-        )
+    def report_missing(self, where: SourceLocation, outer: Scope) -> None:
+        """Report the active arguments that the include at ``where`` does not give."""
+        for argument in self._found:
+            name = argument.name
+            if argument.origin == "missing" and name not in self._scope.values:
+                outer.report(
+                    where,
+                    "missing-argument",
+                    name,
+                    f"is an argument that {self._scope.file.name} requires (declared "
+                    f"at {argument.place.location}), and it is not given here",
+                    f'write <arg name="{name}" value="…"/> into this <include>',
+                    severity="error" if name in self._scope.used else "warning",
+                )
 
     def finished(self) -> tuple[Argument, ...]:
         """Return all arguments, the file being read; report those nothing uses."""
@@ -188,58 +194,33 @@ def _if_active(text: Text, scope: Scope) -> Text:
     return replace(text, resolved=None, reason=text.reason or reason)
 
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class IncludeTarget:
-    """What an include asks for."""
-
-    include: Include
-    path: Path
-    given: Mapping[str, GivenArgument]
-    environment: tuple[Environment, ...]
-
-    @property
-    def key(self) -> frozenset[tuple[str, str | None]]:
-        """The arguments as a value, to recognise a recursive include."""
-        return frozenset((name, g.text.resolved) for name, g in self.given.items())
-
-
-def target_of(element: Element, scope: Scope) -> IncludeTarget:
-    """Return what an ``<include>`` asks for."""
+def read_include(
+    element: Element, scope: Scope
+) -> tuple[Include, dict[str, GivenArgument], list[Statement]]:
+    """Return an ``<include>``, the arguments it gives, and its environment."""
     file = scope.required(element, "file")
     namespace = scope.namespace_of(element)
     passes_all = scope.boolean(element, "pass_all_args")
     given = _all_given(element, scope) if passes_all else {}
-    passed, environment = _children(element, scope, given, passes_all=passes_all)
-    path = Path(os.path.normpath(file.resolved)) if file.resolved else None
-    settings: tuple[NamedText, ...] = tuple(
-        (key, scope.required(element, key))
-        for key in ("ns",)
-        if element.hasAttribute(key)
-    )
+    environment: list[Statement] = []
+    found = _read_children(element, scope, given, environment, passes_all=passes_all)
+    passed = tuple(found)
+    namespace_text = scope.text(element, "ns")
+    path, reason = None, file.reason or "no file is named"
+    if file.resolved:
+        path = Path(os.path.normpath(file.resolved))
+        scope.require_file(file, "include")
+        reason = "" if is_file(path) else f"{path} does not exist"
     include = Include(
         place=replace(scope.place(element), namespace=namespace),
         file=file,
         path=path,
         passed=passed,
         passes_all=passes_all,
-        settings=settings,
-        reason=_reason(file, path, scope),
+        settings=() if namespace_text is None else (("ns", namespace_text),),
+        reason=reason,
     )
-    return IncludeTarget(
-        include=include,
-        path=(path or Path()).absolute(),
-        given=given,
-        environment=environment,
-    )
-
-
-def _reason(file: Text, path: Path | None, scope: Scope) -> str:
-    """Return why there is nothing to include, if so; report it."""
-    if path is None:
-        return file.reason or "no file is named"
-    scope.require_file(file, "include")
-    return "" if is_file(path) else f"{path} does not exist"
+    return include, given, environment
 
 
 def _all_given(element: Element, scope: Scope) -> dict[str, GivenArgument]:
@@ -264,12 +245,15 @@ def _all_given(element: Element, scope: Scope) -> dict[str, GivenArgument]:
     return given
 
 
-def _children(
-    element: Element, scope: Scope, given: dict[str, GivenArgument], *, passes_all: bool
-) -> tuple[tuple[Passed, ...], tuple[Environment, ...]]:
-    """Read what stands in the include; add the arguments to ``given``."""
-    passed: list[Passed] = []
-    environment: list[Environment] = []
+def _read_children(
+    element: Element,
+    scope: Scope,
+    given: dict[str, GivenArgument],
+    environment: list[Statement],
+    *,
+    passes_all: bool,
+) -> Iterator[Passed]:
+    """Yield the ``<arg>`` in an include; add to what it gives."""
     names: set[str] = set()
     for child in children(element):
         if child.tagName not in grammar.CHILDREN["include"]:
@@ -277,14 +261,14 @@ def _children(
         at = scope.at(child)
         grammar.check(child, scope.locate(child), scope.findings.append)
         if child.tagName == "env":
-            environment.append(read_env(child, at))
+            environment.append(read_statement(child, at))
             continue
         name = at.required(child, "name").resolved
         if not name:
             continue
         value = at.text(child, "value")
         text = at.text(child, "default") if value is None else value
-        passed.append(Passed(name=name, place=at.place(child), value=text))
+        yield Passed(name=name, place=at.place(child), value=text)
         if at.activity is Activity.INACTIVE:
             continue
         if name in names and at.activity is Activity.ACTIVE and not passes_all:
@@ -306,4 +290,3 @@ def _children(
                 "is passed to an include without a value: roslaunch stops here",
                 f'write value="…", such as value="$(arg {name})"',
             )
-    return tuple(passed), tuple(environment)

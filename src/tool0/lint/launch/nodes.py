@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal, cast
 from xml.dom.minidom import Element
 
 from tool0.description.xml_source import children
@@ -10,17 +11,16 @@ from tool0.errors import DescriptionError
 from tool0.lint.launch import grammar
 from tool0.lint.launch.model import (
     Activity,
-    Environment,
     Node,
     Parameter,
-    Remap,
-    RemoteMachine,
     Rosparam,
+    Statement,
     Text,
 )
 from tool0.lint.launch.params import in_node, read_node_param, read_rosparam
 from tool0.lint.launch.scope import Scope
 
+_CONDITIONS = ("if", "unless")
 _NODE_KEYS = ("pkg", "type", "name", "args", "ns", "clear_params", "if", "unless")
 
 
@@ -53,9 +53,9 @@ def read_node(element: Element, scope: Scope) -> Node:
         elif child.tagName == "rosparam" and (rosparam := read_rosparam(child, at)):
             rosparams.append(rosparam)
         elif child.tagName == "remap":
-            add_remap(read_remap(child, at), inside.remaps)
+            read_statement(child, at)
         elif child.tagName == "env":
-            inside.environment.append(read_env(child, at))
+            inside.environment.append(read_statement(child, at))
     package = scope.required(element, "pkg")
     _check_package(package, scope)
     args = scope.text(element, "args")
@@ -136,44 +136,29 @@ def _check_node(element: Element, name: Text, scope: Scope) -> None:
             )
 
 
-def read_remap(element: Element, scope: Scope) -> Remap:
-    """Return a ``<remap>``."""
-    remap = Remap(
+def read_statement(element: Element, scope: Scope) -> Statement:
+    """Return a ``<remap>``, ``<env>`` or ``<machine>``.
+
+    A remap holds in the scope from now on, instead of one from the same name.
+    """
+    kind = cast("Literal['remap', 'env', 'machine']", element.tagName)
+    given = [key for key, _ in element.attributes.items() if key not in _CONDITIONS]
+    keys = {"remap": ("from", "to"), "env": ("name", "value")}.get(kind, given)
+    statement = Statement(
+        kind=kind,
         place=scope.place(element),
-        from_name=scope.required(element, "from"),
-        to_name=scope.required(element, "to"),
+        texts=tuple((key, scope.required(element, key)) for key in keys),
     )
-    for key, text in remap.texts:
-        name = text.resolved
-        if name is not None and (
-            not name or not grammar.is_legal(grammar.canonical(name))
-        ):
-            scope.report(
-                text.location, "bad-name", key, f"'{name}' is no name that ROS accepts"
-            )
-    return remap
-
-
-def add_remap(remap: Remap, remaps: list[Remap]) -> None:
-    """Put ``remap`` into ``remaps``, in place of one from the same name."""
-    if remap.place.activity is Activity.INACTIVE:
-        return
-    name = remap.from_name.resolved
-    remaps[:] = [r for r in remaps if name is None or r.from_name.resolved != name]
-    remaps.append(remap)
-
-
-def read_env(element: Element, scope: Scope) -> Environment:
-    """Return an ``<env>``."""
-    return Environment(
-        place=scope.place(element),
-        name=scope.required(element, "name"),
-        value=scope.required(element, "value"),
-    )
-
-
-def read_machine(element: Element, scope: Scope) -> RemoteMachine:
-    """Return a ``<machine>``."""
-    keys = [key for key, _ in element.attributes.items() if key not in ("if", "unless")]
-    texts = [(key, scope.required(element, key)) for key in keys]
-    return RemoteMachine(place=scope.place(element), settings=tuple(texts))
+    if kind == "remap":
+        for key, text in statement.texts:
+            name = text.resolved
+            if name is not None and not (
+                name and grammar.is_legal(grammar.canonical(name))
+            ):
+                message = f"'{name}' is no name that ROS accepts"
+                scope.report(text.location, "bad-name", key, message)
+        if scope.activity is not Activity.INACTIVE:
+            name = statement.subject.resolved
+            others = [r for r in scope.remaps if r.subject.resolved != name]
+            scope.remaps[:] = [*(scope.remaps if name is None else others), statement]
+    return statement

@@ -15,12 +15,7 @@ from tool0.description.finding import Finding
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
 from tool0.lint.launch import grammar, nodes
-from tool0.lint.launch.arguments import (
-    Arguments,
-    GivenArgument,
-    IncludeTarget,
-    target_of,
-)
+from tool0.lint.launch.arguments import Arguments, GivenArgument, read_include
 from tool0.lint.launch.load_context import (
     MAX_ELEMENTS,
     MAX_FILES,
@@ -31,6 +26,8 @@ from tool0.lint.launch.model import Activity, Entry, Include, LaunchFile, Node, 
 from tool0.lint.launch.params import read_param, read_rosparam
 from tool0.lint.launch.scope import Scope
 from tool0.lint.packages import PackageIndex
+
+_OFF = Activity.INACTIVE
 
 
 def read_launch(
@@ -73,7 +70,6 @@ class _FileReader:
         file: Path,
         given: Mapping[str, GivenArgument],
         outer: Scope | None = None,
-        *,
         passes_all: bool = False,
     ) -> None:
         values = {name: value.text for name, value in given.items()}
@@ -145,15 +141,10 @@ class _FileReader:
             case "node" | "test":
                 entry = nodes.read_node(element, scope)
                 self._claim_name(entry, scope)
-            case "remap":
-                entry = nodes.read_remap(element, scope)
-                nodes.add_remap(entry, scope.remaps)
-            case "env":
-                entry = nodes.read_env(element, scope)
-                if scope.activity is not Activity.INACTIVE:
+            case "remap" | "env" | "machine":
+                entry = nodes.read_statement(element, scope)
+                if entry.kind == "env" and scope.activity is not _OFF:
                     scope.environment.append(entry)
-            case "machine":
-                entry = nodes.read_machine(element, scope)
             case "master":
                 scope.report(
                     scope.locate(element),
@@ -192,71 +183,48 @@ class _FileReader:
 
     def _include(self, element: Element, scope: Scope) -> Include:
         """Return an ``<include>`` and what it includes."""
-        target = target_of(element, scope)
-        include = target.include
-        if include.reason or scope.activity is Activity.INACTIVE:
-            reason = include.reason or "switched off"
-            return replace(include, reason=reason)
-        where = include.place.location
+        include, given, environment = read_include(element, scope)
+        if include.reason or include.path is None or scope.activity is _OFF:
+            return replace(include, reason=include.reason or "switched off")
         if self._context.depth >= MAX_NESTING:
             self._stop(element, scope, f"more than {MAX_NESTING} inside one another")
             return replace(include, reason="too many files inside one another")
         if not self._context.spend("files"):
             self._stop(element, scope, f"more than {MAX_FILES} files")
             return replace(include, reason="too many files")
-        path = target.path
-        key = (path, include.place.namespace, target.key)
-        if not self._context.enter(key):
+        path = include.path.absolute()
+        values = frozenset((name, g.text.resolved) for name, g in given.items())
+        if not self._context.enter((path, include.place.namespace, values)):
             scope.report(
-                where,
+                include.place.location,
                 "recursive-include",
                 str(path),
                 "includes itself with the same arguments: roslaunch would never end",
                 "remove the include, or end it by an if",
             )
             return replace(include, reason="it includes itself")
-        self._context.depth += 1
-        launch = self._included(target, scope)
-        self._context.depth -= 1
-        self._context.leave()
-        if launch is None:
-            return replace(include, reason="it is no launch file that can be read")
-        return replace(include, launch=launch)
-
-    def _included(self, target: IncludeTarget, scope: Scope) -> LaunchFile | None:
-        root = self._context.root(target.path)
+        root = self._context.root(path)
         if isinstance(root, Finding):
             scope.findings.append(root)
-            return None
-        include = target.include
-        outer = replace(
-            scope,
-            namespace=include.place.namespace,
-            private=scope.private or [],  # as roslaunch: an empty list is not shared
-            environment=[*scope.environment, *target.environment],
-        )
-        reader = _FileReader(
-            self._context,
-            target.path,
-            target.given,
-            outer,
-            passes_all=include.passes_all,
-        )
-        launch = reader.read(root)
-        scope.findings += launch.findings
-        _check_passed(target, launch, scope)
-        for missing in reader.arguments.missing():
-            is_used = missing.name in reader.scope.used
-            scope.report(
-                include.place.location,
-                "missing-argument",
-                missing.name,
-                f"is an argument that {target.path.name} requires (declared at "
-                f"{missing.place.location}), and it is not given here",
-                f'write <arg name="{missing.name}" value="…"/> into this <include>',
-                severity="error" if is_used else "warning",
+            include = replace(include, reason="it is no launch file that can be read")
+        else:
+            outer = replace(
+                scope,
+                namespace=include.place.namespace,
+                private=scope.private or [],  # as roslaunch: an empty one is not shared
+                environment=[*scope.environment, *environment],
             )
-        return launch
+            passes_all = include.passes_all
+            reader = _FileReader(self._context, path, given, outer, passes_all)
+            self._context.depth += 1
+            launch = reader.read(root)
+            self._context.depth -= 1
+            include = replace(include, launch=launch)
+            scope.findings += launch.findings
+            _check_passed(include, launch, scope)
+            reader.arguments.report_missing(include.place.location, scope)
+        self._context.leave()
+        return include
 
     def _stop(self, element: Element, scope: Scope, why: str) -> None:
         scope.report(
@@ -267,20 +235,18 @@ class _FileReader:
         )
 
 
-def _check_passed(target: IncludeTarget, launch: LaunchFile, scope: Scope) -> None:
+def _check_passed(include: Include, launch: LaunchFile, scope: Scope) -> None:
     """Report arguments that the included file does not declare."""
-    if target.include.passes_all:
-        return
     declared = {argument.name for argument in launch.arguments}
-    for passed in target.include.passed:
-        is_off = passed.place.activity is Activity.INACTIVE
-        if passed.name in declared or is_off or passed.value is None:
+    for passed in () if include.passes_all else include.passed:
+        if passed.name in declared or passed.place.activity is _OFF:
             continue
-        scope.report(
-            passed.place.location,
-            "unused-argument",
-            passed.name,
-            f"is no argument of {launch.file.name}, and roslaunch stops here"
-            + did_you_mean(passed.name, declared),
-            f"remove it, or declare it in {grammar.canonical(str(launch.file))}",
-        )
+        if passed.value is not None:
+            scope.report(
+                passed.place.location,
+                "unused-argument",
+                passed.name,
+                f"is no argument of {launch.file.name}, and roslaunch stops here"
+                + did_you_mean(passed.name, declared),
+                f"remove it, or declare it in {grammar.canonical(str(launch.file))}",
+            )

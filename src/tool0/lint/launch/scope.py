@@ -15,11 +15,11 @@ from tool0.lint.launch.load_context import LoadContext, is_file
 from tool0.lint.launch.model import (
     Activity,
     Condition,
-    Environment,
     Parameter,
     Place,
-    Remap,
+    Statement,
     Text,
+    activity_of,
 )
 from tool0.lint.launch.substitution import SubstitutionContext, resolve
 
@@ -41,8 +41,8 @@ class Scope:
     conditions: tuple[Condition, ...] = ()
     private: list[Parameter] = field(default_factory=list)
     """Set so far for the nodes that follow."""
-    remaps: list[Remap] = field(default_factory=list)
-    environment: list[Environment] = field(default_factory=list)
+    remaps: list[Statement] = field(default_factory=list)
+    environment: list[Statement] = field(default_factory=list)
     anonymous: dict[str, str] = field(default_factory=dict)
 
     def at(self, element: Element) -> Scope:
@@ -74,11 +74,7 @@ class Scope:
     @property
     def activity(self) -> Activity:
         """Whether roslaunch would act on what stands here."""
-        return Place(
-            location=SourceLocation(self.file),
-            namespace=self.namespace,
-            conditions=self.conditions,
-        ).activity
+        return activity_of(self.conditions)
 
     def locate(self, element: Element) -> SourceLocation:
         """Return where an element stands."""

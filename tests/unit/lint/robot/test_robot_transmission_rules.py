@@ -13,6 +13,7 @@ from robot_xml import (
     rules,
     transmission,
 )
+
 from tool0.lint.robot.facts import is_interface, meant_interface
 
 EFFORT = "hardware_interface/EffortJointInterface"
