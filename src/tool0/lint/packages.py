@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import final
+from typing import TypeAlias, final
 
 from tool0.description.finding import Finding, error_at, short, warning_at
 from tool0.description.packages import (
@@ -29,6 +29,10 @@ _MAX_SEARCHES = 200
 """Each package that does not exist costs a walk through ROS_PACKAGE_PATH."""
 
 
+Packages: TypeAlias = Mapping[str, Path]
+"""Name to folder of packages that come before all others, as a workspace's own."""
+
+
 @cache
 def _bundled_names() -> frozenset[str]:
     return frozenset(folder.name for folder in crawl(BUNDLED))
@@ -38,13 +42,7 @@ def _bundled_names() -> frozenset[str]:
 class PackageIndex:
     """Finds packages by name, and searches for each once."""
 
-    def __init__(self, given: Mapping[str, Path] | None = None) -> None:
-        """Prepare to search.
-
-        Args:
-            given: Name to folder of packages that come before all others, such as
-                those of the workspace that is checked.
-        """
+    def __init__(self, given: Packages | None = None) -> None:
         self._given = dict(given or {})
         self._found: dict[str, Path | DescriptionError] = dict(self._given)
         self._around: dict[Path, tuple[str, Path] | None] = {}
@@ -90,6 +88,8 @@ class PackageIndex:
         """Return the finding that ``user`` needs a package that does not exist."""
         near = nearest_name(name, self._given, cutoff=0.85)
         is_name = _NAME.fullmatch(name) is not None
+        message = f"{user} names no package, and '{short(name)}' can be none"
+        remedy = "write package://PACKAGE/PATH or $(find PACKAGE)"
         if is_name:
             message = (
                 f"{user} needs the package '{short(name)}', which is neither here nor "
@@ -98,9 +98,6 @@ class PackageIndex:
             remedy = (
                 "install it, or put it into the workspace and source its setup.bash"
             )
-        else:
-            message = f"{user} names no package, and '{short(name)}' can be none"
-            remedy = "write package://PACKAGE/PATH or $(find PACKAGE)"
         finding_at = error_at if near or not is_name else warning_at
         return finding_at(
             location,

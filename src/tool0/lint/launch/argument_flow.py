@@ -9,7 +9,6 @@ from typing import final
 from tool0.errors import SourceLocation
 from tool0.lint.launch.explanation import Item
 from tool0.lint.launch.model import (
-    Activity,
     Argument,
     Entry,
     Include,
@@ -124,7 +123,7 @@ def _of_include(include: Include) -> Iterator[_Part]:
         )
         yield _Part(f"argument {item.name}", item.place, (use,))
     if include.passes_all and child is not None:
-        passed = {p.name for p in include.passed if not _is_off(p.place)}
+        passed = {p.name for p in include.passed if p.place.holds is not False}
         passed_on = dict.fromkeys(a.name for a in child.arguments)
         uses = [
             _use(f"argument {n} of {of}", (n,), include.place, argument=(child, n))
@@ -150,7 +149,7 @@ def _conditions(launch: LaunchFile, parts: list[_Part]) -> Iterator[_Use]:
                 continue
             seen.add(key)
             is_own = number == 0 and where == part.place.location
-            goes_on = is_own and part.argument and not _is_off(part.place)
+            goes_on = is_own and part.argument and part.place.holds is not False
             yield _Use(
                 what=f"{condition.kind} of {part.what if is_own else 'the group'}",
                 names=condition.text.uses,
@@ -171,14 +170,10 @@ def _use(
         what=what,
         names=names,
         location=place.location,
-        is_off=_is_off(place),
+        is_off=place.holds is False,
         argument=argument,
         xacro=xacro,
     )
-
-
-def _is_off(place: Place) -> bool:
-    return place.activity is Activity.INACTIVE
 
 
 def describe(entry: Entry) -> str:

@@ -14,15 +14,14 @@ from tool0.errors import SourceLocation, did_you_mean
 from tool0.lint.launch import grammar
 from tool0.lint.launch.load_context import is_file
 from tool0.lint.launch.model import (
-    Activity,
     Argument,
     Include,
     Passed,
     Statement,
     Text,
 )
-from tool0.lint.launch.nodes import read_statement
 from tool0.lint.launch.scope import Scope
+from tool0.lint.launch.statements import read_statement
 
 
 @final
@@ -72,7 +71,7 @@ class Arguments:
             origin="missing",
             default=default,
         )
-        if scope.activity is Activity.INACTIVE:
+        if scope.holds is False:
             argument = replace(argument, origin="switched off")
         else:
             self._refuse_twice(argument, scope)
@@ -82,10 +81,10 @@ class Arguments:
 
     def _refuse_twice(self, argument: Argument, scope: Scope) -> None:
         first = scope.declared.get(argument.name)
-        if first is None or self._passes_all or scope.activity is Activity.UNKNOWN:
+        if first is None or self._passes_all or scope.holds is None:
             return
         earlier = [a for a in self._found if a.place.location is first]
-        if any(a.place.activity is Activity.UNKNOWN for a in earlier):
+        if any(a.place.holds is None for a in earlier):
             return
         scope.report(
             argument.place.location,
@@ -188,7 +187,7 @@ class Arguments:
 
 def _if_active(text: Text, scope: Scope) -> Text:
     """Return ``text``, without a value if the element may be switched off."""
-    if scope.activity is not Activity.UNKNOWN:
+    if scope.holds is not None:
         return text
     reason = "it depends on an if or unless that is unknown"
     return replace(text, resolved=None, reason=text.reason or reason)
@@ -269,9 +268,9 @@ def _read_children(
         value = at.text(child, "value")
         text = at.text(child, "default") if value is None else value
         yield Passed(name=name, place=at.place(child), value=text)
-        if at.activity is Activity.INACTIVE:
+        if at.holds is False:
             continue
-        if name in names and at.activity is Activity.ACTIVE and not passes_all:
+        if name in names and at.holds and not passes_all:
             at.report(
                 at.locate(child),
                 "duplicate-argument",

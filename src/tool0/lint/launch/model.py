@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from enum import Enum
 from pathlib import Path
 from typing import Literal, TypeAlias, final
 
@@ -44,20 +43,6 @@ class Text:
 
 
 @final
-class Activity(Enum):
-    """Whether roslaunch would act on an element."""
-
-    ACTIVE = "active"
-    INACTIVE = "inactive"
-    """Switched off by its ``if`` or ``unless``, or by those around it."""
-    UNKNOWN = "unknown"
-    """It depends on an argument without a value."""
-
-
-_OFF = Activity.INACTIVE
-
-
-@final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Condition:
     """An ``if`` or ``unless``."""
@@ -68,12 +53,10 @@ class Condition:
     """Whether the element counts; None if that is unknown."""
 
 
-def activity_of(conditions: Iterable[Condition]) -> Activity:
-    """Return whether roslaunch would act on an element under these conditions."""
+def all_hold(conditions: Iterable[Condition]) -> bool | None:
+    """Return whether an element under these conditions counts; None if unknown."""
     held = [condition.holds for condition in conditions]
-    if False in held:
-        return Activity.INACTIVE
-    return Activity.UNKNOWN if None in held else Activity.ACTIVE
+    return False if False in held else None if None in held else True
 
 
 @final
@@ -88,9 +71,12 @@ class Place:
     """Of this element and those around it, over all includes; the outermost first."""
 
     @property
-    def activity(self) -> Activity:
-        """Whether roslaunch would act on the element."""
-        return activity_of(self.conditions)
+    def holds(self) -> bool | None:
+        """Whether roslaunch would act on the element.
+
+        None if that depends on an argument without a value.
+        """
+        return all_hold(self.conditions)
 
 
 NamedText: TypeAlias = tuple[str, Text]
@@ -265,7 +251,7 @@ class LaunchFile:
         a value counts as active.
         """
         for entry in self.entries:
-            if active_only and entry.place.activity is _OFF:
+            if active_only and entry.place.holds is False:
                 continue
             yield entry
             if isinstance(entry, Include) and entry.launch is not None:
@@ -298,7 +284,7 @@ class LaunchFile:
             if isinstance(entry, Node):
                 inner = (*entry.rosparams, *entry.parameters)
             for item in inner:
-                is_wanted = not (active_only and item.place.activity is _OFF)
+                is_wanted = not (active_only and item.place.holds is False)
                 if is_wanted and isinstance(item, Parameter | Rosparam):
                     yield item
 

@@ -14,7 +14,7 @@ from xml.dom.minidom import Element
 from tool0.description.finding import Finding
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
-from tool0.lint.launch import grammar, nodes
+from tool0.lint.launch import grammar
 from tool0.lint.launch.arguments import Arguments, GivenArgument, read_include
 from tool0.lint.launch.load_context import (
     MAX_ELEMENTS,
@@ -22,12 +22,15 @@ from tool0.lint.launch.load_context import (
     MAX_NESTING,
     LoadContext,
 )
-from tool0.lint.launch.model import Activity, Entry, Include, LaunchFile, Node, Text
-from tool0.lint.launch.params import read_param, read_rosparam
+from tool0.lint.launch.model import Entry, Include, LaunchFile, Node, Text
 from tool0.lint.launch.scope import Scope
+from tool0.lint.launch.statements import (
+    read_node,
+    read_param,
+    read_rosparam,
+    read_statement,
+)
 from tool0.lint.packages import PackageIndex
-
-_OFF = Activity.INACTIVE
 
 
 def read_launch(
@@ -139,11 +142,11 @@ class _FileReader:
             case "rosparam":
                 entry = read_rosparam(element, scope)
             case "node" | "test":
-                entry = nodes.read_node(element, scope)
+                entry = read_node(element, scope)
                 self._claim_name(entry, scope)
             case "remap" | "env" | "machine":
-                entry = nodes.read_statement(element, scope)
-                if entry.kind == "env" and scope.activity is not _OFF:
+                entry = read_statement(element, scope)
+                if entry.kind == "env" and scope.holds is not False:
                     scope.environment.append(entry)
             case "master":
                 scope.report(
@@ -169,7 +172,7 @@ class _FileReader:
     def _claim_name(self, node: Node, scope: Scope) -> None:
         """Report a second node of one name: roslaunch refuses it."""
         name = node.full_name
-        if name is None or scope.activity is not Activity.ACTIVE:
+        if name is None or not scope.holds:
             return
         first = self._context.nodes.setdefault(name, node.place.location)
         if first is not node.place.location:
@@ -184,7 +187,7 @@ class _FileReader:
     def _include(self, element: Element, scope: Scope) -> Include:
         """Return an ``<include>`` and what it includes."""
         include, given, environment = read_include(element, scope)
-        if include.reason or include.path is None or scope.activity is _OFF:
+        if include.reason or include.path is None or scope.holds is False:
             return replace(include, reason=include.reason or "switched off")
         if self._context.depth >= MAX_NESTING:
             self._stop(element, scope, f"more than {MAX_NESTING} inside one another")
@@ -239,7 +242,7 @@ def _check_passed(include: Include, launch: LaunchFile, scope: Scope) -> None:
     """Report arguments that the included file does not declare."""
     declared = {argument.name for argument in launch.arguments}
     for passed in () if include.passes_all else include.passed:
-        if passed.name in declared or passed.place.activity is _OFF:
+        if passed.name in declared or passed.place.holds is False:
             continue
         if passed.value is not None:
             scope.report(

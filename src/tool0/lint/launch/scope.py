@@ -8,18 +8,17 @@ from pathlib import Path
 from typing import Literal, final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, Severity
+from tool0.description.finding import Finding, Severity, error_at, warning_at
 from tool0.errors import SourceLocation
 from tool0.lint.launch import grammar
 from tool0.lint.launch.load_context import LoadContext, is_file
 from tool0.lint.launch.model import (
-    Activity,
     Condition,
     Parameter,
     Place,
     Statement,
     Text,
-    activity_of,
+    all_hold,
 )
 from tool0.lint.launch.substitution import SubstitutionContext, resolve
 
@@ -72,9 +71,9 @@ class Scope:
         )
 
     @property
-    def activity(self) -> Activity:
-        """Whether roslaunch would act on what stands here."""
-        return activity_of(self.conditions)
+    def holds(self) -> bool | None:
+        """Whether roslaunch would act on what stands here; None if unknown."""
+        return all_hold(self.conditions)
 
     def locate(self, element: Element) -> SourceLocation:
         """Return where an element stands."""
@@ -109,7 +108,7 @@ class Scope:
         )
         text, problems = resolve(raw, location, around)
         self.used.update(text.uses)
-        if self.activity is not Activity.INACTIVE:
+        if self.holds is not False:
             self.findings += problems
         length = len(raw) + len(text.resolved or "")
         if not self.context.spend("characters", length):
@@ -199,16 +198,9 @@ class Scope:
         severity: Severity = "error",
     ) -> None:
         """Add a finding, unless the element is switched off."""
-        if self.activity is not Activity.INACTIVE:
-            finding = Finding(
-                location=location,
-                rule=rule,
-                severity=severity,
-                key=key,
-                message=message,
-                remedy=remedy,
-            )
-            self.findings.append(finding)
+        if self.holds is not False:
+            finding_at = error_at if severity == "error" else warning_at
+            self.findings.append(finding_at(location, rule, key, message, remedy))
 
     def _anonymous(self, name: str) -> str:
         if name not in self.anonymous:

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 from typing import Final, final
 
-from tool0.description.xml_source import parse_text
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.launch.load_context import read_limited
+from tool0.lint.launch.load_context import parse_limited
 from tool0.lint.launch.model import LaunchFile, Parameter, Text
 from tool0.lint.launch.substitution import SubstitutionContext, resolve
 from tool0.lint.packages import PackageIndex
@@ -143,11 +142,9 @@ class _XacroReader:
         if self._left < 0:
             return replace(result, reason=f"it is one of more than {MAX_FILES}")
         try:
-            root = parse_text(read_limited(file), file).documentElement
+            root = parse_limited(file)
         except DescriptionError as error:
             return replace(result, reason=error.message)
-        except (LookupError, ValueError) as error:
-            return replace(result, reason=f"cannot be decoded: {error}")
         if root is None:
             return replace(result, reason="it is empty")
         self._open.append(file)

@@ -11,7 +11,7 @@ import pytest
 
 from tool0.errors import SourceLocation
 from tool0.lint.launch.load_context import MAX_BYTES
-from tool0.lint.launch.model import Activity, Argument, Include, LaunchFile, Node
+from tool0.lint.launch.model import Argument, Include, LaunchFile, Node
 from tool0.lint.launch.reader import read_launch
 from tool0.lint.launch_file import commented_rosparams
 from tool0.lint.packages import PackageIndex, packages_around
@@ -136,7 +136,7 @@ def test_a_missing_argument_is_told_once_and_reading_goes_on(read: Reader) -> No
     assert p.content.resolved is None
     assert p.content.reason == q.content.reason == "argument 'a' has no value"
     (node,) = launch.nodes()
-    assert node.place.activity is Activity.UNKNOWN
+    assert node.place.holds is None
 
 
 def test_alternatives_that_depend_on_an_unknown_do_not_collide(read: Reader) -> None:
