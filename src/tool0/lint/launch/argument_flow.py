@@ -98,12 +98,12 @@ def _of_entry(entry: Entry) -> Iterator[_Use]:
     """Yield the uses in the texts of an entry; those of xacro by its arguments."""
     call = xacro_call(entry) if isinstance(entry, Parameter) else None
     in_xacro: set[str] = set()
-    for argument, names in () if call is None else call.uses.items():
-        if call is not None:
+    if call is not None and isinstance(entry, Parameter):
+        of = describe(entry) if call.file is None else call.file.name
+        for argument, names in call.uses.items():
             in_xacro.update(names)
-            of = describe(entry) if call.file is None else call.file.name
             what = f"xacro argument {argument} of {of}"
-            yield _use(what, names, entry.place, xacro=(call.parameter, argument))
+            yield _use(what, names, entry.place, xacro=(entry, argument))
     for key, text in entry.texts:
         others = [n for n in text.uses if key != "command" or n not in in_xacro]
         yield _use(f"{key} of {describe(entry)}", others, entry.place)

@@ -7,11 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, final
-from xml.dom.minidom import Element
 
-from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
-from tool0.lint.launch import grammar
 from tool0.lint.launch.load_context import is_file
 from tool0.lint.launch.model import (
     Argument,
@@ -45,37 +42,30 @@ class Arguments:
         is_included: bool,
         passes_all: bool,
     ) -> None:
-        self._scope = scope
-        self._given = given
-        self._is_included = is_included
-        self._passes_all = passes_all
+        self._scope, self._given = scope, given
+        self._is_included, self._passes_all = is_included, passes_all
         self._found: list[Argument] = []
 
-    def declare(self, element: Element, scope: Scope) -> None:
+    def declare(self, scope: Scope) -> None:
         """Take an ``<arg>`` into the scope."""
-        name = scope.required(element, "name").resolved
+        name = scope.required("name").resolved
         if not name:
             return
-        value, default = scope.text(element, "value"), scope.text(element, "default")
+        value, default = scope.text("value"), scope.text("default")
         if value is not None and default is not None:
             scope.report(
-                scope.locate(element),
                 "bad-argument",
                 name,
                 "has both value and default, and roslaunch stops here",
                 "write value if it may never change, else default",
             )
-        argument = Argument(
-            name=name,
-            place=scope.place(element),
-            origin="missing",
-            default=default,
-        )
+        place = scope.place
+        argument = Argument(name=name, place=place, origin="missing", default=default)
         if scope.holds is False:
             argument = replace(argument, origin="switched off")
         else:
             self._refuse_twice(argument, scope)
-            scope.declared.setdefault(name, argument.place.location)
+            scope.declared.setdefault(name, place.location)
             argument = self._with_value(argument, value, scope)
         self._found.append(argument)
 
@@ -84,15 +74,13 @@ class Arguments:
         if first is None or self._passes_all or scope.holds is None:
             return
         earlier = [a for a in self._found if a.place.location is first]
-        if any(a.place.holds is None for a in earlier):
-            return
-        scope.report(
-            argument.place.location,
-            "duplicate-argument",
-            argument.name,
-            f"is declared at {first} already, and roslaunch stops here",
-            "remove one of them",
-        )
+        if all(a.place.holds is not None for a in earlier):
+            scope.report(
+                "duplicate-argument",
+                argument.name,
+                f"is declared at {first} already, and roslaunch stops here",
+                "remove one of them",
+            )
 
     def _with_value(
         self, argument: Argument, value: Text | None, scope: Scope
@@ -114,7 +102,6 @@ class Arguments:
             return replace(argument, value=scope.values[name], origin="default")
         if not self._is_included:
             scope.report(
-                argument.place.location,
                 "missing-argument",
                 name,
                 "has no default, and no value is given: what depends on it is unknown",
@@ -130,21 +117,20 @@ class Arguments:
         place = given.text.location
         where = "on the command line" if place.file is None else f"at {place}"
         scope.report(
-            argument.place.location if place.file is None else place,
             "constant-argument",
             argument.name,
             f"has a fixed value (at {argument.place.location}), and another is given "
             f"{where}: roslaunch stops here",
             "write default instead of value, or do not give it",
+            location=None if place.file is None else place,
         )
 
-    def report_missing(self, where: SourceLocation, outer: Scope) -> None:
-        """Report the active arguments that the include at ``where`` does not give."""
+    def report_missing(self, include: Scope) -> None:
+        """Report the active arguments that the include does not give."""
         for argument in self._found:
             name = argument.name
             if argument.origin == "missing" and name not in self._scope.values:
-                outer.report(
-                    where,
+                include.report(
                     "missing-argument",
                     name,
                     f"is an argument that {self._scope.file.name} requires (declared "
@@ -155,19 +141,18 @@ class Arguments:
 
     def finished(self) -> tuple[Argument, ...]:
         """Return all arguments, the file being read; report those nothing uses."""
-        used = self._scope.used
-        for name in {argument.name: None for argument in self._found}:
-            if name in used:
-                continue
-            first = next(a for a in self._found if a.name == name)
-            self._scope.report(
-                first.place.location,
-                "unused-argument",
-                name,
-                "is declared, and nothing in the file uses it: its value has no effect",
-                f"use it as $(arg {name}), or remove it",
-                severity="warning",
-            )
+        first = {argument.name: argument for argument in reversed(self._found)}
+        for name in dict.fromkeys(argument.name for argument in self._found):
+            if name not in self._scope.used:
+                self._scope.report(
+                    "unused-argument",
+                    name,
+                    "is declared, and nothing in the file uses it: its value has no "
+                    "effect",
+                    f"use it as $(arg {name}), or remove it",
+                    severity="warning",
+                    location=first[name].place.location,
+                )
         return tuple(self._found)
 
     def report_unknown(self) -> None:
@@ -176,12 +161,12 @@ class Arguments:
         for name in self._given:
             if name not in declared:
                 self._scope.report(
-                    SourceLocation(self._scope.file),
                     "unused-argument",
                     name,
                     "is given on the command line, and the file declares no such "
                     "argument" + did_you_mean(name, declared),
                     severity="warning",
+                    location=SourceLocation(self._scope.file),
                 )
 
 
@@ -194,24 +179,23 @@ def _if_active(text: Text, scope: Scope) -> Text:
 
 
 def read_include(
-    element: Element, scope: Scope
+    scope: Scope,
 ) -> tuple[Include, dict[str, GivenArgument], list[Statement]]:
     """Return an ``<include>``, the arguments it gives, and its environment."""
-    file = scope.required(element, "file")
-    namespace = scope.namespace_of(element)
-    passes_all = scope.boolean(element, "pass_all_args")
-    given = _all_given(element, scope) if passes_all else {}
+    file = scope.required("file")
+    namespace = scope.inner_namespace()
+    passes_all = scope.boolean("pass_all_args")
+    given = _all_given(scope) if passes_all else {}
     environment: list[Statement] = []
-    found = _read_children(element, scope, given, environment, passes_all=passes_all)
-    passed = tuple(found)
-    namespace_text = scope.text(element, "ns")
+    passed = tuple(_passed(scope, given, environment, passes_all=passes_all))
+    namespace_text = scope.text("ns")
     path, reason = None, file.reason or "no file is named"
     if file.resolved:
         path = Path(os.path.normpath(file.resolved))
         scope.require_file(file, "include")
         reason = "" if is_file(path) else f"{path} does not exist"
     include = Include(
-        place=replace(scope.place(element), namespace=namespace),
+        place=replace(scope.place, namespace=namespace),
         file=file,
         path=path,
         passed=passed,
@@ -222,9 +206,8 @@ def read_include(
     return include, given, environment
 
 
-def _all_given(element: Element, scope: Scope) -> dict[str, GivenArgument]:
+def _all_given(scope: Scope) -> dict[str, GivenArgument]:
     """Return the arguments of the file as pass_all_args passes them."""
-    where = scope.locate(element)
     scope.used.update(scope.declared, scope.values)
     given = {}
     for name in {**scope.declared, **scope.values}:
@@ -233,7 +216,7 @@ def _all_given(element: Element, scope: Scope) -> dict[str, GivenArgument]:
             text=Text(
                 raw=f"$(arg {name})",
                 resolved=None if text is None else text.resolved,
-                location=where,
+                location=scope.location,
                 uses=(name,),
                 reason=f"argument '{name}' has no value"
                 if text is None
@@ -244,8 +227,7 @@ def _all_given(element: Element, scope: Scope) -> dict[str, GivenArgument]:
     return given
 
 
-def _read_children(
-    element: Element,
+def _passed(
     scope: Scope,
     given: dict[str, GivenArgument],
     environment: list[Statement],
@@ -254,25 +236,20 @@ def _read_children(
 ) -> Iterator[Passed]:
     """Yield the ``<arg>`` in an include; add to what it gives."""
     names: set[str] = set()
-    for child in children(element):
-        if child.tagName not in grammar.CHILDREN["include"]:
+    for at in scope.children():
+        if at.tag == "env":
+            environment.append(read_statement(at))
             continue
-        at = scope.at(child)
-        grammar.check(child, scope.locate(child), scope.findings.append)
-        if child.tagName == "env":
-            environment.append(read_statement(child, at))
-            continue
-        name = at.required(child, "name").resolved
+        name = at.required("name").resolved
         if not name:
             continue
-        value = at.text(child, "value")
-        text = at.text(child, "default") if value is None else value
-        yield Passed(name=name, place=at.place(child), value=text)
+        value = at.text("value")
+        text = at.text("default") if value is None else value
+        yield Passed(name=name, place=at.place, value=text)
         if at.holds is False:
             continue
         if name in names and at.holds and not passes_all:
             at.report(
-                at.locate(child),
                 "duplicate-argument",
                 name,
                 "is given twice in one <include>: roslaunch stops here",
@@ -283,7 +260,6 @@ def _read_children(
             given[name] = GivenArgument(text=text, origin="include")
         elif text is None and name not in given:
             at.report(
-                at.locate(child),
                 "missing-argument",
                 name,
                 "is passed to an include without a value: roslaunch stops here",

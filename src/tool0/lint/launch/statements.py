@@ -6,9 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal, cast
-from xml.dom.minidom import Element
 
-from tool0.description.xml_source import children
 from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.launch import grammar
 from tool0.lint.launch.load_context import is_file, read_limited
@@ -36,9 +34,9 @@ _NODE_KEYS = ("pkg", "type", "name", "args", "ns", "clear_params", "if", "unless
 _TYPES = ("auto", "str", "string", "int", "double", "bool", "boolean", "yaml")
 
 
-def read_param(element: Element, scope: Scope) -> Parameter | None:
+def read_param(scope: Scope) -> Parameter | None:
     """Return a ``<param>`` that stands outside of nodes; private ones are kept."""
-    parameter = _param(element, scope)
+    parameter = _param(scope)
     if parameter is None:
         return None
     name = parameter.name.resolved
@@ -60,37 +58,34 @@ def _in_node(parameter: Parameter, namespace: str | None) -> Parameter:
     return replace(parameter, full_name=full_name)
 
 
-def _param(element: Element, scope: Scope) -> Parameter | None:
-    given = [source for source in _SOURCES if element.hasAttribute(source)]
-    where = scope.locate(element)
+def _param(scope: Scope) -> Parameter | None:
+    given = [source for source in _SOURCES if scope.element.hasAttribute(source)]
     if len(given) != 1:
         has = f"has {', '.join(given)}" if given else "has none of them"
         scope.report(
-            where,
             "bad-param",
-            element.getAttribute("name"),
+            scope.element.getAttribute("name"),
             f"{has}, and needs one of value, textfile, binfile and command: "
             "roslaunch stops here",
             "leave one of them",
         )
         if not given:
             return None
-    kind = (element.getAttribute("type") or "auto").lower().strip()
+    kind = (scope.element.getAttribute("type") or "auto").lower().strip()
     if kind not in _TYPES:
         scope.report(
-            where,
             "bad-value",
             "type",
             f"'{kind}' is no type of parameters; valid: {', '.join(_TYPES)}",
         )
-    content = scope.required(element, given[0])
+    content = scope.required(given[0])
     if given[0] in ("textfile", "binfile"):
         scope.require_file(content, given[0])
     elif given[0] == "value":
         _check_type(content, kind, scope)
     parameter = Parameter(
-        place=scope.place(element),
-        name=scope.required(element, "name"),
+        place=scope.place,
+        name=scope.required("name"),
         full_name=None,
         type=kind,
         source=given[0],
@@ -112,7 +107,6 @@ def _check_type(content: Text, kind: str, scope: Scope) -> None:
         is_right = False
     if not is_right:
         scope.report(
-            content.location,
             "bad-value",
             "value",
             f"'{content.resolved}' is no {kind}, as type says: roslaunch stops here",
@@ -120,31 +114,26 @@ def _check_type(content: Text, kind: str, scope: Scope) -> None:
         )
 
 
-def read_rosparam(element: Element, scope: Scope) -> Rosparam | None:
+def read_rosparam(scope: Scope) -> Rosparam | None:
     """Return a ``<rosparam>``."""
-    where = scope.locate(element)
-    command = scope.text(element, "command")
+    command = scope.text("command")
     verb = "load" if command is None else command.resolved or "load"
     if verb not in ("load", "delete", "dump"):
-        scope.report(
-            where, "bad-value", "command", f"'{verb}' is not load, delete or dump"
-        )
+        scope.report("bad-value", "command", f"'{verb}' is not load, delete or dump")
         return None
-    file = scope.text(element, "file")
+    file = scope.text("file")
     if verb == "delete" and file is not None:
-        scope.report(
-            where, "bad-value", "file", "has no meaning with delete", "remove it"
-        )
-    substitutes = scope.boolean(element, "subst_value")
-    named = [(key, scope.text(element, key)) for key in ("ns", "param")]
+        scope.report("bad-value", "file", "has no meaning with delete", "remove it")
+    substitutes = scope.boolean("subst_value")
+    named = [(key, scope.text(key)) for key in ("ns", "param")]
     texts: tuple[NamedText, ...] = tuple((k, t) for k, t in named if t is not None)
     yaml = None
     if verb == "load":
-        yaml = _yaml(element, file, scope)
+        yaml = _yaml(file, scope)
         if yaml is not None and substitutes:
             yaml = scope.resolved(yaml.raw, yaml.location)
     return Rosparam(
-        place=scope.place(element),
+        place=scope.place,
         command=cast("Literal['load', 'delete', 'dump']", verb),
         namespace=_rosparam_namespace(texts, scope),
         file=file,
@@ -163,11 +152,13 @@ def _rosparam_namespace(texts: tuple[NamedText, ...], scope: Scope) -> str | Non
     return full if full is None or full == "/" else grammar.canonical(full)
 
 
-def _yaml(element: Element, file: Text | None, scope: Scope) -> Text | None:
+def _yaml(file: Text | None, scope: Scope) -> Text | None:
     """Return the YAML that is loaded, as it stands."""
     if file is None:
-        parts = [n.nodeValue or "" for n in element.childNodes if n.nodeValue]
-        where = SourceLocation(scope.file, scope.context.text_line(scope.file, element))
+        parts = [n.nodeValue or "" for n in scope.element.childNodes if n.nodeValue]
+        where = SourceLocation(
+            scope.file, scope.context.text_line(scope.file, scope.element)
+        )
         raw = "".join(parts)
         return Text(raw=raw, resolved=raw, location=where)
     if file.resolved is None:
@@ -179,23 +170,23 @@ def _yaml(element: Element, file: Text | None, scope: Scope) -> Text | None:
     try:
         raw = read_limited(path).decode("utf-8")
     except (DescriptionError, UnicodeDecodeError) as error:
-        scope.report(file.location, "unreadable-file", str(path), str(error))
+        scope.report("unreadable-file", str(path), str(error))
         return None
     if not scope.context.spend("characters", len(raw)):
         return None
     return Text(raw=raw, resolved=raw, location=SourceLocation(path, 1))
 
 
-def read_node(element: Element, scope: Scope) -> Node:
+def read_node(scope: Scope) -> Node:
     """Return a ``<node>`` or ``<test>`` with all that holds for it."""
-    is_test = element.tagName == "test"
-    has_name = element.hasAttribute("name") or not is_test
-    name = scope.required(element, "name" if has_name else "test-name")
-    outer = scope.namespace_of(element)
+    is_test = scope.tag == "test"
+    has_name = scope.element.hasAttribute("name") or not is_test
+    name = scope.required("name" if has_name else "test-name")
+    outer = scope.inner_namespace()
     own = None
     if name.resolved and outer is not None:
         own = grammar.as_namespace(grammar.join(outer, name.resolved))
-    _check_node(element, name, scope)
+    _check_node(name, scope)
     inside = replace(
         scope,
         namespace=own,
@@ -205,33 +196,29 @@ def read_node(element: Element, scope: Scope) -> Node:
     )
     parameters: list[Parameter] = []
     rosparams: list[Rosparam] = []
-    for child in children(element):
-        if child.tagName not in grammar.CHILDREN["node"]:
-            continue
-        at = inside.at(child)
-        grammar.check(child, scope.locate(child), scope.findings.append)
-        if child.tagName == "param" and (parameter := _param(child, at)):
+    for at in inside.children():
+        if at.tag == "param" and (parameter := _param(at)):
             parameters.append(_in_node(parameter, own))
-        elif child.tagName == "rosparam" and (rosparam := read_rosparam(child, at)):
+        elif at.tag == "rosparam" and (rosparam := read_rosparam(at)):
             rosparams.append(rosparam)
-        elif child.tagName == "remap":
-            read_statement(child, at)
-        elif child.tagName == "env":
-            inside.environment.append(read_statement(child, at))
-    package = scope.required(element, "pkg")
+        elif at.tag == "remap":
+            read_statement(at)
+        elif at.tag == "env":
+            inside.environment.append(read_statement(at))
+    package = scope.required("pkg")
     _check_package(package, scope)
-    args = scope.text(element, "args")
-    keys = [key for key, _ in element.attributes.items() if key not in _NODE_KEYS]
+    args = scope.text("args")
+    keys = [key for key, _ in scope.element.attributes.items() if key not in _NODE_KEYS]
     return Node(
-        place=replace(scope.place(element), namespace=outer),
+        place=replace(scope.place, namespace=outer),
         is_test=is_test,
         package=package,
-        type=scope.required(element, "type"),
+        type=scope.required("type"),
         name=name,
         full_name=None if own is None else own.removesuffix("/"),
         args=args,
         words=() if args is None else scope.words(args),
-        settings=tuple((key, scope.required(element, key)) for key in keys),
+        settings=tuple((key, scope.required(key)) for key in keys),
         parameters=(*(_in_node(p, own) for p in scope.private), *parameters),
         rosparams=tuple(rosparams),
         remaps=tuple(inside.remaps),
@@ -251,7 +238,6 @@ def _check_package(package: Text, scope: Scope) -> None:
         if near is None and not packages.has_ros:
             return  # without ROS no package of ROS is found
         scope.report(
-            package.location,
             "missing-package",
             name,
             "is a package that is not found here, and roslaunch cannot start its node"
@@ -261,12 +247,10 @@ def _check_package(package: Text, scope: Scope) -> None:
         )
 
 
-def _check_node(element: Element, name: Text, scope: Scope) -> None:
+def _check_node(name: Text, scope: Scope) -> None:
     """Report what roslaunch refuses in a node."""
-    where = scope.locate(element)
     if name.resolved is not None and "/" in name.resolved:
         scope.report(
-            where,
             "bad-name",
             name.resolved,
             "is a node's name with a namespace in it: roslaunch stops here",
@@ -274,42 +258,42 @@ def _check_node(element: Element, name: Text, scope: Scope) -> None:
         )
     elif name.resolved is not None and not grammar.is_legal(name.resolved):
         scope.report(
-            where,
             "bad-name",
             name.resolved,
             "is no name that ROS accepts for a node",
             "use letters, digits and underscores, a letter first",
         )
-    respawn, required = (scope.boolean(element, k) for k in ("respawn", "required"))
+    respawn, required = (scope.boolean(k) for k in ("respawn", "required"))
     if respawn and required:
         scope.report(
-            where,
             "bad-value",
             "respawn",
             "and required are both true: roslaunch stops here",
             "remove one of them",
         )
     for key, valid in (("output", ("log", "screen")), ("cwd", ("ROS_HOME", "node"))):
-        text = scope.text(element, key)
+        text = scope.text(key)
         word = None if text is None else text.resolved
         if word is not None and word.lower() not in [v.lower() for v in valid]:
             scope.report(
-                where, "bad-value", key, f"must be {' or '.join(valid)}, not '{word}'"
+                "bad-value", key, f"must be {' or '.join(valid)}, not '{word}'"
             )
 
 
-def read_statement(element: Element, scope: Scope) -> Statement:
+def read_statement(scope: Scope) -> Statement:
     """Return a ``<remap>``, ``<env>`` or ``<machine>``.
 
     A remap holds in the scope from now on, instead of one from the same name.
     """
-    kind = cast("Literal['remap', 'env', 'machine']", element.tagName)
-    given = [key for key, _ in element.attributes.items() if key not in _CONDITIONS]
+    kind = cast("Literal['remap', 'env', 'machine']", scope.tag)
+    given = [
+        key for key, _ in scope.element.attributes.items() if key not in _CONDITIONS
+    ]
     keys = {"remap": ("from", "to"), "env": ("name", "value")}.get(kind, given)
     statement = Statement(
         kind=kind,
-        place=scope.place(element),
-        texts=tuple((key, scope.required(element, key)) for key in keys),
+        place=scope.place,
+        texts=tuple((key, scope.required(key)) for key in keys),
     )
     if kind == "remap":
         for key, text in statement.texts:
@@ -318,7 +302,7 @@ def read_statement(element: Element, scope: Scope) -> Statement:
                 name and grammar.is_legal(grammar.canonical(name))
             ):
                 message = f"'{name}' is no name that ROS accepts"
-                scope.report(text.location, "bad-name", key, message)
+                scope.report("bad-name", key, message)
         if scope.holds is not False:
             name = statement.subject.resolved
             others = [r for r in scope.remaps if r.subject.resolved != name]

@@ -11,7 +11,7 @@ from typing import Final, final
 from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.launch.load_context import parse_limited
 from tool0.lint.launch.model import LaunchFile, Parameter, Text
-from tool0.lint.launch.substitution import SubstitutionContext, resolve
+from tool0.lint.launch.substitution import Substitution
 from tool0.lint.packages import PackageIndex
 from tool0.lint.robot.elements import Tag
 
@@ -26,7 +26,6 @@ _PROPERTY = re.compile(r"\$\{\s*(\w+)\s*\}")
 class XacroCall:
     """A ``xacro FILE name:=value …`` of a parameter."""
 
-    parameter: Parameter
     file: Path | None
     args: Mapping[str, str]
     """As they are given."""
@@ -89,34 +88,26 @@ def xacro_call(parameter: Parameter) -> XacroCall | None:
         name: tuple(dict.fromkeys(_ARGUMENT.findall(value)))
         for name, value in _GIVEN.findall(raw)
     }
-    return XacroCall(
-        parameter=parameter,
-        file=Path(files[0]) if files else None,
-        args=given,
-        uses=uses,
-    )
+    return XacroCall(file=Path(files[0]) if files else None, args=given, uses=uses)
 
 
 def xacro_robots(
     launch: LaunchFile, packages: PackageIndex
 ) -> dict[Parameter, XacroFile]:
     """Return what every parameter that calls xacro has it read."""
-    return {
-        parameter: xacro_files(call, packages)
-        for parameter in launch.parameters(active_only=False)
-        if (call := xacro_call(parameter)) is not None
-    }
-
-
-def xacro_files(call: XacroCall, packages: PackageIndex) -> XacroFile:
-    """Return the file that a call loads, with all that it includes."""
-    where = call.parameter.place.location
-    if call.file is None:
-        reason = call.parameter.content.reason or "no file is named"
-        written = call.parameter.content.raw
-        return XacroFile(file=None, written=written, location=where, reason=reason)
-    reader = _XacroReader(packages, call.args)
-    return reader.read(call.file.absolute(), str(call.file), where)
+    found = {}
+    for parameter in launch.parameters(active_only=False):
+        call, content = xacro_call(parameter), parameter.content
+        where = parameter.place.location
+        if call is not None and call.file is not None:
+            file, reader = call.file, _XacroReader(packages, call.args)
+            found[parameter] = reader.read(file.absolute(), str(file), where)
+        elif call is not None:
+            reason = content.reason or "no file is named"
+            found[parameter] = XacroFile(
+                file=None, written=content.raw, location=where, reason=reason
+            )
+    return found
 
 
 @final
@@ -188,14 +179,15 @@ class _XacroReader:
 
     def _resolve(self, raw: str, file: Path) -> Text:
         raw = _PROPERTY.sub(lambda m: self._properties.get(m[1], m[0]), raw[:10_000])
-        around = SubstitutionContext(
+        work = Substitution(
             file=file,
+            location=SourceLocation(file),
             values=self._values,
-            declared=frozenset(self._values),
+            declared=self._values,
             packages=self._packages,
             anonymous=str,
         )
-        return resolve(raw, SourceLocation(file), around)[0]
+        return work.resolve(raw)
 
 
 def _uses(tag: Tag) -> Iterator[XacroUse]:
