@@ -12,7 +12,7 @@ from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
 from tool0.lint.launch_file import ParsedLaunch
 from tool0.lint.package_file import judge_missing_package, package_findings
-from tool0.lint.packages import PackageIndex, packages_around
+from tool0.lint.packages import PackageIndex, Packages, packages_around
 from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.resource_limits import run_limited
 from tool0.lint.robot.facts import RobotFacts
@@ -100,12 +100,7 @@ class _Check:
     # --- kinds of files ---
 
     def _launch_files(self) -> None:
-        read: dict[Path, ParsedLaunch] = {}
-        for source in self._sources.of(FileKind.LAUNCH):
-            path = source.path
-            answer = self._try(path, launch_file.read_launch_file, path, self._packages)
-            if answer is not None:
-                read[path] = answer
+        read = self._read_all(FileKind.LAUNCH, launch_file.read_launch_file)
         included = {path for answer in read.values() for path in answer.included}
         for path, answer in read.items():
             named = any(s.path == path and s.was_named for s in self._sources.files)
@@ -131,13 +126,8 @@ class _Check:
         self._apply(path, launch_file.control_findings, read, facts)
 
     def _xacro_files(self) -> None:
-        read: dict[Path, XacroSource] = {}
-        for source in self._sources.of(FileKind.XACRO):
-            path = source.path
-            answer = self._try(path, read_xacro_source, path, self._packages)
-            if answer is not None:
-                self._findings += answer.findings
-                read[path] = answer
+        read = self._read_all(FileKind.XACRO, read_xacro_source)
+        self._findings += [found for item in read.values() for found in item.findings]
         parts = {path for answer in read.values() for path in answer.includes}
         for path, answer in read.items():
             if answer.makes_a_robot and path.resolve() not in parts | self._loaded:
@@ -201,6 +191,14 @@ class _Check:
             self._apply(file, package_findings, file, files, self._packages)
 
     # --- parts ---
+
+    def _read_all(
+        self, kind: FileKind, reader: Callable[[Path, Packages], R]
+    ) -> dict[Path, R]:
+        """Return what ``reader`` makes of the files that it can read."""
+        paths = [source.path for source in self._sources.of(kind)]
+        read = {path: self._try(path, reader, path, self._packages) for path in paths}
+        return {path: item for path, item in read.items() if item is not None}
 
     def _read_robot(
         self, file: Path, args: Mapping[str, str] | None, *, spawned: bool = False

@@ -16,10 +16,9 @@ from tool0.description.urdf import read_model
 from tool0.description.xml_source import LocatedElement, parse_file
 from tool0.errors import Tool0Error
 from tool0.lint.packages import PackageIndex, Packages
-from tool0.lint.robot import bodies, gazebo, joints, xacro_source
+from tool0.lint.robot import gazebo, joints, masses, xacro_source
 from tool0.lint.robot.elements import Tag
 from tool0.lint.robot.facts import Robot, RobotFacts, facts_of
-from tool0.lint.robot.inertias import inertia_findings
 from tool0.lint.robot.meshes import mesh_findings
 from tool0.lint.robot.transmissions import transmission_findings
 from tool0.lint.robot.tree import tree_findings
@@ -31,13 +30,13 @@ _ROBOT_RULES = (
     tree_findings,
     joints.joint_findings,
     joints.value_findings,
-    inertia_findings,
+    masses.inertia_findings,
     transmission_findings,
     gazebo.plugin_findings,
     gazebo.extension_findings,
     joints.mimic_findings,
     gazebo.follower_findings,
-    bodies.effort_findings,
+    masses.effort_findings,
     mesh_findings,
 )
 _XACRO_RULES = (
