@@ -96,13 +96,7 @@ PUBLISHED = yaml.safe_load(
     [
         ("update_rate", "update_rat", 3, "unread-key", "'update_rate'"),
         ("TrajectoryController", "TrajectoryControler", 7, "unknown-type", "did you"),
-        (
-            "joint_trajectory_controller/",
-            "effort_controllers/",
-            7,
-            "unknown-type",
-            "of ROS 1",
-        ),
+        ("joint_trajectory_", "effort_", 7, "unknown-type", "effort_controller/"),
         ("gripper:\n  ros", "griper:\n  ros", 18, "no-controller", "'gripper'"),
         ("arm:\n  ros__p", "arm:\n  ros_p", 11, "no-ros-parameters", "ros__parameters"),
         ("    joints: [elbow_joint, wrist_1_joint]\n", "", 10, "missing-key", "joints"),
@@ -112,13 +106,7 @@ PUBLISHED = yaml.safe_load(
         ("elbow_joint,", "idle,", 12, "no-transmission", "<ros2_control>"),
         ("[position]", "[effort]", 13, "missing-gains", "closes the loop"),
         ("[position]", "[velocity]", 12, "interface-mismatch", "offers position"),
-        (
-            "    constraints:",
-            "    max_effort: 1\n    constraints:",
-            15,
-            "misplaced-key",
-            "",
-        ),
+        ("    constr", "    max_effort: 1\n    constr", 15, "misplaced-key", ""),
     ],
 )
 def test_what_is_wrong_is_named_where_it_stands(
