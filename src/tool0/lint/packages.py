@@ -167,28 +167,17 @@ def _is_package(folder: Path) -> bool:
 def _below(root: Path, depth: int) -> Iterator[Path]:
     """Yield the packages at most ``depth`` levels below ``root``."""
     seen: set[str] = set()
-    level = [root]
-    for _ in range(depth):
-        folders = [inner for folder in level for inner in _folders(folder)]
-        level = []
-        for folder in folders:
-            real = os.path.realpath(folder)
-            if real in seen or len(seen) > _MAX_FOLDERS:
-                continue
-            seen.add(real)
-            if _is_package(folder):
-                yield folder  # packages do not nest
-            else:
-                level.append(folder)
-
-
-def _folders(folder: Path) -> list[Path]:
-    try:
-        with os.scandir(folder) as entries:
-            found = [e.name for e in entries if e.name[0] != "." and e.is_dir()]
-    except OSError:
-        return []
-    return [folder / name for name in sorted(found)]
+    for name, folders, files in os.walk(root, followlinks=True):
+        folder, real = Path(name), os.path.realpath(name)
+        level = len(folder.parts) - len(root.parts)
+        is_new = real not in seen and len(seen) <= _MAX_FOLDERS
+        is_package = level > 0 and "package.xml" in files
+        seen.add(real)
+        if is_new and is_package:
+            yield folder
+        is_end = is_package or level >= depth or not is_new  # packages do not nest
+        names = sorted(name for name in folders if name[0] != ".")
+        folders[:] = [] if is_end else names
 
 
 def _name(folder: Path) -> str:
