@@ -16,7 +16,7 @@ from tool0.cli.pick_demo.picker import Picker, PickFailure, PickOptions
 from tool0.cli.pick_demo.trials import TABLE, DemoReport, random_poses, run_trials
 from tool0.description.forward_kinematics import link_poses
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
-from tool0.sensing.pads import pad_links
+from tool0.sensing.grasp import pad_links
 
 Shape = Box | Cylinder
 

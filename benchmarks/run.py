@@ -10,9 +10,20 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from benchmarks import gazebo, golden, grasping, grip, panel, process, rest, ros1, tick
-from tool0.installation.gazebo.readiness import readiness
-from tool0.installation.ros1.readiness import readiness as ros1_readiness
+from benchmarks import (
+    gazebo,
+    golden,
+    grasping,
+    grip,
+    panel,
+    process,
+    rest,
+    ros1,
+    streams,
+    tick,
+)
+from tool0.installation.gazebo.status import gazebo_status
+from tool0.installation.ros1.status import ros1_status
 
 
 @dataclass(frozen=True)
@@ -59,11 +70,15 @@ def figures() -> Iterator[Figure]:
     held = grasping.two_kilograms()
     yield Figure("mujoco: slip of 2 kg held at 235 N, linkage [mm]", held, 0.1, 0.05)
     yield from _panel_figures()
-    if (why := ros1_readiness().why_not(["rospy", "roscore"])) is None:
+    for readers, rate in ((1, 125.0), (5, 125.0), (1, 500.0), (5, 500.0)):
+        ratio = streams.tick_cost_ratio(readers, rate)
+        name = f"tick's CPU, {readers} readers at {rate:g} Hz ÷ none"
+        yield Figure(name, ratio, 1.3, 1.05)
+    if (why := ros1_status().why_not(["rospy", "roscore"])) is None:
         yield from _ros1_figures()
     else:
         print(f"no ROS 1 can run here, so none is measured: {why}")
-    found = readiness()
+    found = gazebo_status()
     if found.can_run:
         yield from _gazebo_figures()
     else:

@@ -14,6 +14,7 @@ from served import use_folder
 from ur5_rig import ARM, AWAY, GRIPPER, HOME, POST, point, positions, worst_departure
 
 import tool0
+from tool0.api.controller import ControllerHandle
 from tool0.control.goal import GoalStatus
 from tool0.errors import (
     ClaimError,
@@ -24,7 +25,6 @@ from tool0.errors import (
     ModelError,
     TransportError,
 )
-from tool0.api.controller import ControllerHandle
 
 NAN = math.nan
 INVALID_GOAL = GoalRejectedError.INVALID_GOAL

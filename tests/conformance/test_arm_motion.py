@@ -9,9 +9,9 @@ from conformance_types import BringUp
 from ur5_rig import ARM_JOINTS, HOME
 
 import tool0
-from tool0.description.transform import Pose, Transform, to_transform
 from tool0.api.arm import Arm
 from tool0.api.controller import GoalHandle
+from tool0.description.transform import Pose, Transform, to_transform
 
 CELL = Path(__file__).parents[2] / "examples" / "cell"
 DOWN = (np.pi, 0.0, 0.0)

@@ -26,8 +26,8 @@ from tool0.errors import (
 )
 from tool0.hardware.engine import ObjectState
 from tool0.sensing.cameras import CameraImage
+from tool0.sensing.force_torque import WrenchReading
 from tool0.sensing.grasp import GraspState
-from tool0.sensing.force_torque_sensor import WrenchReading
 
 ARM = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
 SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)

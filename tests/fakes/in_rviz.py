@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ros import Ros
 from screen import Pixels, Screen
 
-from tool0.installation.ros1.child import Child
+from tool0.installation.child_process import ChildProcess
 
 Mask = NDArray[np.bool_]
 
@@ -50,7 +50,7 @@ def start_rviz(
     size: tuple[int, int],
     has_panel: bool = False,
     distance: float = 1.8,
-) -> Child:
+) -> ChildProcess:
     """Start RViz on the screen, as large as that; it keeps its settings in ``home``."""
     file = home / "tool0.rviz"
     width, height = size

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from tool0.description.shapes import Box, Geometry
-from tool0.description.transform import Pose
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.shapes import Box, Geometry
+from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.hardware.engine import ObjectState
 

@@ -32,6 +32,14 @@ class Watch:
         return True
 
 
+def has_ended(pid: int, timeout: float) -> bool:
+    """Wait at most `timeout` [wall s]; return whether the process does not run."""
+    try:
+        return Watch([pid]).all_ended(timeout)
+    except ProcessLookupError:
+        return True
+
+
 def program(pid: int) -> str:
     """Return the name of the program that the process runs."""
     return Path(f"/proc/{pid}/exe").resolve().name
@@ -41,6 +49,12 @@ def children(pid: int) -> list[int]:
     """Return the processes that the process started and that still run."""
     lists = Path(f"/proc/{pid}/task").glob("*/children")
     return [int(child) for file in lists for child in file.read_text().split()]
+
+
+def descendants(pid: int) -> list[int]:
+    """Return the processes that the process and its descendants started."""
+    found = children(pid)
+    return found + [other for child in found for other in descendants(child)]
 
 
 def listening(pid: int) -> dict[str, set[str]]:

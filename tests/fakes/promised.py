@@ -10,9 +10,9 @@ import pytest
 
 from tool0.engines.mujoco.gl import make_context
 from tool0.errors import RenderError
-from tool0.installation.gazebo.readiness import readiness
-from tool0.installation.ros1.packages import wanted
-from tool0.installation.ros1.readiness import readiness as readiness_of_ros
+from tool0.installation.gazebo.status import gazebo_status
+from tool0.installation.ros1.packages import required_components
+from tool0.installation.ros1.status import ros1_status
 
 
 def absent(part: str, why: str) -> NoReturn:
@@ -27,7 +27,7 @@ def absent(part: str, why: str) -> NoReturn:
 
 def require_engine(name: str) -> None:
     """Skip visibly, or fail if this run promised it, if there is no Gazebo for it."""
-    if name == "gazebo" and not (found := readiness()).can_run:
+    if name == "gazebo" and not (found := gazebo_status()).can_run:
         absent(name, f"no Gazebo can run here ({'; '.join(found.missing)})")
 
 
@@ -42,6 +42,6 @@ def require_gl() -> None:
 
 def require_ros(*, rviz: bool = False) -> None:
     """Skip visibly, or fail if this run promised it, if ROS 1 is not all here."""
-    why = readiness_of_ros().why_not(part.name for part in wanted(rviz=rviz))
+    why = ros1_status().why_not(part.name for part in required_components(rviz=rviz))
     if why is not None:
         absent("ros1", f"not all of ROS 1 is here ({why})")

@@ -11,14 +11,14 @@ from promised import absent
 
 import tool0
 from tool0.engines.gazebo.engine import GazeboEngine
-from tool0.installation.gazebo.installation import Installation, find_installation
-from tool0.installation.gazebo.readiness import readiness
+from tool0.installation.gazebo.installation import GazeboInstallation, find_installation
+from tool0.installation.gazebo.status import gazebo_status
 
 
 @pytest.fixture(scope="session", autouse=True)
-def gazebo() -> Installation:
+def gazebo() -> GazeboInstallation:
     """Name the Gazebo under test."""
-    found = readiness()
+    found = gazebo_status()
     if not found.can_run:
         absent("gazebo", f"no Gazebo can run here ({'; '.join(found.missing)})")
     return find_installation()

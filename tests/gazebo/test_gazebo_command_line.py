@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from in_gazebo import PATIENCE
-from processes import Watch, children, program
+from processes import Watch, descendants, program
 from served import use_folder
 
 from tool0.cli import FAILED, OK, main
@@ -36,7 +36,7 @@ class Bringup:
             if line.startswith("Ctrl-C"):
                 break
         self.server = next(
-            pid for pid in children(self.process.pid) if "gzserver" in program(pid)
+            pid for pid in descendants(self.process.pid) if "gzserver" in program(pid)
         )
 
     def end(self) -> tuple[int, str, str]:

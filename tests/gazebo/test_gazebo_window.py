@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from in_gazebo import PATIENCE, BringUp, gazebo_with, process_with_a_robot
-from processes import Watch, children, program
+from processes import Watch, descendants, program
 from promised import absent
 from screen import Pixels, Screen, find_xvfb
 
 import tool0
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.installation import Installation
+from tool0.installation.gazebo.installation import GazeboInstallation
 from tool0.user_data import cache_folder
 
 GROUND, SKY = 224, 178
@@ -25,7 +25,7 @@ GROUND, SKY = 224, 178
 
 @pytest.fixture(autouse=True)
 def client(
-    gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    gazebo: GazeboInstallation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """See that there is a window to open; it keeps its settings in the test's HOME."""
     if gazebo.client is None:
@@ -114,8 +114,8 @@ def test_closing_the_window_leaves_the_robot_running(
 def test_it_ends_with_a_process_that_is_killed(screen: Screen) -> None:
     with process_with_a_robot("gui") as (ours, _):
         assert screen.wait_for(lambda pixels: bool(pixels.any()), PATIENCE) is not None
-        theirs = children(ours.pid)
-        assert {program(pid)[:8] for pid in theirs} == {"gzserver", "gzclient"}
+        theirs = descendants(ours.pid)
+        assert {program(pid)[:8] for pid in theirs} >= {"gzserver", "gzclient"}
         watch = Watch(theirs)
         ours.send_signal(signal.SIGKILL)
     assert watch.all_ended(PATIENCE)
@@ -123,8 +123,9 @@ def test_it_ends_with_a_process_that_is_killed(screen: Screen) -> None:
 
 def test_without_a_display_it_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DISPLAY", raising=False)
-    with pytest.raises(EngineUnavailableError, match="DISPLAY is not set"):
+    with pytest.raises(EngineUnavailableError) as error:
         tool0.bringup(simulation=gazebo_with(gui=True))
+    assert "DISPLAY" in str(error.value)
 
 
 def test_a_window_that_crashes_is_reported(

@@ -1,4 +1,4 @@
-"""``tool0 ros1 install`` and ``status``: what is said and done, machine by machine."""
+"""``tool0 ros1 install`` and ``status``: output and commands, machine by machine."""
 
 import json
 import os
@@ -8,13 +8,18 @@ import sys
 from pathlib import Path
 
 import pytest
+from machine import add_program
 from promised import require_ros
 
 from tool0.cli import FAILED, OK, main
-from tool0.installation.ros1 import readiness
-from tool0.installation.ros1.apt import not_installed
-from tool0.installation.ros1.distribution import PYTHON
-from tool0.installation.ros1.packages import PARTS, Part, wanted
+from tool0.installation.ros1 import status
+from tool0.installation.ros1.install import PYTHON_OF_RELEASE, not_installed
+from tool0.installation.ros1.library import is_of_distribution
+from tool0.installation.ros1.packages import (
+    COMPONENTS,
+    RosComponent,
+    required_components,
+)
 
 Capture = pytest.CaptureFixture[str]
 
@@ -50,7 +55,7 @@ class Machine:
         for name in ("ROS_DISTRO", "ROS_VERSION"):
             patch.delenv(name, raising=False)
         self.runs("bookworm")
-        patch.setitem(PYTHON, "bookworm", OURS)
+        patch.setitem(PYTHON_OF_RELEASE, "bookworm", OURS)
         self.has("dpkg-query", NOTHING_INSTALLED)
         self.has("apt-get", APT)
         self.has("sudo", "exit 1")
@@ -62,9 +67,7 @@ class Machine:
         )
 
     def has(self, program: str, script: str) -> None:
-        file = self._programs / program
-        file.write_text(f"#!/bin/sh\n{script}\n")
-        file.chmod(0o755)
+        add_program(self._programs / program, script)
 
     def is_root(self, it_is: bool) -> None:
         self._patch.setattr(os, "geteuid", lambda: 0 if it_is else 1000)
@@ -101,7 +104,7 @@ def test_a_dry_run_prints_the_command(machine: Machine, capsys: Capture) -> None
 
 
 def test_only_what_is_missing_is_installed(machine: Machine, capsys: Capture) -> None:
-    names = [name for part in wanted(rviz=False) for name in part.debian]
+    names = [name for part in required_components(rviz=False) for name in part.debian]
     rows = "".join(f"echo {name} installed\n" for name in names[1:])
     machine.has("dpkg-query", f"echo {names[0]} config-files\n{rows}exit 0")
     assert main(["ros1", "install", "--dry-run"]) == OK
@@ -111,12 +114,14 @@ def test_only_what_is_missing_is_installed(machine: Machine, capsys: Capture) ->
     assert "nothing to do: Debian 12 has what is needed" in capsys.readouterr().out
 
 
-def test_it_installs_and_says_how_far_it_is(machine: Machine, capsys: Capture) -> None:
+def test_it_installs_and_prints_its_progress(machine: Machine, capsys: Capture) -> None:
     assert main(["ros1", "install"]) == OK
-    said = capsys.readouterr()
-    assert said.out.startswith("installing ROS 1 by apt, from Debian 12: python3-rospy")
-    assert said.out.splitlines()[-1].startswith("ready: tool0 bringup --ros1")
-    assert said.err.splitlines()[-2:] == ["downloading", "installing"]
+    output = capsys.readouterr()
+    assert output.out.startswith(
+        "installing ROS 1 by apt, from Debian 12: python3-rospy"
+    )
+    assert output.out.splitlines()[-1].startswith("ready: tool0 bringup --ros1")
+    assert output.err.splitlines()[-2:] == ["downloading", "installing"]
     update, install = machine.asked
     assert update.endswith("update")
     assert "--no-install-recommends" in install
@@ -134,30 +139,33 @@ def test_without_root_or_sudo_it_prints_the_command(
     machine: Machine, capsys: Capture
 ) -> None:
     machine.is_root(False)
-    said = refusal(capsys)
-    assert "needs root" in said
-    assert "sudo apt-get install --yes --no-install-recommends" in said
-    assert "python3-rospy" in said
+    output = refusal(capsys)
+    assert "needs root" in output
+    assert "sudo apt-get install --yes --no-install-recommends" in output
+    assert "python3-rospy" in output
 
 
 @pytest.mark.parametrize(
     ("script", "cause"),
     [
-        ("echo 'Err:1 x: Temporary failure resolving h'; exit 100", "is there a net"),
+        ("echo 'Err:1 x: Temporary failure resolving h'; exit 100", "http_proxy"),
         ("echo 'E: Unable to locate package rviz'; exit 100", "`universe`"),
-        ("echo 'E: You do not have enough free space'; exit 100", "disk is full"),
-        ("echo 'E: Could not get lock /var/lib/dpkg/lock'; exit 100", "wait for it"),
-        ("echo 'E: whatever'; exit 77", "ended with status 77"),
+        ("echo 'E: You do not have enough free space'; exit 100", "1 GB"),
+        (
+            "echo 'E: Could not get lock /var/lib/dpkg/lock'; exit 100",
+            "another program",
+        ),
+        ("echo 'E: whatever'; exit 77", "status 77"),
     ],
 )
 def test_failures_of_apt_are_explained(
     script: str, cause: str, machine: Machine, capsys: Capture
 ) -> None:
     machine.has("apt-get", script)
-    said = refusal(capsys)
-    assert cause in said
-    assert script.split("'")[1] in said
-    assert "apt-get install --yes" in said
+    output = refusal(capsys)
+    assert cause in output
+    assert script.split("'")[1] in output
+    assert "apt-get install --yes" in output
 
 
 def test_lists_that_could_not_be_fetched_explain_what_is_not_found(
@@ -168,32 +176,32 @@ def test_lists_that_could_not_be_fetched_explain_what_is_not_found(
         "case $* in *update) echo 'W: Failed to fetch x  Could not resolve h';; "
         "*) echo 'E: Unable to locate package rviz'; exit 100;; esac",
     )
-    assert "is there a network" in refusal(capsys)
+    assert "http_proxy" in refusal(capsys)
 
 
 @pytest.mark.parametrize(
     ("release", "remedy"),
     [("noble", "RoboStack"), ("arch", "RoboStack"), ("focal", "setup.bash")],
 )
-def test_a_distribution_without_ros_1_is_told_the_ways_left(
+def test_a_distribution_without_ros_1_has_alternatives(
     release: str, remedy: str, machine: Machine, capsys: Capture
 ) -> None:
     machine.runs(release)
-    said = refusal(capsys)
-    assert RELEASES[release]["PRETTY_NAME"] in said
-    assert remedy in said
+    output = refusal(capsys)
+    assert RELEASES[release]["PRETTY_NAME"] in output
+    assert remedy in output
 
 
 def test_a_derivative_is_what_it_is_built_on(
     machine: Machine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     machine.runs("mint")
-    monkeypatch.setitem(PYTHON, "jammy", OURS)
+    monkeypatch.setitem(PYTHON_OF_RELEASE, "jammy", OURS)
     assert main(["ros1", "install", "--dry-run"]) == OK
-    monkeypatch.setitem(PYTHON, "jammy", "3.1")
-    said = refusal(capsys)
-    assert f"Linux Mint 21 are for Python 3.1, and this is Python {OURS}" in said
-    assert "PYTHON=/usr/bin/python3" in said
+    monkeypatch.setitem(PYTHON_OF_RELEASE, "jammy", "3.1")
+    output = refusal(capsys)
+    assert f"Linux Mint 21 are for Python 3.1, and this is Python {OURS}" in output
+    assert "PYTHON=/usr/bin/python3" in output
 
 
 def test_without_apt_it_names_the_packages(machine: Machine, capsys: Capture) -> None:
@@ -210,7 +218,7 @@ MODULE = "def get_master_uri(): return 'http://127.0.0.1:1'\n"
 """Enough of rosgraph to find that there is no master."""
 
 
-def sourced(prefix: Path, parts: tuple[Part, ...]) -> dict[str, str]:
+def sourced(prefix: Path, parts: tuple[RosComponent, ...]) -> dict[str, str]:
     """Return the environment of a Noetic with these parts, made in a folder."""
     modules = prefix / "lib" / "python3" / "dist-packages"
     for part in parts:
@@ -248,7 +256,7 @@ def tool0(
 
 
 def test_beside_a_sourced_ros_there_is_nothing_to_do(tmp_path: Path) -> None:
-    environment = sourced(tmp_path, PARTS)
+    environment = sourced(tmp_path, COMPONENTS)
     answer = tool0(environment, "install", "--rviz")
     assert answer.returncode == OK, answer.stderr
     assert answer.stdout.startswith("nothing to do: ROS noetic")
@@ -261,7 +269,8 @@ def test_beside_a_sourced_ros_there_is_nothing_to_do(tmp_path: Path) -> None:
 
 def test_what_a_sourced_ros_lacks_is_named(tmp_path: Path) -> None:
     environment = sourced(
-        tmp_path, tuple(part for part in PARTS if part.name != "robot_state_publisher")
+        tmp_path,
+        tuple(part for part in COMPONENTS if part.name != "robot_state_publisher"),
     )
     answer = tool0(environment, "install")
     assert answer.returncode == FAILED
@@ -275,7 +284,7 @@ def test_what_a_sourced_ros_lacks_is_named(tmp_path: Path) -> None:
 def test_each_kind_of_ros_has_its_own_installer(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    (rviz,) = (part for part in PARTS if part.name == "rviz")
+    (rviz,) = (part for part in COMPONENTS if part.name == "rviz")
     monkeypatch.setenv("ROS_DISTRO", "noetic")
     for kind, prefix, command in (
         ("ROS noetic", Path("/opt/ros/noetic"), "sudo apt-get install ros-noetic-rviz"),
@@ -285,14 +294,14 @@ def test_each_kind_of_ros_has_its_own_installer(
             "mamba install -c conda-forge -c robostack-noetic ros-noetic-rviz",
         ),
     ):
-        monkeypatch.setattr(readiness, "whose", lambda kind=kind: kind)
+        monkeypatch.setattr(status, "ros_origin", lambda kind=kind: kind)
         monkeypatch.setattr(
-            readiness, "package_prefix", lambda name, prefix=prefix: prefix
+            status, "package_prefix", lambda name, prefix=prefix: prefix
         )
-        assert readiness.own_command([rviz]) == command
+        assert status.other_install_command([rviz]) == command
 
 
-def test_a_ros_that_is_named_but_not_found_is_told(
+def test_a_ros_that_is_named_but_not_found_is_reported(
     machine: Machine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROS_DISTRO", "noetic")
@@ -312,8 +321,8 @@ def test_with_everything_installed_the_status_is_good(
     require_ros(rviz=True)
     assert main(["ros1", "status"]) == OK
     assert "to do" not in capsys.readouterr().out
-    if readiness.whose() == "the distribution's":
-        assert not_installed(n for part in PARTS for n in part.debian) == ()
+    if is_of_distribution():
+        assert not_installed(n for part in COMPONENTS for n in part.debian) == ()
 
 
 def test_without_rospy_the_status_says_what_to_do(
@@ -325,4 +334,4 @@ def test_without_rospy_the_status_says_what_to_do(
     found = json.loads(capsys.readouterr().out)
     assert found["can_run"] is False
     assert "tool0 ros1 install" in found["remedies"][0]
-    assert readiness.readiness().why_not(["rospy"]) is not None
+    assert status.ros1_status().why_not(["rospy"]) is not None

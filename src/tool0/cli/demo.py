@@ -15,7 +15,7 @@ import tyro
 from tool0.cli import GOAL_FAILED, OK
 from tool0.cli.bringup import quiet_overruns
 from tool0.cli.options import PanelOptions
-from tool0.cli.progress import Progress
+from tool0.cli.progress import ProgressBar
 from tool0.cli.text import finite, panel_line
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
@@ -196,7 +196,7 @@ def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
     )
     if arguments.video is None:
         return report
-    with Progress() as progress:
+    with ProgressBar() as progress:
         recorder.write(arguments.video, robot, arguments.camera, progress)
     return replace(report, video=str(arguments.video))
 

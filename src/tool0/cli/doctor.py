@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from tool0.cli.installing import print_status
 from tool0.cli.parsing import parse
-from tool0.cli.readiness import tell
 
 
 def run(command: str, arguments: list[str]) -> int:
@@ -16,13 +16,13 @@ def run(command: str, arguments: list[str]) -> int:
 
 
 def doctor(*, format: Literal["text", "json"] = "text") -> int:
-    """Tell what this machine can run, and the command that installs what is missing.
+    """Print what this machine can run, and the command that installs what is missing.
 
     Status 1 if it cannot run `tool0 bringup`, that is the robot in MuJoCo.
 
     Args:
         format: For people or for programs.
     """
-    from tool0.installation.doctor.examination import examine
+    from tool0.installation.doctor.report import examine
 
-    return tell(examine(), format)
+    return print_status(examine(), format)

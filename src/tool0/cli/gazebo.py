@@ -5,22 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-import tyro
-
-from tool0.cli.progress import Progress
-from tool0.cli.readiness import OK, tell
+from tool0.cli.installing import OK, print_status, run_subcommand
+from tool0.cli.progress import ProgressBar
 
 
 def run(command: str, arguments: list[str]) -> int:
     """Run the command and return its exit status."""
-    status: int = tyro.extras.subcommand_cli_from_dict(
-        {"install": install, "status": status_of_gazebo, "uninstall": uninstall},
-        prog=f"tool0 {command}",
-        description="Get a Gazebo 11 to simulate with, see which would run, remove it.",
-        args=arguments,
-        config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
+    return run_subcommand(
+        command,
+        {"install": install, "status": status, "uninstall": uninstall},
+        arguments,
+        "Get a Gazebo 11 to simulate with, see which would run, remove it.",
     )
-    return status
 
 
 def install(
@@ -33,7 +29,7 @@ def install(
     """Get a Gazebo 11 ready to run: the system's, or a private one from Debian 11.
 
     The private one needs no root: apt fetches and verifies Debian's packages, which
-    are unpacked in your data folder.  An interrupted download goes on.
+    are unpacked in your data folder.  The next run resumes an interrupted download.
 
     Args:
         gui: Also what Gazebo's window and cameras draw with.
@@ -41,14 +37,18 @@ def install(
         mirror: Address of a Debian mirror, instead of those that apt here uses.
         keyring: Keys that sign Debian 11, instead of debian-archive-keyring's.
     """
-    from tool0.installation.gazebo.install import KEYRING, Wish, ready
+    from tool0.installation.gazebo.install import (
+        KEYRING,
+        GazeboOptions,
+        install_gazebo,
+    )
     from tool0.installation.gazebo.installation import NAMED_BY, find_installation
 
-    wish = Wish(
+    options = GazeboOptions(
         has_client=gui, is_private=private, mirror=mirror, keyring=keyring or KEYRING
     )
-    with Progress() as progress:
-        made = ready(wish, progress)
+    with ProgressBar() as progress:
+        made = install_gazebo(options, progress)
     print(f"ready: Gazebo {made.version} in {made.prefix or made.server.parent.parent}")
     if gui and made.client is None:
         print("it has no gzclient; --private makes a Gazebo that has")
@@ -57,21 +57,21 @@ def install(
     return OK
 
 
-def status_of_gazebo(*, format: Literal["text", "json"] = "text") -> int:
-    """Tell which Gazebo would run, and what is missing; status 1 if none can.
+def status(*, format: Literal["text", "json"] = "text") -> int:
+    """Print which Gazebo would run, and what is missing; status 1 if none can.
 
     Args:
         format: For people or for programs.
     """
-    from tool0.installation.gazebo.readiness import readiness
+    from tool0.installation.gazebo.status import gazebo_status
 
-    return tell(readiness(), format)
+    return print_status(gazebo_status(), format)
 
 
 def uninstall() -> int:
     """Remove the private Gazebo and what was compiled for any."""
-    from tool0.installation.gazebo.install import uninstall as remove
+    from tool0.installation.gazebo.install import uninstall_gazebo
 
-    freed = remove()
+    freed = uninstall_gazebo()
     print(f"removed: {freed / 1e6:.0f} MB are free again" if freed else "nothing to do")
     return OK

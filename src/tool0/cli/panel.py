@@ -47,7 +47,7 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     Returns:
         The thread that opens it; None if it is not opened.
     """
-    from tool0.interfaces.panel.desktop import has_desktop
+    from tool0.interfaces.panel.probes import has_desktop
 
     has_user = console.isatty() and has_desktop(os.environ, sys.platform)
     if not (options.open and has_user):

@@ -1,4 +1,4 @@
-"""How far a long command is, on standard error."""
+"""The progress of a long command, on standard error."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _BAR = 24
 
 
 @final
-class Progress:
+class ProgressBar:
     """A bar that is drawn over itself on a terminal; else a line for each activity."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
@@ -20,7 +20,7 @@ class Progress:
         self._shown = ""
         self._activity = ""
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> ProgressBar:
         """Return itself."""
         return self
 

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from typing import Literal
 
-import tyro
-
-from tool0.cli.progress import Progress
-from tool0.cli.readiness import OK, tell
+from tool0.cli.installing import OK, print_status, run_subcommand
+from tool0.cli.progress import ProgressBar
 
 
 def run(command: str, arguments: list[str]) -> int:
     """Run the command and return its exit status."""
-    status: int = tyro.extras.subcommand_cli_from_dict(
-        {"install": install, "status": status_of_ros, "env": env},
-        prog=f"tool0 {command}",
-        description="Get ROS 1 onto this machine, and see what of it is there.",
-        args=arguments,
-        config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
+    return run_subcommand(
+        command,
+        {"install": install, "status": status, "env": env},
+        arguments,
+        "Get ROS 1 onto this machine, and see what of it is there.",
     )
-    return status
 
 
 def install(*, rviz: bool = False, dry_run: bool = False) -> int:
@@ -32,42 +28,42 @@ def install(*, rviz: bool = False, dry_run: bool = False) -> int:
         rviz: Also RViz, and what it draws with.
         dry_run: Print the command, and do not run it.
     """
-    from tool0.installation.ros1.install import carry_out, plan
+    from tool0.installation.ros1.install import install_ros1, plan_install
 
-    found = plan(rviz=rviz)
-    if not found.packages:
-        print(f"nothing to do: {found.where} has what is needed of ROS 1")
+    plan = plan_install(rviz=rviz)
+    if not plan.packages:
+        print(f"nothing to do: {plan.target} has what is needed of ROS 1")
         return OK
     if dry_run:
-        print(found.command)
+        print(plan.command)
         return OK
-    names = " ".join(found.packages)
-    print(f"installing ROS 1 by apt, from {found.where}: {names}", flush=True)
-    with Progress() as progress:
-        carry_out(found, progress)
+    names = " ".join(plan.packages)
+    print(f"installing ROS 1 by apt, from {plan.target}: {names}", flush=True)
+    with ProgressBar() as progress:
+        install_ros1(plan, progress)
     print("ready: tool0 bringup --ros1 --roscore")
     return OK
 
 
-def status_of_ros(*, format: Literal["text", "json"] = "text") -> int:
-    """Tell which ROS 1 is there, and what is missing; status 1 if none can be used.
+def status(*, format: Literal["text", "json"] = "text") -> int:
+    """Print which ROS 1 is there, and what is missing; status 1 if none can be used.
 
     Args:
         format: For people or for programs.
     """
-    from tool0.installation.ros1.readiness import readiness
+    from tool0.installation.ros1.status import ros1_status
 
-    return tell(readiness(), format)
+    return print_status(ros1_status(), format)
 
 
 def env() -> int:
-    """Print what lets rostopic, rosservice and rosmsg know our messages.
+    """Print what makes our messages known to rostopic, rosservice and rosmsg.
 
-    Say ``eval "$(tool0 ros1 env)"`` in the shell.  Nothing is printed where
+    Run ``eval "$(tool0 ros1 env)"`` in the shell.  Nothing is printed where
     control_msgs, controller_manager_msgs and gazebo_msgs are installed.
     """
-    from tool0.installation.ros1.shell import exports
+    from tool0.installation.ros1.messages import shell_exports
 
-    for line in exports():
+    for line in shell_exports():
         print(line)
     return OK

@@ -12,7 +12,7 @@ import tyro
 from tool0.cli.parsing import parse
 
 if TYPE_CHECKING:
-    from tool0.installation.workspace.writing import Written
+    from tool0.installation.workspace.writing import WorkspaceChanges
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 """Where robotiq_2f_85_gripper_visualization is; no distribution packages it."""
@@ -44,29 +44,29 @@ def workspace(
     """
     from tool0.installation.workspace.writing import write_workspace
 
-    written = write_workspace(folder, upstream_meshes=upstream_meshes, force=force)
-    for line in report(written):
+    changes = write_workspace(folder, upstream_meshes=upstream_meshes, force=force)
+    for line in report(changes):
         print(line)
     print()
-    for line in next_steps(written.source, upstream_meshes=upstream_meshes):
+    for line in next_steps(changes.source, upstream_meshes=upstream_meshes):
         print(line)
 
 
-def report(written: Written) -> Iterator[str]:
-    """Yield what became of the files, for people."""
-    from tool0.installation.workspace.changes import Action
-    from tool0.installation.workspace.contents import PACKAGES
+def report(changes: WorkspaceChanges) -> Iterator[str]:
+    """Yield what was done with the files, for people."""
+    from tool0.installation.workspace.layout import PACKAGES
+    from tool0.installation.workspace.writing import FileAction
 
     counts = (
-        f"{len(written.paths(action))} {action.value}"
-        for action in Action
-        if written.paths(action)
+        f"{len(changes.paths(action))} {action.value}"
+        for action in FileAction
+        if changes.paths(action)
     )
-    packages = " and ".join(str(written.source / name) for name in PACKAGES)
+    packages = " and ".join(str(changes.source / name) for name in PACKAGES)
     yield f"{packages}: files {', '.join(counts)}"
-    for path, aside in written.backups.items():
+    for path, aside in changes.backups.items():
         yield f"  overwritten: {path}; your version: {aside}"
-    kept = written.paths(Action.KEEP)
+    kept = changes.paths(FileAction.KEEP)
     for path in kept:
         yield f"  kept: {path}; you have edited it"
     if kept:

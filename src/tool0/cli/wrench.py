@@ -13,7 +13,7 @@ from tool0.sensing.force_torque import DEFAULT_CUTOFF
 if TYPE_CHECKING:
     from tool0.api.sensors import ForceTorque
     from tool0.description.transform import Vector3
-    from tool0.sensing.force_torque_sensor import WrenchReading
+    from tool0.sensing.force_torque import WrenchReading
 
 _DEFAULT = Bringup()
 

@@ -22,7 +22,7 @@ from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
 from tool0.runtime.scene_objects import SceneObjects
-from tool0.sensing.force_torque_sensor import ForceTorqueSensor
+from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp_assist import GraspAssist
 
 
@@ -263,11 +263,11 @@ class Core:
         for sensor in self._sensors:
             sensor.restart(self._before, self.state, self.engine.world.contacts)
 
-    def engage_emergency_stop(self, engaged: bool) -> None:
+    def set_stopped(self, engaged: bool) -> None:
         """Brake every joint, or release the brakes; controllers then hold still."""
         if engaged == self.hardware.is_stopped:
             return
-        self.hardware.emergency_stop(engaged, self.state)
+        self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
 
     def drift(self) -> float:

@@ -11,7 +11,7 @@ import pytest
 
 import tool0
 from tool0.cli import FAILED, OK, main
-from tool0.installation.doctor.probes import PROBES
+from tool0.installation.doctor.report import PROBES
 
 pytestmark = pytest.mark.slow
 
@@ -66,7 +66,7 @@ def test_an_empty_path_lacks_programs_and_no_physics(
 
 def break_mujoco(folder: Path, how: str, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "mujoco.py").write_text(how)
-    monkeypatch.setenv("PYTHONPATH", str(folder))
+    monkeypatch.setenv("PYTHONPATH", str(folder), prepend=os.pathsep)
 
 
 def test_a_mujoco_that_cannot_be_imported_is_to_be_installed(

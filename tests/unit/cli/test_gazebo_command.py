@@ -3,11 +3,15 @@ import json
 from pathlib import Path
 
 import pytest
+from machine import add_program
 
 from tool0.cli import FAILED, OK, main
-from tool0.cli.progress import Progress
-from tool0.installation.gazebo.installation import private_prefix
-from tool0.installation.gazebo.prefix import Marker, write_marker
+from tool0.cli.progress import ProgressBar
+from tool0.installation.gazebo.installation import (
+    PrefixMarker,
+    private_prefix,
+    write_marker,
+)
 
 CONFIG = '#define GAZEBO_VERSION_FULL "11.1.0"\n'
 
@@ -15,10 +19,8 @@ CONFIG = '#define GAZEBO_VERSION_FULL "11.1.0"\n'
 @pytest.fixture(autouse=True)
 def bare_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Hide what is installed, but for something that passes for a compiler."""
-    compiler = tmp_path / "bin" / "g++"
-    compiler.parent.mkdir()
-    compiler.write_text('#!/bin/sh\nfor last; do :; done\necho made > "$last"\n')
-    compiler.chmod(0o755)
+    script = 'for last; do :; done; echo made > "$last"'
+    compiler = add_program(tmp_path / "bin" / "g++", script)
     monkeypatch.setenv("PATH", f"{compiler.parent}:/bin")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.delenv("CXX", raising=False)
@@ -29,7 +31,7 @@ def add_prefix(*, has_client: bool) -> None:
     header = private_prefix() / "usr/include/gazebo-11/gazebo/gazebo_config.h"
     header.parent.mkdir(parents=True)
     header.write_text(CONFIG)
-    marker = Marker(
+    marker = PrefixMarker(
         version="11.1.0",
         triplet="x86_64-linux-gnu",
         has_client=has_client,
@@ -63,7 +65,6 @@ def test_status_tells_what_would_run(capsys: pytest.CaptureFixture[str]) -> None
     assert main(["gazebo", "status"]) == OK
     text = capsys.readouterr().out
     assert "11.1.0, private, 123 MB" in text
-    assert "not compiled yet" in text
 
 
 def test_without_a_compiler_only_what_is_compiled_runs(
@@ -91,7 +92,7 @@ def test_installing_says_what_is_ready(capsys: pytest.CaptureFixture[str]) -> No
 
 def test_a_wrong_mirror_is_an_error(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["gazebo", "install", "--private", "--mirror", "nowhere"]) == FAILED
-    assert "a mirror is an address" in capsys.readouterr().err
+    assert "nowhere" in capsys.readouterr().err
 
 
 def test_uninstalling_twice_is_no_error(capsys: pytest.CaptureFixture[str]) -> None:
@@ -105,7 +106,7 @@ def test_uninstalling_twice_is_no_error(capsys: pytest.CaptureFixture[str]) -> N
 
 def test_without_a_terminal_an_activity_is_a_line() -> None:
     stream = io.StringIO()
-    with Progress(stream) as progress:
+    with ProgressBar(stream) as progress:
         for fraction in (0.0, 0.5, 1.0):
             progress("downloading", fraction)
         progress("unpacking", 0.0)
@@ -118,7 +119,7 @@ def test_on_a_terminal_a_bar_is_drawn_over_itself() -> None:
             return True
 
     stream = Terminal()
-    with Progress(stream) as progress:
+    with ProgressBar(stream) as progress:
         progress("downloading", 0.0)
         progress("downloading", 0.5)
         progress("downloading", 0.5)

@@ -1,11 +1,11 @@
 import logging
-import subprocess
 import threading
 from pathlib import Path
 
 import pytest
 
-from tool0.engines.gazebo.window import ClientWindow
+from tool0.engines.gazebo.server import ClientWindow
+from tool0.installation.child_process import ChildProcess
 
 TIMEOUT = 20.0
 
@@ -18,11 +18,11 @@ class Starts:
         self.enough = threading.Event()
         """That all words were run."""
 
-    def __call__(self) -> "subprocess.Popen[bytes]":
+    def __call__(self) -> ChildProcess:
         words = self._left.pop(0)
         if not self._left:
             self.enough.set()
-        return subprocess.Popen(["sh", "-c", words])
+        return ChildProcess(["sh", "-c", words])
 
 
 CRASH = "kill -SEGV $$"
@@ -45,7 +45,7 @@ def test_one_that_crashes_is_started_again(
     assert start.enough.wait(TIMEOUT)
     window.close()
     wait_for_watchers()
-    assert window.process.returncode is not None
+    assert window.process.exit_status is not None
     assert caplog.records == []
     window.close()
 

@@ -11,7 +11,7 @@ from tool0.api.scene import object_pose
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.transform import Transform, Vector3
 from tool0.errors import ControlError, EngineError
-from tool0.sensing.pads import pad_links
+from tool0.sensing.grasp import pad_links
 from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 if TYPE_CHECKING:

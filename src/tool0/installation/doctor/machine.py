@@ -1,9 +1,10 @@
-"""The machine that is looked at: its files, its programs, and who installs what."""
+"""The machine that is examined: its files, programs and package managers."""
 
 from __future__ import annotations
 
 import os
 import platform
+import re
 import shlex
 import shutil
 import subprocess
@@ -13,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, final
 
-_MANAGERS: Final = {
+_INSTALL_COMMANDS: Final = {
     "apt-get": "sudo apt install",
     "dnf": "sudo dnf install",
     "zypper": "sudo zypper install",
@@ -22,14 +23,14 @@ _MANAGERS: Final = {
     "brew": "brew install",
     "winget": "winget install",
 }
-PATIENCE: Final = 2.0
-"""Wall seconds that another's program may take."""
+PROGRAM_TIMEOUT: Final = 2.0
+"""For programs of others [wall s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Machine:
-    """Where a probe looks; a test gives it another root."""
+class ExaminedMachine:
+    """Where a probe looks; a test passes another root."""
 
     root: Path = Path("/")
     environ: Mapping[str, str] = field(default_factory=lambda: os.environ)
@@ -41,14 +42,14 @@ class Machine:
         found = (shutil.which(name, path=path) for name in names)
         return next((name for name in found if name), None)
 
-    def install(self, apt: str, **others: str) -> str:
-        """Return the command that installs a package.
+    def install_command(self, apt: str, **others: str) -> str:
+        """Return the command that installs a package; empty if there is none.
 
         Args:
             apt: Its name for Debian and Ubuntu, and elsewhere if not among ``others``.
-            others: Program → its name for this package; an empty one is not packaged.
+            others: Package manager → its name there; empty if it is not packaged.
         """
-        for manager, command in _MANAGERS.items():
+        for manager, command in _INSTALL_COMMANDS.items():
             if self.program(manager):
                 package = others.get(manager.replace("-", "_"), apt)
                 return f"{command} {package}" if package else ""
@@ -62,11 +63,10 @@ class Machine:
             return ""
 
     def release(self) -> dict[str, str]:
-        """Return what ``/etc/os-release`` says."""
-        words = (
-            line.partition("=") for line in self.read("etc/os-release").split("\n")
-        )
-        return {key: _unquoted(value) for key, _, value in words if value}
+        """Return the fields of ``/etc/os-release``."""
+        lines = self.read("etc/os-release").split("\n")
+        fields = (line.partition("=") for line in lines)
+        return {key: _unquoted(value) for key, _, value in fields if value}
 
     def name(self) -> str:
         """Return the operating system, for people."""
@@ -82,12 +82,12 @@ class Machine:
         keys = ("UBUNTU_CODENAME", "DEBIAN_CODENAME", "VERSION_CODENAME")
         return next((release[key] for key in keys if key in release), "")
 
-    def ask(self, command: Sequence[str]) -> str:
-        """Return what another's program prints.
+    def output_of(self, command: Sequence[str]) -> str:
+        """Return what a program prints.
 
         Raises:
             OSError: If it cannot be run.
-            subprocess.SubprocessError: If it fails, or does not end in time.
+            subprocess.SubprocessError: If it fails, or exceeds the timeout.
         """
         return subprocess.run(
             command,
@@ -97,7 +97,7 @@ class Machine:
             stderr=subprocess.DEVNULL,
             text=True,
             errors="replace",
-            timeout=PATIENCE,
+            timeout=PROGRAM_TIMEOUT,
             check=True,
         ).stdout
 
@@ -107,3 +107,37 @@ def _unquoted(value: str) -> str:
         return " ".join(shlex.split(value))
     except ValueError:  # a quote that nothing closes
         return value
+
+
+# --- the Python packages that tool0 needs ---
+
+
+def python_requirements() -> list[str]:
+    """Return what tool0 requires, as ``mujoco>=3.3``; nothing for a source folder."""
+    from importlib import metadata  # slow, and mostly not needed
+
+    try:
+        stated = metadata.requires("tool0") or []
+    except metadata.PackageNotFoundError:
+        return []
+    return [text for text in stated if ";" not in text]
+
+
+def required_package(requirement: str) -> str:
+    """Return the name of the package that a requirement is for."""
+    return re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
+
+
+def python_package_version(package: str) -> str | None:
+    """Return the version that is installed, None if none is."""
+    from importlib import metadata
+
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def pip_install_command(*arguments: str) -> str:
+    """Return the command that installs packages for the Python that runs this."""
+    return shlex.join([sys.executable, "-m", "pip", "install", *arguments])

@@ -1,32 +1,38 @@
-"""Which Gazebo would run: the one that is named, the system's, or the private one."""
+"""Which Gazebo would run: the one that is named, the system's, or the private one.
+
+Each is a folder of the same shape: the root of a system (``/usr``, ``/usr/local``), or
+what ``tool0 gazebo install`` unpacked, which is a root within a folder that linker,
+drivers and Qt do not know, and so are told by environment variables.
+"""
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import shutil
 import subprocess
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final, final
 
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.prefix import (
-    gazebo_paths,
-    header_version,
-    include_folders,
-    private_environment,
-    read_marker,
-)
+from tool0.installation.child_process import run_program
 from tool0.user_data import data_folder
 
 NAMED_BY: Final = "TOOL0_GAZEBO"
 """The variable that names a prefix, or a root such as ``/usr``, to take it alone."""
 _ADVICE: Final = "install one: tool0 gazebo install"
+MARKER: Final = "tool0-gazebo.json"
+"""Written last into a private prefix: a folder without it is not finished."""
+_FORMAT: Final = 1
+_HEADER: Final = Path("include", "gazebo-11", "gazebo", "gazebo_config.h")
+_VERSION: Final = re.compile(r'GAZEBO_VERSION_FULL\s+"([^"]+)"')
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Installation:
+class GazeboInstallation:
     """A Gazebo 11 that can run, and against which a plugin can be compiled."""
 
     version: str
@@ -48,7 +54,7 @@ def private_prefix() -> Path:
     return data_folder() / "gazebo" / "prefix"
 
 
-def find_installation() -> Installation:
+def find_installation() -> GazeboInstallation:
     """Return the Gazebo that would run.
 
     Raises:
@@ -60,7 +66,7 @@ def find_installation() -> Installation:
         found = from_prefix(root) or from_root(root)
         if found is None:
             raise EngineUnavailableError(
-                f"{NAMED_BY} names '{named}', which has no whole Gazebo 11: neither "
+                f"{NAMED_BY} names '{named}', which has no complete Gazebo 11: neither "
                 "made by `tool0 gazebo install` nor with bin/gzserver and its headers"
             )
         return found
@@ -70,20 +76,20 @@ def find_installation() -> Installation:
     return found
 
 
-def find_system() -> Installation | None:
+def find_system() -> GazeboInstallation | None:
     """Return the system's Gazebo 11, if it has one, headers included."""
     server = shutil.which("gzserver")
     return None if server is None else from_root(Path(server).parent.parent)
 
 
-def from_prefix(prefix: Path) -> Installation | None:
-    """Return the Gazebo in a private prefix, if it is whole."""
+def from_prefix(prefix: Path) -> GazeboInstallation | None:
+    """Return the Gazebo in a private prefix, if it is complete."""
     marker = read_marker(prefix)
     if marker is None:
         return None
     programs = prefix / "usr" / "bin"
     client = programs / f"gzclient-{marker.version}"
-    return Installation(
+    return GazeboInstallation(
         version=marker.version,
         prefix=prefix,
         server=programs / f"gzserver-{marker.version}",
@@ -93,13 +99,13 @@ def from_prefix(prefix: Path) -> Installation | None:
     )
 
 
-def from_root(root: Path) -> Installation | None:
+def from_root(root: Path) -> GazeboInstallation | None:
     """Return the Gazebo 11 installed under ``root``, if it and its headers are."""
     server, client = root / "bin" / "gzserver", root / "bin" / "gzclient"
     version = header_version(root)
     if version is None or not version.startswith("11.") or not server.is_file():
         return None
-    return Installation(
+    return GazeboInstallation(
         version=version,
         prefix=None,
         server=server,
@@ -119,22 +125,139 @@ def _why_none() -> str:
             f"Gazebo {version} is here ('{server}') but not its headers; install "
             "them (apt install libgazebo-dev), or another Gazebo: tool0 gazebo install"
         )
-    stated = "tells no version" if version is None else f"is Gazebo {version}, not 11"
+    stated = "prints no version" if version is None else f"is Gazebo {version}, not 11"
     return f"'{server}' {stated}; {_ADVICE}"
 
 
 def _stated_version(server: str) -> str | None:
-    """Ask the program itself: it takes a while to load its libraries."""
-    try:
-        answer = subprocess.run(
-            [server, "--version"],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=30,
-            check=False,
-        )
+    try:  # it takes a while to load its libraries
+        answer = run_program([server, "--version"], timeout=30.0)
     except (OSError, subprocess.SubprocessError):
         return None
     words = answer.stdout.partition("version")[2].split()
     return words[0] if words else None
+
+
+# --- the private prefix ---
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PrefixMarker:
+    """The contents of ``MARKER``."""
+
+    version: str
+    """Gazebo's, as ``11.1.0``."""
+    triplet: str
+    """The folder of libraries, as ``x86_64-linux-gnu``."""
+    has_client: bool
+    """Whether gzclient can run: Qt and a driver to draw with are there."""
+    size: int
+    """Bytes on disk."""
+
+
+def read_marker(prefix: Path) -> PrefixMarker | None:
+    """Return the marker of a private prefix, or None if it is not complete."""
+    try:
+        content = json.loads((prefix / MARKER).read_bytes())
+        if content.pop("format") != _FORMAT:
+            return None
+        return PrefixMarker(**content)
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        return None
+
+
+def write_marker(prefix: Path, marker: PrefixMarker) -> None:
+    """Mark the prefix as complete."""
+    text = json.dumps({"format": _FORMAT, **asdict(marker)})
+    (prefix / MARKER).write_text(text + "\n", encoding="utf-8")
+
+
+def header_version(root: Path) -> str | None:
+    """Return the version that Gazebo's headers under ``root`` state, if any."""
+    try:
+        match = _VERSION.search((root / _HEADER).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError):
+        return None
+    return None if match is None else match.group(1)
+
+
+def include_folders(root: Path) -> tuple[Path, ...]:
+    """Return where the compiler finds Gazebo's headers and those they include.
+
+    Never ``/usr/include`` itself: named once more it would come before the compiler's
+    own headers, which then do not find the C library's.
+    """
+    include = root / "include"
+    folders = [include / "gazebo-11"]
+    for base in dict.fromkeys((include, Path("/usr/include"))):
+        if not folders[1:]:  # both come from one place
+            folders += [*base.glob("sdformat-9*"), *base.glob("ignition/*[0-9]")]
+    if include != Path("/usr/include"):
+        folders.append(include)
+    return tuple(folders)
+
+
+def gazebo_paths(root: Path) -> dict[str, str]:
+    """Return where Gazebo finds its own things, as its ``setup.sh`` says it.
+
+    The current values of these variables come first.
+    """
+    share = root / "share" / "gazebo-11"
+    plugins = next(
+        (
+            folder
+            for folder in (*root.glob("lib/*/gazebo-11"), root / "lib" / "gazebo-11")
+            if folder.is_dir()
+        ),
+        root / "lib" / "gazebo-11",
+    )
+    paths = {
+        "GAZEBO_RESOURCE_PATH": _appended("GAZEBO_RESOURCE_PATH", share),
+        "GAZEBO_MODEL_PATH": _appended("GAZEBO_MODEL_PATH", share / "models"),
+        "GAZEBO_PLUGIN_PATH": _appended("GAZEBO_PLUGIN_PATH", plugins / "plugins"),
+        # Or the server waits for a web site of models, which may be out of reach.
+        "GAZEBO_MODEL_DATABASE_URI": os.environ.get("GAZEBO_MODEL_DATABASE_URI", ""),
+    }
+    ogre = next(iter(sorted(plugins.parent.glob("OGRE-1.*"))), None)
+    return paths if ogre is None else {**paths, "OGRE_RESOURCE_PATH": str(ogre)}
+
+
+def private_environment(prefix: Path, marker: PrefixMarker) -> dict[str, str]:
+    """Return the variables that make the programs of a private prefix run."""
+    triplet = marker.triplet
+    usr = prefix / "usr"
+    lib = usr / "lib" / triplet
+    libraries = [
+        lib,
+        usr / "lib",  # libgdal
+        lib / "blas",  # links that installing would have made, and unpacking does not
+        lib / "lapack",
+        lib / "pulseaudio",
+        prefix / "lib" / triplet,
+        lib / "gazebo-11" / "plugins",
+    ]
+    own = os.environ.get("LD_LIBRARY_PATH", "").split(":")
+    # With a display and no driver to draw with, gzserver would end at once.
+    display = {} if marker.has_client else {"DISPLAY": ""}
+    return {
+        **gazebo_paths(usr),
+        "LD_LIBRARY_PATH": ":".join([*map(str, libraries), *filter(None, own)]),
+        "SDF_PATH": str(usr / "share" / "sdformat9"),
+        "QT_PLUGIN_PATH": str(lib / "qt5" / "plugins"),
+        "QT_QPA_PLATFORM_PLUGIN_PATH": str(lib / "qt5" / "plugins" / "platforms"),
+        "LIBGL_DRIVERS_PATH": str(lib / "dri"),
+        "__EGL_VENDOR_LIBRARY_DIRS": str(usr / "share" / "glvnd" / "egl_vendor.d"),
+        "LIBGL_ALWAYS_SOFTWARE": "1",
+        "FONTCONFIG_PATH": str(prefix / "etc" / "fonts"),
+        "XKB_CONFIG_ROOT": str(usr / "share" / "X11" / "xkb"),
+        "PROJ_LIB": str(usr / "share" / "proj"),
+        # Nothing sounds; looking for a device takes time and fills the log.
+        "ALSOFT_DRIVERS": os.environ.get("ALSOFT_DRIVERS", "null"),
+        **display,
+    }
+
+
+def _appended(variable: str, folder: Path) -> str:
+    own = os.environ.get(variable, "").strip(":")
+    return f"{own}:{folder}" if own else str(folder)

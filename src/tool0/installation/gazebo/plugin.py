@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import Final, final
 
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.host_tools import last_lines, run_host
-from tool0.installation.gazebo.installation import Installation
+from tool0.installation.child_process import last_lines, run_program
+from tool0.installation.gazebo.installation import GazeboInstallation
 from tool0.user_data import cache_folder
 
 logger = logging.getLogger(__name__)
@@ -31,12 +31,12 @@ _FLAGS: Final = ("-O2", "-fPIC", "-shared", "-std=c++17", "-pthread")
 @final
 @dataclass(frozen=True, slots=True)
 class BridgeLibraries:
-    """What gzserver loads to run with us."""
+    """The libraries that gzserver loads."""
 
     bridge: Path
     """The plugin that talks with the engine."""
-    leash: Path
-    """Preloaded, also into gzclient: ties them to our process."""
+    preload: Path
+    """Preloaded, also into gzclient: keeps them on this machine."""
 
 
 def plugin_folder() -> Path:
@@ -44,32 +44,32 @@ def plugin_folder() -> Path:
     return cache_folder() / "gazebo"
 
 
-def bridge_libraries(installation: Installation) -> BridgeLibraries:
+def bridge_libraries(installation: GazeboInstallation) -> BridgeLibraries:
     """Return the libraries for this Gazebo; compile those that never were.
 
     Raises:
         EngineUnavailableError: If one has to be compiled and cannot be.
     """
     paths = expected_libraries(installation)
-    for source, library in zip(_sources(), (paths.bridge, paths.leash), strict=True):
+    for source, library in zip(_sources(), (paths.bridge, paths.preload), strict=True):
         if not library.is_file():
             _compile(source, installation, library)
     return paths
 
 
-def expected_libraries(installation: Installation) -> BridgeLibraries:
+def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
     """Return where the libraries for this Gazebo are, once they are compiled."""
-    bridge, leash = (_library_of(source, installation) for source in _sources())
-    return BridgeLibraries(bridge, leash)
+    bridge, preload = (_library_of(source, installation) for source in _sources())
+    return BridgeLibraries(bridge, preload)
 
 
-def _library_of(source: Path, installation: Installation) -> Path:
+def _library_of(source: Path, installation: GazeboInstallation) -> Path:
     """Return where the library of ``source`` is, once it is compiled.
 
-    Its name tells all that it depends on.  The compiler's version is not among that: a
-    machine whose compiler was removed goes on using what it made.
+    Its name is a hash of all that it depends on, except the compiler's version: what
+    was compiled stays in use after the compiler was removed.
     """
-    what = (
+    dependencies = (
         source.read_text(encoding="utf-8"),
         *_FLAGS,
         installation.version,
@@ -77,12 +77,12 @@ def _library_of(source: Path, installation: Installation) -> Path:
         platform.machine(),
         _c_library(),
     )
-    digest = hashlib.sha256("\0".join(what).encode()).hexdigest()[:16]
+    digest = hashlib.sha256("\0".join(dependencies).encode()).hexdigest()[:16]
     return plugin_folder() / f"{source.stem}-{digest}.so"
 
 
 def _sources() -> tuple[Path, Path]:
-    return _SOURCES / "bridge.cc", _SOURCES / "leash.cc"
+    return _SOURCES / "bridge.cc", _SOURCES / "preload.cc"
 
 
 def compiler() -> list[str] | None:
@@ -102,16 +102,16 @@ def require_compiler() -> list[str]:
     return command
 
 
-def _compile(source: Path, installation: Installation, library: Path) -> None:
+def _compile(source: Path, installation: GazeboInstallation, library: Path) -> None:
     command = require_compiler()
     logger.info("compiling %s for Gazebo %s", source.name, installation.version)
     try:
         library.parent.mkdir(parents=True, exist_ok=True)
-        # Two processes may compile at once: the last one to end takes the place.
+        # Two processes may compile at once; the last result is kept.
         with tempfile.TemporaryDirectory(dir=library.parent, prefix=".new-") as folder:
             made = Path(folder) / library.name
             includes = [f"-isystem{path}" for path in installation.include_dirs]
-            answer = run_host(
+            answer = run_program(
                 [*command, *_FLAGS, *includes, str(source), "-o", str(made)]
             )
             if answer.returncode != 0:

@@ -1,25 +1,74 @@
-"""Getting what of ROS 1 is used onto this machine, or saying who else does."""
+"""Installs what tool0 uses of ROS 1 by the system's apt, or says who else can."""
 
 from __future__ import annotations
 
 import os
+import platform
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 from tool0.errors import RosUnavailableError
-from tool0.installation.ros1 import apt
-from tool0.installation.ros1.distribution import check_distribution, distribution
-from tool0.installation.ros1.library import import_ros
-from tool0.installation.ros1.packages import lacks, wanted
-from tool0.installation.ros1.readiness import own_command, whose
+from tool0.installation.apt import FailureCause, ProgressCallback, explain_failure
+from tool0.installation.child_process import last_lines
+from tool0.installation.ros1.library import import_ros, is_of_distribution, ros_origin
+from tool0.installation.ros1.packages import missing_of, required_components
+from tool0.installation.ros1.status import other_install_command
+
+PYTHON_OF_RELEASE: Final = {"bookworm": "3.11", "trixie": "3.13", "jammy": "3.10"}
+"""Release that packages ROS 1 → the Python that its packages are for.
+
+Debian 12 and 13, and Ubuntu 22.04.  Ubuntu removed ROS 1 before 24.04:
+https://bugs.launchpad.net/ubuntu/+source/ros-catkin/+bug/2063103
+"""
+_ELSEWHERE: Final = (
+    "RoboStack runs on any Linux, and a container or another machine with Debian 12 "
+    "or 13 can be used over ROS_MASTER_URI (docs/ros1.md)"
+)
+_REMEDIES: Final = {
+    "focal": (
+        "Ubuntu 20.04 has ROS 1 as Noetic: install that from its own packages and "
+        "`source /opt/ros/noetic/setup.bash`; docs/ros1.md has the rest"
+    ),
+}
+
+_APT: Final = (
+    *("env", "DEBIAN_FRONTEND=noninteractive", "LC_ALL=C.UTF-8"),
+    *("apt-get", "-q", "-o", "DPkg::Lock::Timeout=300"),
+)
+_UPDATE: Final = (*_APT, "update")
+_INSTALL: Final = (*_APT, "install", "--yes", "--no-install-recommends")
+_STATUS: Final = ("-o", "APT::Status-Fd=1")
+"""apt prints its progress in lines: 'dlstatus:…:percent:…', 'pmstatus:…'."""
+_ACTIVITIES: Final = {"dlstatus": "downloading", "pmstatus": "installing"}
+_COMPLAINTS: Final = ("E:", "Err:", "W:")
+_EXPLANATIONS: Final[dict[FailureCause, str]] = {
+    "disk full": "the disk is full; RViz and what it needs take 1 GB, the rest 0.4 GB",
+    "unreachable": (
+        "the distribution's mirror cannot be reached: is there a network, or a proxy "
+        "to be set in http_proxy or apt.conf?"
+    ),
+    "no package": (
+        "the machine's sources of packages lack some; on Ubuntu they are in "
+        "`universe`: sudo add-apt-repository universe"
+    ),
+    "locked": "another program installs packages; wait for it, then run this again",
+    "broken": (
+        "packages of this machine conflict, or are half installed: "
+        "sudo apt-get install --fix-broken"
+    ),
+}
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
-    """What is to be installed; nothing may be."""
+class Ros1InstallPlan:
+    """What is to be installed; perhaps nothing."""
 
-    where: str
+    target: str
     """The distribution, or the ROS, that it is for."""
     packages: tuple[str, ...]
     """Debian's packages that are not installed yet."""
@@ -27,51 +76,179 @@ class Plan:
     @property
     def command(self) -> str:
         """What a person would type to install them."""
-        return apt.commands(self.packages)
+        sudo = "" if os.geteuid() == 0 else "sudo "
+        return (
+            f"{sudo}apt-get update && {sudo}apt-get install --yes "
+            "--no-install-recommends -o DPkg::Lock::Timeout=300 "
+            f"{' '.join(self.packages)}"
+        )
 
 
-def plan(*, rviz: bool) -> Plan:
-    """Look what is missing.
+def plan_install(*, rviz: bool) -> Ros1InstallPlan:
+    """Return what is missing.
 
     Raises:
-        RosUnavailableError: If it is not ours to install, with who can.
+        RosUnavailableError: If we cannot install it, with who can.
     """
-    parts = wanted(rviz=rviz)
-    if _has_own_ros():
-        missing = [part for part in parts if lacks(part)]
+    components = required_components(rviz=rviz)
+    if _has_other_ros():
+        missing = [part for part in components if missing_of(part)]
         if missing:
-            names = ", ".join(part.name for part in missing)
+            names = ", ".join(component.name for component in missing)
             raise RosUnavailableError(
-                f"there is a {whose()} here, without: {names}. Add them by its own "
-                f"means: {own_command(missing)}"
+                f"there is a {ros_origin()} here, without: {names}. Add them by its "
+                f"own means: {other_install_command(missing)}"
             )
-        return Plan(where=whose() or "ROS", packages=())
-    check_distribution()
-    packages = apt.not_installed(name for part in parts for name in part.debian)
-    return Plan(where=distribution()[0], packages=packages)
+        return Ros1InstallPlan(target=ros_origin() or "ROS", packages=())
+    name, _ = _distribution()
+    _check_distribution()
+    packages = not_installed(n for part in components for n in part.debian)
+    return Ros1InstallPlan(target=name, packages=packages)
 
 
-def carry_out(plan: Plan, report: apt.Report) -> None:
-    """Install what the plan names.
+def install_ros1(plan: Ros1InstallPlan, progress: ProgressCallback) -> None:
+    """Install the packages of the plan, as root or through sudo.
 
     Raises:
-        RosUnavailableError: If it cannot be done, with the reason and the command.
+        RosUnavailableError: If that fails, with the reason and the command.
     """
-    apt.install(plan.packages, report)
+    prefix = _root_prefix(plan)
+    progress("asking for the lists of packages", 0.0)
+    # If one source of several cannot be reached, others may have the packages.
+    _, update_output = _run_apt([*prefix, *_UPDATE], progress)
+    progress("finding what they need", 0.0)
+    command = [*prefix, *_INSTALL, *_STATUS, *plan.packages]
+    status, output = _run_apt(command, progress)
+    if status != 0:
+        warnings = [line for line in update_output if line.startswith(_COMPLAINTS)]
+        raise _failure(status, [*warnings, *output], plan)
 
 
-def _has_own_ros() -> bool:
+def is_packaged() -> bool:
+    """Return whether this machine's distribution has packages of ROS 1."""
+    return _distribution()[1] in PYTHON_OF_RELEASE
+
+
+def _has_other_ros() -> bool:
     """Return whether a ROS of another origin than the distribution is active."""
     try:
         import_ros()
     except RosUnavailableError:
         distro = os.environ.get("ROS_DISTRO")
         if distro is None or os.environ.get("ROS_VERSION", "1") != "1":
-            return False  # a ROS 2 is in nobody's way
+            return False  # a ROS 2 does not matter
         raise RosUnavailableError(
             f"ROS_DISTRO is '{distro}', but this Python finds no rospy: `source "
             f"/opt/ros/{distro}/setup.bash` in this terminal, without changing "
             "PYTHONPATH after that, or unset ROS_DISTRO to use the distribution's "
             "packages"
         ) from None
-    return whose() != "the distribution's"
+    return not is_of_distribution()
+
+
+def _check_distribution() -> None:
+    """Raise RosUnavailableError if no packages exist for the Python that runs this."""
+    name, codename = _distribution()
+    theirs = PYTHON_OF_RELEASE.get(codename)
+    if theirs is None:
+        remedy = _REMEDIES.get(codename, _ELSEWHERE)
+        raise RosUnavailableError(
+            f"{name} has no packages of ROS 1 that tool0 knows of; Debian 12 and 13 "
+            f"and Ubuntu 22.04 have. {remedy}"
+        )
+    ours = f"{sys.version_info.major}.{sys.version_info.minor}"
+    if ours != theirs:
+        raise RosUnavailableError(
+            f"the packages of {name} are for Python {theirs}, and this is Python "
+            f"{ours} ('{sys.prefix}'). Make a virtual environment of the "
+            "distribution's own: rm -rf .venv && make setup PYTHON=/usr/bin/python3, "
+            "or /usr/bin/python3 -m venv FOLDER and FOLDER/bin/pip install ."
+        )
+
+
+def _distribution() -> tuple[str, str]:
+    """Return the name for people, and the codename of the release it is based on."""
+    try:
+        release = platform.freedesktop_os_release()
+    except OSError:
+        return platform.system(), ""
+    # Mint and its like name the release that they are based on.
+    for key in ("UBUNTU_CODENAME", "DEBIAN_CODENAME", "VERSION_CODENAME"):
+        if key in release:
+            return release["PRETTY_NAME"], release[key]
+    return release["PRETTY_NAME"], ""
+
+
+# --- the system's apt ---
+
+
+def not_installed(packages: Iterable[str]) -> tuple[str, ...]:
+    """Return those that dpkg does not have."""
+    names = tuple(dict.fromkeys(packages))
+    if shutil.which("dpkg-query") is None or shutil.which("apt-get") is None:
+        raise RosUnavailableError(
+            f"this machine has no apt-get; install the equivalent of: {' '.join(names)}"
+        )
+    answer = subprocess.run(
+        ["dpkg-query", "--show", "-f", "${Package} ${db:Status-Status}\n", *names],
+        capture_output=True,
+        text=True,
+        check=False,  # 1 if one of them is unknown
+    )
+    rows = (line.split() for line in answer.stdout.splitlines())
+    installed = {row[0] for row in rows if row[1:] == ["installed"]}
+    return tuple(name for name in names if name not in installed)
+
+
+def _root_prefix(plan: Ros1InstallPlan) -> tuple[str, ...]:
+    """Return what a command begins with to run as root."""
+    if os.geteuid() == 0:
+        return ()
+    if shutil.which("sudo") is not None:
+        if sys.stdin.isatty():  # sudo may ask for the password
+            return ("sudo",)
+        trial = subprocess.run(["sudo", "-n", "true"], capture_output=True, check=False)
+        if trial.returncode == 0:
+            return ("sudo", "-n")
+    raise RosUnavailableError(
+        "installing packages needs root, and sudo is not permitted; run: "
+        f"{plan.command}"
+    )
+
+
+def _run_apt(
+    command: Sequence[str], progress: ProgressCallback
+) -> tuple[int, list[str]]:
+    """Run it, and return its exit status and what else it printed.
+
+    It is no ``ChildProcess``: sudo needs the terminal, and dpkg must not be killed.
+    """
+    output: list[str] = []
+    with subprocess.Popen(
+        command,
+        stdin=None if command[:1] == ["sudo"] else subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+    ) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            kind, _, rest = line.partition(":")
+            if kind in _ACTIVITIES:
+                progress(_ACTIVITIES[kind], float(rest.split(":")[1]) / 100.0)
+            elif line.strip():
+                output.append(line.strip())
+    return process.returncode, output
+
+
+def _failure(
+    status: int, output: Sequence[str], plan: Ros1InstallPlan
+) -> RosUnavailableError:
+    text = explain_failure("\n".join(output), _EXPLANATIONS)
+    text = text or f"apt-get ended with status {status}"
+    lines = [line for line in output if line.startswith(_COMPLAINTS)] or list(output)
+    printed = last_lines("\n".join(lines))
+    return RosUnavailableError(
+        f"{text}. apt printed:\n{printed}\nThe command was: {plan.command}"
+    )

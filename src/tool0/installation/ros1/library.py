@@ -1,4 +1,4 @@
-"""Where rospy is: in a sourced workspace, a RoboStack, or Debian's packages."""
+"""Where ROS 1 is: in a sourced workspace, a RoboStack, or Debian's packages."""
 
 from __future__ import annotations
 
@@ -44,10 +44,33 @@ def import_ros() -> None:
     importlib.invalidate_caches()
 
 
-def keep_to_this_machine() -> None:
-    """Have ROS listen on 127.0.0.1 alone, unless the person's settings say otherwise.
+def rospy_folder() -> Path | None:
+    """Return where rospy would be imported from."""
+    spec = importlib.util.find_spec("rospy")
+    return None if spec is None or spec.origin is None else Path(spec.origin).parent
 
-    They do if ``ROS_IP`` or ``ROS_HOSTNAME`` is set, or the master is elsewhere.
+
+def is_of_distribution() -> bool:
+    """Return whether the ROS that is importable is of the distribution's packages."""
+    folder = rospy_folder()
+    return folder is not None and folder.parent == DEBIAN
+
+
+def ros_origin() -> str | None:
+    """Return the origin of the ROS that is importable: a distribution, RoboStack, …."""
+    if rospy_folder() is None:
+        return None
+    if is_of_distribution():
+        return "the distribution's"
+    if (Path(sys.prefix) / "conda-meta").is_dir():
+        return "RoboStack"
+    return f"ROS {os.environ.get('ROS_DISTRO', 'of a workspace')}"
+
+
+def keep_to_this_machine() -> None:
+    """Make ROS listen on 127.0.0.1 alone, unless the environment says otherwise.
+
+    It does if ``ROS_IP`` or ``ROS_HOSTNAME`` is set, or the master is elsewhere.
     """
     master = os.environ.setdefault("ROS_MASTER_URI", DEFAULT_MASTER)
     if not {"ROS_IP", "ROS_HOSTNAME"} & os.environ.keys() and is_local(master):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import shutil
 import time
 from collections.abc import Callable, Iterator
@@ -12,20 +11,22 @@ from typing import Any, final
 from urllib.parse import urlsplit
 
 from tool0.errors import RosUnavailableError
-from tool0.installation.ros1.child import Child
+from tool0.installation.child_process import ChildProcess
 from tool0.installation.ros1.library import is_local
 
 logger = logging.getLogger(__name__)
 
-START_PATIENCE = 20.0
+ROSCORE_TIMEOUT = 20.0
 """[s] until a roscore of ours answers; two are usual."""
-CALL_PATIENCE = 3.0
+CALL_TIMEOUT = 3.0
 """[s] that a master has for an answer."""
+ROSCORE_GRACE = 5.0
+"""[s] that a roscore of ours has to end by itself."""
 
 
 @final
 class Master:
-    """What we ask of it, under our node's name.  Any thread may."""
+    """Calls to the master under our node's name, from any thread."""
 
     def __init__(self, node: str) -> None:
         import rosgraph
@@ -63,7 +64,7 @@ class Master:
             raise OSError(error) from None
 
     @property
-    def is_there(self) -> bool:
+    def is_up(self) -> bool:
         """Whether it answers."""
         try:
             self.call("getPid")
@@ -94,13 +95,13 @@ def _transport() -> Any:
     from http.client import HTTPConnection
     from xmlrpc.client import Transport
 
-    class Patient(Transport):
+    class TimeLimited(Transport):
         def make_connection(self, host: Any) -> HTTPConnection:
             connection = super().make_connection(host)
-            connection.timeout = CALL_PATIENCE
+            connection.timeout = CALL_TIMEOUT
             return connection
 
-    return Patient()
+    return TimeLimited()
 
 
 @contextmanager
@@ -110,7 +111,7 @@ def running_master(master: Master, *, start: bool) -> Iterator[None]:
     Raises:
         RosUnavailableError: If none answers, and none is to be or can be started.
     """
-    if master.is_there:
+    if master.is_up:
         yield
         return
     if not start:
@@ -119,13 +120,13 @@ def running_master(master: Master, *, start: bool) -> Iterator[None]:
         )
     roscore = _roscore(master)
     try:
-        _await(master, roscore)
+        _wait_until_up(master, roscore)
         yield
     finally:
         roscore.close()
 
 
-def _roscore(master: Master) -> Child:
+def _roscore(master: Master) -> ChildProcess:
     program = shutil.which("roscore")
     if program is None:
         raise RosUnavailableError(
@@ -137,52 +138,53 @@ def _roscore(master: Master) -> Child:
             f"ROS_MASTER_URI is {master.uri}, on another machine: a roscore can be "
             "started only there"
         )
-    return Child([program, "-p", str(address.port or 11311)], os.environ)
+    command = [program, "-p", str(address.port or 11311)]
+    return ChildProcess(command, grace=ROSCORE_GRACE)
 
 
-def _await(master: Master, roscore: Child) -> None:
-    end = time.monotonic() + START_PATIENCE
-    while not master.is_there:
+def _wait_until_up(master: Master, roscore: ChildProcess) -> None:
+    end = time.monotonic() + ROSCORE_TIMEOUT
+    while not master.is_up:
         if roscore.exit_status is not None:
             raise RosUnavailableError(
                 f"roscore ended with status {roscore.exit_status}:\n"
-                f"{roscore.last_words()}"
+                f"{roscore.last_output()}"
             )
         if time.monotonic() > end:
             raise RosUnavailableError(
-                f"roscore does not answer at {master.uri} within {START_PATIENCE:g} s:"
-                f"\n{roscore.last_words()}"
+                f"roscore does not answer at {master.uri} within {ROSCORE_TIMEOUT:g} s:"
+                f"\n{roscore.last_output()}"
             )
         time.sleep(0.05)
 
 
 @final
-class Watch:
-    """Notices that the master has gone, and that one without us is there."""
+class MasterWatch:
+    """Notices that the master is gone, or does not know us."""
 
     def __init__(
-        self, master: Master, node: str, uri: str, again: Callable[[], None]
+        self, master: Master, node: str, uri: str, register: Callable[[], None]
     ) -> None:
-        """Call ``again`` when a master is there that does not know us at ``uri``."""
+        """Call ``register`` when a master is up that does not know us at ``uri``."""
         self._master = master
         self._node = node
         self._uri = uri
-        self._again = again
+        self._register = register
         self._is_gone = False
 
-    def look(self) -> None:
-        """Look once; call it about once a second, from one thread."""
-        if not self._master.is_there:
+    def check(self) -> None:
+        """Check once; call it about once a second, from one thread."""
+        if not self._master.is_up:
             if not self._is_gone:
                 logger.warning(
-                    "the ROS master at %s is gone; those who are connected stay so, "
-                    "and we register again when it is back",
+                    "the ROS master at %s is gone; connections remain, and "
+                    "tool0 registers again when it is back",
                     self._master.uri,
                 )
             self._is_gone = True
             return
         if self._is_gone or not self._is_known():
-            self._again()
+            self._register()
             logger.warning("registered again with the ROS master")
         self._is_gone = False
 

@@ -1,24 +1,38 @@
-"""Makes the message classes importable that the ROS edge speaks in.
+"""Makes the message classes importable that the ROS interface uses.
 
-``control_msgs``, ``controller_manager_msgs`` and ``gazebo_msgs`` are those installed;
-a package that is not is generated from our definitions, once, and kept in the cache.
+``control_msgs``, ``controller_manager_msgs`` and ``gazebo_msgs`` are taken as they are
+installed; a missing package is generated from our definitions once, into the cache.
 """
 
 from __future__ import annotations
 
 import hashlib
 import importlib.util
+import os
+import re
+import shlex
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
+from importlib import import_module
 from importlib.machinery import PathFinder
 from pathlib import Path
 
 from tool0.errors import RosUnavailableError
 from tool0.installation.ros1 import generation
-from tool0.installation.ros1.installed import check_installed
 from tool0.installation.ros1.library import SET_UP, import_ros
 from tool0.user_data import cache_folder, locked
+
+_CLASSES_OF_SECTIONS = {
+    ".msg": ("",),
+    ".srv": ("Request", "Response"),
+    ".action": ("Goal", "Result", "Feedback"),
+}
+"""What the names of the classes of a file's sections end in."""
+_FIELD = re.compile(r"^\S+ (\w+)$", re.MULTILINE)
+"""A line of our definitions that is no constant."""
+_SHELL_VARIABLES = ("PYTHONPATH", "ROS_PACKAGE_PATH")
 
 
 def import_messages() -> None:
@@ -32,13 +46,13 @@ def import_messages() -> None:
     absent = absent_packages()
     for package in generation.package_names():
         if package not in absent:
-            check_installed(package)
+            _check_installed(package)
     if not absent:
         return
     try:
         folder = generated_packages(absent)
     except OSError as error:
-        folder = _for_this_process_alone(absent, error)
+        folder = _temporary_packages(absent, error)
     sys.path[:] = [*_path(), str(folder)]
     importlib.invalidate_caches()
 
@@ -63,10 +77,10 @@ def _path() -> list[str]:
 
 def is_generated(entry: str) -> bool:
     """Return whether an entry of a search path is what ``generated_packages`` made."""
-    return Path(entry).parent == _home()
+    return Path(entry).parent == _cache()
 
 
-def _home() -> Path:
+def _cache() -> Path:
     return cache_folder() / "ros1"
 
 
@@ -79,7 +93,7 @@ def generated_packages(packages: tuple[str, ...]) -> Path:
         RosUnavailableError: If genpy cannot make them.
         OSError: If it is not there and the cache cannot be written.
     """
-    folder = _home() / _key(packages)
+    folder = _cache() / _key(packages)
     if folder.is_dir():
         return folder
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -120,7 +134,7 @@ def _key(packages: tuple[str, ...]) -> str:
     return digest.hexdigest()[:16]
 
 
-def _for_this_process_alone(packages: tuple[str, ...], why: OSError) -> Path:
+def _temporary_packages(packages: tuple[str, ...], cause: OSError) -> Path:
     """Make the packages in a temporary folder that ends with the process."""
     import atexit
 
@@ -131,7 +145,79 @@ def _for_this_process_alone(packages: tuple[str, ...], why: OSError) -> Path:
     except OSError as error:
         raise RosUnavailableError(
             f"the classes of {', '.join(packages)} can be written neither to the cache "
-            f"({why}) nor to a temporary folder ({error}); XDG_CACHE_HOME and TMPDIR "
+            f"({cause}) nor to a temporary folder ({error}); XDG_CACHE_HOME and TMPDIR "
             "name others"
         ) from None
     return folder
+
+
+# --- a package that is installed ---
+
+
+def _check_installed(package: str) -> None:
+    """Raise RosUnavailableError unless it is ROS 1's, with all our types and fields."""
+    for file in generation.definition_files(package):
+        module = f"{package}.{'srv' if file.suffix == '.srv' else 'msg'}"
+        for name, fields in _classes(file):
+            found = _slots(module, name)
+            if missing := [field for field in fields if field not in found]:
+                raise _mismatch(module, f"{name} has no field {missing[0]}")
+
+
+def _classes(file: Path) -> Iterator[tuple[str, list[str]]]:
+    """Yield the name and the fields of each class that the file defines."""
+    sections = generation.SECTIONS.split(file.read_text(encoding="utf-8"))
+    for ending, text in zip(_CLASSES_OF_SECTIONS[file.suffix], sections, strict=True):
+        yield f"{file.stem}{ending}", _FIELD.findall(text)
+
+
+def _slots(module: str, name: str) -> list[str]:
+    try:
+        found = getattr(import_module(module), name)
+    except (ImportError, AttributeError):
+        raise _mismatch(module, f"{name} is not in it") from None
+    if not hasattr(found, "_md5sum"):
+        raise _mismatch(module, f"{name} is not of ROS 1")
+    slots: list[str] = found.__slots__
+    return slots
+
+
+def _mismatch(module: str, reason: str) -> RosUnavailableError:
+    package = module.partition(".")[0]
+    where = getattr(import_module(package), "__file__", None)
+    return RosUnavailableError(
+        f"the installed {package} does not fit, {reason} ({where}); install Noetic's, "
+        "or take that folder off PYTHONPATH, and tool0 makes its own"
+    )
+
+
+# --- the shell ---
+
+
+def shell_exports() -> list[str]:
+    """Return lines for a POSIX shell; none where every message is installed.
+
+    They append to the current values of the variables, once.
+
+    Raises:
+        RosUnavailableError: If there is no rospy, or the cache cannot be written.
+    """
+    import_ros()
+    absent = absent_packages()
+    if not absent:
+        return []
+    try:
+        folder = generated_packages(absent)
+    except OSError as error:
+        raise RosUnavailableError(
+            f"cannot write the cache: {error}; XDG_CACHE_HOME names another folder"
+        ) from None
+    return [
+        f"export {name}={_with_folder(name, str(folder))}" for name in _SHELL_VARIABLES
+    ]
+
+
+def _with_folder(variable: str, folder: str) -> str:
+    entries = os.environ.get(variable, "").split(os.pathsep)
+    kept = [entry for entry in entries if entry and not is_generated(entry)]
+    return shlex.quote(os.pathsep.join([*kept, folder]))

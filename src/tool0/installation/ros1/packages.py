@@ -1,4 +1,4 @@
-"""What of ROS 1 is used, how to see whether it is there, and who packages it."""
+"""What tool0 uses of ROS 1, whether it is installed, and its packages."""
 
 from __future__ import annotations
 
@@ -12,46 +12,62 @@ from typing import Final, final
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Part:
-    """Something that is there or not as a whole."""
+class RosComponent:
+    """A part of ROS 1 that is installed as a whole."""
 
     name: str
     purpose: str
-    """What cannot be done without it."""
+    """What needs it."""
     modules: tuple[str, ...] = ()
-    """Python modules to import."""
+    """Python modules to import; each has a package of its name."""
     programs: tuple[str, ...] = ()
     """Programs on PATH."""
     nodes: tuple[str, ...] = ()
     """Programs that rosrun would start, as ``package/program``."""
     definitions: tuple[str, ...] = ()
     """Packages whose ``.msg`` files are read."""
-    debian: tuple[str, ...]
-    """Its packages in Debian and Ubuntu."""
-    ros: tuple[str, ...]
-    """Its packages in a distribution of ROS, such as Noetic."""
+    other_packages: tuple[tuple[str, str], ...] = ()
+    """Packages besides those of ``modules``: name in ROS, name in Debian and Ubuntu."""
     is_needed: bool = False
     """Whether nothing works without it."""
 
+    @property
+    def contents(self) -> tuple[str, ...]:
+        """All that it consists of, by name."""
+        definitions = (f"{name}/msg" for name in self.definitions)
+        return (*self.modules, *self.programs, *self.nodes, *definitions)
 
-PARTS: Final = (
-    Part(
+    @property
+    def debian(self) -> tuple[str, ...]:
+        """Its packages in Debian and Ubuntu."""
+        return (
+            *(f"python3-{name.replace('_', '-')}" for name in self.modules),
+            *(f"ros-{name.replace('_', '-')}" for name in self.definitions),
+            *(debian for _, debian in self.other_packages),
+        )
+
+    @property
+    def ros(self) -> tuple[str, ...]:
+        """Its packages in a distribution of ROS, such as Noetic."""
+        return (*self.modules, *(ros for ros, _ in self.other_packages))
+
+
+_TOOLS: Final = ("rostopic", "rosservice", "rosnode", "rosparam", "rosmsg")
+
+COMPONENTS: Final = (
+    RosComponent(
         name="rospy",
         purpose="the client library",
         modules=("rospy", "rosgraph"),
-        debian=("python3-rospy", "python3-rosgraph"),
-        ros=("rospy", "rosgraph"),
         is_needed=True,
     ),
-    Part(
+    RosComponent(
         name="actionlib",
         purpose="actions: trajectories and the gripper",
         modules=("actionlib",),
-        debian=("python3-actionlib",),
-        ros=("actionlib",),
         is_needed=True,
     ),
-    Part(
+    RosComponent(
         name="messages",
         purpose="types of topics and services",
         modules=(
@@ -63,82 +79,60 @@ PARTS: Final = (
             *("std_msgs", "geometry_msgs", "sensor_msgs"),
             *("trajectory_msgs", "actionlib_msgs"),
         ),
-        debian=(
-            *("python3-genpy", "python3-genmsg"),
-            *("python3-std-msgs", "python3-std-srvs", "python3-rosgraph-msgs"),
-            *("python3-geometry-msgs", "python3-sensor-msgs"),
-            *("python3-trajectory-msgs", "python3-actionlib-msgs", "python3-tf2-msgs"),
-            *("ros-std-msgs", "ros-geometry-msgs", "ros-sensor-msgs"),
-            *("ros-trajectory-msgs", "ros-actionlib-msgs"),
-        ),
-        ros=(
-            *("genpy", "genmsg", "std_msgs", "std_srvs", "rosgraph_msgs"),
-            *("geometry_msgs", "sensor_msgs", "trajectory_msgs"),
-            *("actionlib_msgs", "tf2_msgs"),
-        ),
         is_needed=True,
     ),
-    Part(
+    RosComponent(
         name="roscore",
         purpose="a master of one's own: --roscore",
         modules=("rosmaster", "roslaunch"),
         programs=("roscore",),
         nodes=("rosout/rosout",),
-        debian=("python3-rosmaster", "python3-roslaunch", "rosout"),
-        ros=("rosmaster", "roslaunch", "rosout"),
+        other_packages=(("rosout", "rosout"),),
     ),
-    Part(
+    RosComponent(
         name="robot_state_publisher",
         purpose="/tf by the usual node; without it tool0 publishes /tf itself",
         nodes=("robot_state_publisher/robot_state_publisher",),
-        debian=("ros-robot-state-publisher",),
-        ros=("robot_state_publisher",),
+        other_packages=(("robot_state_publisher", "ros-robot-state-publisher"),),
     ),
-    Part(
+    RosComponent(
         name="tf2",
         purpose="looking transforms up in Python",
         modules=("tf2_ros",),
-        debian=("python3-tf2-ros",),
-        ros=("tf2_ros",),
     ),
-    Part(
+    RosComponent(
         name="tools",
         purpose="rostopic, rosservice, rosnode, rosparam, rosmsg",
-        programs=("rostopic", "rosservice", "rosnode", "rosparam", "rosmsg"),
-        debian=(
-            *("python3-rostopic", "python3-rosservice", "python3-rosnode"),
-            *("python3-rosparam", "python3-rosmsg"),
-        ),
-        ros=("rostopic", "rosservice", "rosnode", "rosparam", "rosmsg"),
+        programs=_TOOLS,
+        other_packages=tuple((name, f"python3-{name}") for name in _TOOLS),
     ),
-    Part(
+    RosComponent(
         name="rviz",
         purpose="seeing the robot in RViz",
         programs=("rviz",),
-        debian=("rviz",),
-        ros=("rviz",),
+        other_packages=(("rviz", "rviz"),),
     ),
 )
 
 
-def wanted(*, rviz: bool) -> tuple[Part, ...]:
-    """Return the parts to install."""
-    return tuple(part for part in PARTS if rviz or part.name != "rviz")
+def required_components(*, rviz: bool) -> tuple[RosComponent, ...]:
+    """Return the components to install."""
+    return tuple(one for one in COMPONENTS if rviz or one.name != "rviz")
 
 
-def lacks(part: Part) -> tuple[str, ...]:
-    """Return what of the part is not there, by name; nothing is imported.
+def missing_of(component: RosComponent) -> tuple[str, ...]:
+    """Return what of the component is missing, by name; nothing is imported.
 
     Debian's modules are on no path before ``import_ros``.
     """
     roots = prefixes()
     return (
-        *(name for name in part.modules if not importlib.util.find_spec(name)),
-        *(name for name in part.programs if not shutil.which(name)),
-        *(name for name in part.nodes if find_node(name) is None),
+        *(name for name in component.modules if not importlib.util.find_spec(name)),
+        *(name for name in component.programs if not shutil.which(name)),
+        *(name for name in component.nodes if find_node(name) is None),
         *(
             f"{name}/msg"
-            for name in part.definitions
+            for name in component.definitions
             if not any((root / "share" / name / "msg").is_dir() for root in roots)
         ),
     )

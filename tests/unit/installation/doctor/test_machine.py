@@ -2,27 +2,16 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from machine import make_machine
 
-from tool0.installation.doctor.machine import Machine
-
-
-def machine(root: Path, *programs: str, release: str = "") -> Machine:
-    """Return a machine with these programs, which do nothing."""
-    folder = root / "bin"
-    folder.mkdir()
-    for name in programs:
-        (folder / name).write_text("#!/bin/sh\n")
-        (folder / name).chmod(0o755)
-    (root / "etc").mkdir()
-    (root / "etc/os-release").write_text(release)
-    return Machine(root=root, environ={"PATH": str(folder)}, system="linux")
+from tool0.installation.doctor.machine import ExaminedMachine
 
 
-def test_programs_are_sought_on_its_own_path(tmp_path: Path) -> None:
-    here = machine(tmp_path, "second", "third")
-    assert here.program("first", "third", "second") == str(tmp_path / "bin/third")
-    assert here.program("sh") is None
-    assert Machine(root=tmp_path, environ={}, system="linux").program("sh") is None
+def test_programs_are_found_on_its_own_path(tmp_path: Path) -> None:
+    examined = make_machine(tmp_path, "second", "third")
+    assert examined.program("first", "third", "second") == str(tmp_path / "bin/third")
+    assert examined.program("sh") is None
+    assert ExaminedMachine(root=tmp_path, environ={}).program("sh") is None
 
 
 @pytest.mark.parametrize(
@@ -35,30 +24,30 @@ def test_programs_are_sought_on_its_own_path(tmp_path: Path) -> None:
         ("nothing", ""),
     ],
 )
-def test_each_installs_by_its_own_means(
+def test_each_package_manager_has_its_command(
     tmp_path: Path, manager: str, command: str
 ) -> None:
-    here = machine(tmp_path, manager)
-    assert here.install("g++", dnf="gcc-c++", apk="") == command
+    examined = make_machine(tmp_path, manager)
+    assert examined.install_command("g++", dnf="gcc-c++", apk="") == command
 
 
-def test_the_release_is_read_as_it_is_written(tmp_path: Path) -> None:
+def test_the_release_is_parsed_as_shell_assignments(tmp_path: Path) -> None:
     mint = '# Mint\nPRETTY_NAME="Linux Mint 21.3"\nID=\'linuxmint\'\n\nbroken\nODD="x\n'
     mint += "VERSION_CODENAME=virginia\nUBUNTU_CODENAME=jammy\n"
-    here = machine(tmp_path, release=mint)
-    assert (here.name(), here.codename()) == ("Linux Mint 21.3", "jammy")
-    assert here.release()["ID"] == "linuxmint"
-    assert here.release()["ODD"] == '"x'
+    examined = make_machine(tmp_path, release=mint)
+    assert (examined.name(), examined.codename()) == ("Linux Mint 21.3", "jammy")
+    assert examined.release()["ID"] == "linuxmint"
+    assert examined.release()["ODD"] == '"x'
 
 
 def test_a_machine_without_a_release_has_a_name(tmp_path: Path) -> None:
-    here = Machine(root=tmp_path, environ={}, system="linux")
-    assert (here.name(), here.codename()) == ("Linux", "")
+    examined = ExaminedMachine(root=tmp_path, environ={}, system="linux")
+    assert (examined.name(), examined.codename()) == ("Linux", "")
 
 
-def test_a_program_that_hangs_is_not_waited_for(
+def test_a_program_that_hangs_is_ended(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tool0.installation.doctor.machine.PATIENCE", 0.2)
+    monkeypatch.setattr("tool0.installation.doctor.machine.PROGRAM_TIMEOUT", 0.2)
     with pytest.raises(subprocess.TimeoutExpired):
-        Machine(root=tmp_path).ask(["/bin/sleep", "1000"])
+        ExaminedMachine(root=tmp_path).output_of(["/bin/sleep", "1000"])

@@ -5,10 +5,15 @@ from pathlib import Path
 
 import pytest
 from debian_mirror import CAN_BE_MADE, VERSION, Mirror, make_mirror
+from machine import add_program
 
 from tool0.errors import ConfigError, EngineUnavailableError
-from tool0.installation.gazebo.install import Wish, ready, uninstall
-from tool0.installation.gazebo.installation import Installation, private_prefix
+from tool0.installation.gazebo.install import (
+    GazeboOptions,
+    install_gazebo,
+    uninstall_gazebo,
+)
+from tool0.installation.gazebo.installation import GazeboInstallation, private_prefix
 
 pytestmark = [
     pytest.mark.slow,
@@ -24,21 +29,29 @@ def mirror(tmp_path_factory: pytest.TempPathFactory) -> Mirror:
 @pytest.fixture(autouse=True)
 def compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stand in for g++: a plugin is not what is tested here."""
-    program = tmp_path / "fake-g++"
-    program.write_text('#!/bin/sh\nfor last; do :; done; echo made > "$last"\n')
-    program.chmod(0o755)
+    script = 'for last; do :; done; echo made > "$last"'
+    program = add_program(tmp_path / "fake-g++", script)
     monkeypatch.setenv("CXX", str(program))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.delenv("TOOL0_GAZEBO", raising=False)
 
 
-def install(mirror: Mirror, *, gui: bool = False) -> tuple[Installation, list[str]]:
+def install(
+    mirror: Mirror, *, gui: bool = False
+) -> tuple[GazeboInstallation, list[str]]:
     said: list[str] = []
-    wish = Wish(
+    options = GazeboOptions(
         has_client=gui, is_private=True, mirror=mirror.address, keyring=mirror.keyring
     )
-    made = ready(wish, lambda activity, _: said.append(activity))
+    made = install_gazebo(options, lambda activity, _: said.append(activity))
     return made, list(dict.fromkeys(said))
+
+
+def refusal(mirror: Mirror) -> str:
+    """Return why it cannot be installed."""
+    with pytest.raises(EngineUnavailableError) as error:
+        install(mirror)
+    return str(error.value)
 
 
 def test_makes_a_prefix_that_runs_and_leaves_no_downloads(mirror: Mirror) -> None:
@@ -81,8 +94,8 @@ def test_what_was_downloaded_is_used_unless_it_is_damaged(mirror: Mirror) -> Non
 
 
 def test_an_unsigned_mirror_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(EngineUnavailableError, match="not signed by a key of"):
-        install(make_mirror(tmp_path, signed=False))
+    unsigned = make_mirror(tmp_path, signed=False)
+    assert str(unsigned.keyring) in refusal(unsigned)
     assert not private_prefix().exists()
 
 
@@ -92,8 +105,7 @@ def test_a_package_of_other_content_is_refused(mirror: Mirror, tmp_path: Path) -
     content = bytearray(package.read_bytes())
     content[-10] ^= 1
     package.write_bytes(content)
-    with pytest.raises(EngineUnavailableError, match="not what Debian signed"):
-        install(forged)
+    assert forged.address in refusal(forged)
     assert not private_prefix().exists()
     made, _ = install(mirror)  # and what is right goes on from there
     assert made.server.is_file()
@@ -102,23 +114,19 @@ def test_a_package_of_other_content_is_refused(mirror: Mirror, tmp_path: Path) -
 def test_a_mirror_without_debian_11_is_named(mirror: Mirror, tmp_path: Path) -> None:
     wrong = Mirror(tmp_path / "empty", mirror.keyring)
     wrong.folder.mkdir()
-    with pytest.raises(EngineUnavailableError, match=r"no Debian 11.*--mirror"):
-        install(wrong)
+    assert "--mirror" in refusal(wrong)
 
 
 def test_missing_keys_are_named(mirror: Mirror, tmp_path: Path) -> None:
-    with pytest.raises(EngineUnavailableError, match="debian-archive-keyring"):
-        install(Mirror(mirror.folder, tmp_path / "none.gpg"))
+    absent = tmp_path / "none.gpg"
+    assert str(absent) in refusal(Mirror(mirror.folder, absent))
 
 
 def test_a_missing_compiler_is_named_before_anything_is_fetched(
     mirror: Mirror, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("CXX", "no-such-compiler")
-    with pytest.raises(
-        EngineUnavailableError, match=r"install one \(apt install g\+\+"
-    ):
-        install(mirror)
+    assert "apt install g++" in refusal(mirror)
     assert not private_prefix().parent.exists()
 
 
@@ -127,22 +135,21 @@ def test_two_at_once_do_not_disturb_each_other(mirror: Mirror) -> None:
     folder.mkdir(parents=True)
     with (folder / "lock").open("w") as handle:
         fcntl.flock(handle, fcntl.LOCK_EX)
-        with pytest.raises(EngineUnavailableError, match="another process"):
-            install(mirror)
-        with pytest.raises(EngineUnavailableError, match="another process"):
-            uninstall()
+        assert str(folder) in refusal(mirror)
+        with pytest.raises(EngineUnavailableError):
+            uninstall_gazebo()
 
 
 def test_uninstalling_leaves_nothing(mirror: Mirror, tmp_path: Path) -> None:
     install(mirror)
     assert any((tmp_path / "cache").rglob("*.so"))
-    assert uninstall() > 0
+    assert uninstall_gazebo() > 0
     assert not private_prefix().parent.exists()
     assert not any((tmp_path / "cache").rglob("*.so"))
-    assert uninstall() == 0
+    assert uninstall_gazebo() == 0
 
 
 @pytest.mark.parametrize("mirror", ["debian.org", "http://a b", ""])
 def test_a_mirror_must_be_an_address(mirror: str) -> None:
-    with pytest.raises(ConfigError, match="a mirror is an address"):
-        Wish(mirror=mirror)
+    with pytest.raises(ConfigError):
+        GazeboOptions(mirror=mirror)

@@ -1,10 +1,16 @@
 from pathlib import Path
 
 import pytest
+from machine import add_program
 
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.installation import find_installation, private_prefix
-from tool0.installation.gazebo.prefix import Marker, write_marker
+from tool0.installation.gazebo.installation import (
+    PrefixMarker,
+    find_installation,
+    include_folders,
+    private_prefix,
+    write_marker,
+)
 
 
 @pytest.fixture(autouse=True)
@@ -23,14 +29,9 @@ def bare_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return programs
 
 
-def add_program(folder: Path, version: str) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    program = folder / "gzserver"
-    program.write_text(
-        f"#!/bin/sh\necho Gazebo multi-robot simulator, version {version}\n"
-    )
-    program.chmod(0o755)
-    return program
+def add_server(folder: Path, version: str) -> Path:
+    script = f"echo Gazebo multi-robot simulator, version {version}"
+    return add_program(folder / "gzserver", script)
 
 
 def add_headers(root: Path, version: str) -> None:
@@ -45,19 +46,25 @@ def add_headers(root: Path, version: str) -> None:
 
 def add_prefix(prefix: Path, *, has_client: bool = True) -> None:
     add_headers(prefix / "usr", "11.1.0")
-    marker = Marker(
+    marker = PrefixMarker(
         version="11.1.0", triplet="x86_64-linux-gnu", has_client=has_client, size=1
     )
     write_marker(prefix, marker)
 
 
-def test_without_any_it_names_the_command() -> None:
-    with pytest.raises(EngineUnavailableError, match="tool0 gazebo install"):
+def why_none() -> str:
+    """Return why there is no Gazebo."""
+    with pytest.raises(EngineUnavailableError) as error:
         find_installation()
+    return str(error.value)
+
+
+def test_without_any_it_names_the_command() -> None:
+    assert "tool0 gazebo install" in why_none()
 
 
 def test_the_system_s_comes_before_the_private_one(bare_machine: Path) -> None:
-    server = add_program(bare_machine, "11.10.2")
+    server = add_server(bare_machine, "11.10.2")
     add_headers(bare_machine.parent, "11.10.2")
     add_prefix(private_prefix())
     found = find_installation()
@@ -71,15 +78,13 @@ def test_the_system_s_comes_before_the_private_one(bare_machine: Path) -> None:
 def test_the_system_s_without_headers_says_which_package_has_them(
     bare_machine: Path,
 ) -> None:
-    add_program(bare_machine, "11.10.2")
-    with pytest.raises(EngineUnavailableError, match=r"11\.10\.2.*libgazebo-dev"):
-        find_installation()
+    add_server(bare_machine, "11.10.2")
+    assert "libgazebo-dev" in why_none()
 
 
 def test_another_gazebo_is_not_taken(bare_machine: Path) -> None:
-    add_program(bare_machine, "9.0.0")
-    with pytest.raises(EngineUnavailableError, match=r"is Gazebo 9\.0\.0, not 11"):
-        find_installation()
+    add_server(bare_machine, "9.0.0")
+    assert "9.0.0" in why_none()
     add_prefix(private_prefix())
     assert find_installation().version == "11.1.0"
 
@@ -100,8 +105,6 @@ def test_a_prefix_runs_from_where_it_is() -> None:
 
 
 def test_the_compiler_is_never_pointed_to_the_system_s_own_headers() -> None:
-    from tool0.installation.gazebo.prefix import include_folders
-
     assert Path("/usr/include") not in include_folders(Path("/usr"))
 
 
@@ -115,8 +118,7 @@ def test_without_a_driver_to_draw_with_there_is_no_display() -> None:
 
 def test_a_prefix_that_is_not_finished_does_not_count() -> None:
     add_headers(private_prefix() / "usr", "11.1.0")
-    with pytest.raises(EngineUnavailableError, match="tool0 gazebo install"):
-        find_installation()
+    assert "tool0 gazebo install" in why_none()
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"format": 2}', "\xff"])
@@ -124,14 +126,13 @@ def test_a_marker_that_cannot_be_read_does_not_count(text: str) -> None:
     prefix = private_prefix()
     add_prefix(prefix)
     (prefix / "tool0-gazebo.json").write_bytes(text.encode("latin-1"))
-    with pytest.raises(EngineUnavailableError, match="tool0 gazebo install"):
-        find_installation()
+    assert "tool0 gazebo install" in why_none()
 
 
 def test_a_named_one_is_taken_alone(
     tmp_path: Path, bare_machine: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    add_program(bare_machine, "11.10.2")
+    add_server(bare_machine, "11.10.2")
     add_headers(bare_machine.parent, "11.10.2")
     add_prefix(tmp_path / "mine")
     monkeypatch.setenv("TOOL0_GAZEBO", str(tmp_path / "mine"))
@@ -139,8 +140,7 @@ def test_a_named_one_is_taken_alone(
     monkeypatch.setenv("TOOL0_GAZEBO", str(bare_machine.parent))
     assert find_installation().version == "11.10.2"
     monkeypatch.setenv("TOOL0_GAZEBO", str(tmp_path))
-    with pytest.raises(EngineUnavailableError, match="no whole Gazebo 11"):
-        find_installation()
+    assert str(tmp_path) in why_none()
 
 
 def test_a_person_s_own_paths_come_first(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,12 +3,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from machine import add_program
 
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.installation import Installation
+from tool0.installation.gazebo.installation import GazeboInstallation
 from tool0.installation.gazebo.plugin import bridge_libraries, plugin_folder
 
-INSTALLATION = Installation(
+INSTALLATION = GazeboInstallation(
     version="11.1.0",
     prefix=None,
     server=Path("/usr/bin/gzserver"),
@@ -17,7 +18,6 @@ INSTALLATION = Installation(
     include_dirs=(Path("/somewhere/include"),),
 )
 COMPILER = """\
-#!/bin/sh
 echo "$*" >> "{calls}"
 {fail}
 for last; do :; done
@@ -36,15 +36,12 @@ def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def set_compiler(folder: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> None:
-    program = folder / "g++"
-    program.write_text(text)
-    program.chmod(0o755)
-    monkeypatch.setenv("CXX", str(program))
+    monkeypatch.setenv("CXX", str(add_program(folder / "g++", text)))
 
 
 def test_compiles_each_once(calls: Path) -> None:
     libraries = bridge_libraries(INSTALLATION)
-    assert libraries.bridge.read_text() == libraries.leash.read_text() == "made\n"
+    assert libraries.bridge.read_text() == libraries.preload.read_text() == "made\n"
     assert bridge_libraries(INSTALLATION) == libraries
     assert len(calls.read_text().splitlines()) == 2
     assert "-isystem/somewhere/include" in calls.read_text()
@@ -62,9 +59,10 @@ def test_what_was_compiled_outlives_the_compiler(
     libraries = bridge_libraries(INSTALLATION)
     monkeypatch.setenv("CXX", "no-such-compiler")
     assert bridge_libraries(INSTALLATION) == libraries
-    libraries.leash.unlink()
-    with pytest.raises(EngineUnavailableError, match=r"apt install g\+\+"):
+    libraries.preload.unlink()
+    with pytest.raises(EngineUnavailableError) as error:
         bridge_libraries(INSTALLATION)
+    assert "apt install g++" in str(error.value)
 
 
 def test_several_may_compile_at_once(calls: Path) -> None:
@@ -73,7 +71,7 @@ def test_several_may_compile_at_once(calls: Path) -> None:
     assert len(set(made)) == 1
     assert {path.name for path in plugin_folder().iterdir()} == {
         made[0].bridge.name,
-        made[0].leash.name,
+        made[0].preload.name,
     }
 
 
@@ -82,12 +80,14 @@ def test_what_the_compiler_said_is_shown_and_nothing_is_kept(
 ) -> None:
     fail = "echo 'bridge.cc:1: error: no such header' >&2; exit 1"
     set_compiler(tmp_path, monkeypatch, COMPILER.format(calls=calls, fail=fail))
-    with pytest.raises(EngineUnavailableError, match="error: no such header"):
+    with pytest.raises(EngineUnavailableError) as error:
         bridge_libraries(INSTALLATION)
+    assert "error: no such header" in str(error.value)
     assert not list(plugin_folder().iterdir())
 
 
 def test_a_folder_that_cannot_be_written_is_named(calls: Path, tmp_path: Path) -> None:
     (tmp_path / "cache").write_text("in the way")
-    with pytest.raises(EngineUnavailableError, match=r"cannot write '.*cache"):
+    with pytest.raises(EngineUnavailableError) as error:
         bridge_libraries(INSTALLATION)
+    assert str(tmp_path / "cache") in str(error.value)

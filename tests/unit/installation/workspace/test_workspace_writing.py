@@ -9,10 +9,13 @@ import pytest
 
 from tool0.errors import ConfigError
 from tool0.installation.workspace import writing
-from tool0.installation.workspace.changes import Action
-from tool0.installation.workspace.contents import contents
-from tool0.installation.workspace.record import NAME
-from tool0.installation.workspace.writing import Written, write_workspace
+from tool0.installation.workspace.layout import package_files
+from tool0.installation.workspace.writing import (
+    RECORD_FILE,
+    FileAction,
+    WorkspaceChanges,
+    write_workspace,
+)
 
 LAUNCH = "tool0_gazebo/launch/ur5_robotiq_2f_85_bringup.launch"
 XACRO = "tool0_description/urdf/shapes.xacro"
@@ -25,18 +28,19 @@ Files = dict[PurePosixPath, bytes]
 def shipped(monkeypatch: pytest.MonkeyPatch) -> Files:
     """What is written: a test changes it, as another version of tool0 would."""
     files = {
-        PurePosixPath(path): contents()[PurePosixPath(path)] for path in (LAUNCH, XACRO)
+        PurePosixPath(path): package_files()[PurePosixPath(path)]
+        for path in (LAUNCH, XACRO)
     }
 
     def stand_in(*, upstream_meshes: bool) -> Mapping[PurePosixPath, bytes]:
         del upstream_meshes
         return dict(files)
 
-    monkeypatch.setattr(writing, "contents", stand_in)
+    monkeypatch.setattr(writing, "package_files", stand_in)
     return files
 
 
-def one(written: Written, action: Action) -> str:
+def one(written: WorkspaceChanges, action: FileAction) -> str:
     (path,) = written.paths(action)
     return path.relative_to(written.source).as_posix()
 
@@ -47,16 +51,18 @@ def everything(folder: Path) -> dict[Path, bytes]:
 
 def test_it_writes_real_files(tmp_path: Path) -> None:
     written = write_workspace(tmp_path / "ws")
-    files = contents()
+    files = package_files()
     assert written.source == tmp_path / "ws" / "src"
-    assert len(written.paths(Action.ADD)) == len(files)
+    assert len(written.paths(FileAction.ADD)) == len(files)
     for path, data in files.items():
         assert (written.source / path).read_bytes() == data
         assert not (written.source / path).is_symlink()
     names = {
         path.relative_to(written.source).as_posix() for path in everything(tmp_path)
     }
-    records = {f"{name}/{NAME}" for name in ("tool0_description", "tool0_gazebo")}
+    records = {
+        f"{name}/{RECORD_FILE}" for name in ("tool0_description", "tool0_gazebo")
+    }
     assert names == {str(path) for path in files} | records
 
 
@@ -75,7 +81,7 @@ def test_twice_changes_nothing(tmp_path: Path) -> None:
     write_workspace(tmp_path)
     before = everything(tmp_path)
     again = write_workspace(tmp_path)
-    assert {change.action for change in again.changes} == {Action.LEAVE}
+    assert {change.action for change in again.changes} == {FileAction.LEAVE}
     assert everything(tmp_path) == before
 
 
@@ -84,7 +90,7 @@ def test_an_edited_file_is_kept_and_named(tmp_path: Path) -> None:
     (written.source / LAUNCH).write_text(EDIT)
     for upstream in (False, True):  # which would change that file
         again = write_workspace(tmp_path, upstream_meshes=upstream)
-        assert one(again, Action.KEEP) == LAUNCH
+        assert one(again, FileAction.KEEP) == LAUNCH
         assert (written.source / LAUNCH).read_text() == EDIT
 
 
@@ -92,7 +98,7 @@ def test_a_file_that_was_there_before_is_a_persons(tmp_path: Path) -> None:
     file = tmp_path / "src" / LAUNCH
     file.parent.mkdir(parents=True)
     file.write_text(EDIT)
-    assert one(write_workspace(tmp_path), Action.KEEP) == LAUNCH
+    assert one(write_workspace(tmp_path), FileAction.KEEP) == LAUNCH
     assert file.read_text() == EDIT
 
 
@@ -104,7 +110,7 @@ def test_force_overwrites_and_keeps_what_it_overwrote(tmp_path: Path) -> None:
         again = write_workspace(tmp_path, force=True)
         assert again.backups == {file: Path(aside)}
         assert Path(aside).read_text() == EDIT * (number + 1)
-        assert file.read_bytes() == contents()[PurePosixPath(LAUNCH)]
+        assert file.read_bytes() == package_files()[PurePosixPath(LAUNCH)]
 
 
 def test_a_newer_version_updates_what_nobody_edited(
@@ -115,7 +121,10 @@ def test_a_newer_version_updates_what_nobody_edited(
     shipped[PurePosixPath(LAUNCH)] = b"newer"
     shipped[PurePosixPath(XACRO)] = b"newer"
     again = write_workspace(tmp_path)
-    assert (one(again, Action.UPDATE), one(again, Action.KEEP)) == (LAUNCH, XACRO)
+    assert (one(again, FileAction.UPDATE), one(again, FileAction.KEEP)) == (
+        LAUNCH,
+        XACRO,
+    )
     assert (source / LAUNCH).read_bytes() == b"newer"
 
 
@@ -124,9 +133,9 @@ def test_an_edit_that_was_taken_back_is_none(tmp_path: Path, shipped: Files) -> 
     older = (source / LAUNCH).read_bytes()
     (source / LAUNCH).write_text(EDIT)
     shipped[PurePosixPath(LAUNCH)] = b"newer"
-    assert one(write_workspace(tmp_path), Action.KEEP) == LAUNCH
+    assert one(write_workspace(tmp_path), FileAction.KEEP) == LAUNCH
     (source / LAUNCH).write_bytes(older)
-    assert one(write_workspace(tmp_path), Action.UPDATE) == LAUNCH
+    assert one(write_workspace(tmp_path), FileAction.UPDATE) == LAUNCH
 
 
 def test_what_is_shipped_no_longer_goes_unless_it_was_edited(
@@ -136,7 +145,10 @@ def test_what_is_shipped_no_longer_goes_unless_it_was_edited(
     (source / XACRO).write_text(EDIT)
     shipped.clear()
     again = write_workspace(tmp_path, force=True)
-    assert (one(again, Action.REMOVE), one(again, Action.KEEP)) == (LAUNCH, XACRO)
+    assert (one(again, FileAction.REMOVE), one(again, FileAction.KEEP)) == (
+        LAUNCH,
+        XACRO,
+    )
     assert not (source / LAUNCH).exists()
     assert not write_workspace(tmp_path).changes  # it is theirs from now on
 
@@ -144,7 +156,7 @@ def test_what_is_shipped_no_longer_goes_unless_it_was_edited(
 def test_a_deleted_file_comes_back(tmp_path: Path) -> None:
     source = write_workspace(tmp_path).source
     (source / LAUNCH).unlink()
-    assert one(write_workspace(tmp_path), Action.ADD) == LAUNCH
+    assert one(write_workspace(tmp_path), FileAction.ADD) == LAUNCH
     assert (source / LAUNCH).is_file()
 
 
@@ -154,7 +166,7 @@ def test_a_link_is_an_edit(tmp_path: Path) -> None:
     mine.write_text(EDIT)
     (source / LAUNCH).unlink()
     (source / LAUNCH).symlink_to(mine)
-    assert one(write_workspace(tmp_path), Action.KEEP) == LAUNCH
+    assert one(write_workspace(tmp_path), FileAction.KEEP) == LAUNCH
     write_workspace(tmp_path, force=True)
     assert mine.read_text() == EDIT
     assert not (source / LAUNCH).is_symlink()
@@ -167,9 +179,9 @@ def test_without_a_record_what_differs_is_kept(
     tmp_path: Path, shipped: Files, text: str
 ) -> None:
     source = write_workspace(tmp_path).source
-    (source / "tool0_gazebo" / NAME).write_text(text)
+    (source / "tool0_gazebo" / RECORD_FILE).write_text(text)
     shipped[PurePosixPath(LAUNCH)] = b"newer"
-    assert one(write_workspace(tmp_path), Action.KEEP) == LAUNCH
+    assert one(write_workspace(tmp_path), FileAction.KEEP) == LAUNCH
 
 
 def test_a_run_that_was_cut_short_is_gone_on_with(
@@ -192,13 +204,12 @@ def test_a_run_that_was_cut_short_is_gone_on_with(
             write_workspace(tmp_path)
     assert "No space left on device" in str(caught.value)
     assert LAUNCH in str(caught.value)
-    assert "run the same again" in str(caught.value)
     assert set(everything(tmp_path)) == set(older)  # and nothing half-written beside
     assert (source / LAUNCH).read_bytes() == older[source / LAUNCH]
 
     shipped[PurePosixPath(XACRO)] = b"newer still"  # as another version would have it
     again = write_workspace(tmp_path)
-    assert set(again.paths(Action.UPDATE)) == {source / LAUNCH, source / XACRO}
+    assert set(again.paths(FileAction.UPDATE)) == {source / LAUNCH, source / XACRO}
 
 
 def test_a_folder_that_is_not_ours_to_write_is_told(
@@ -209,20 +220,23 @@ def test_a_folder_that_is_not_ours_to_write_is_told(
 
     with monkeypatch.context() as patch:
         patch.setattr(Path, "mkdir", fails)
-        with pytest.raises(ConfigError, match=r"cannot write .*Permission denied"):
+        with pytest.raises(ConfigError) as error:
             write_workspace(tmp_path)
+    assert os.strerror(errno.EACCES) in str(error.value)
 
 
 def test_a_folder_where_a_file_goes_is_told(tmp_path: Path) -> None:
     (tmp_path / "src" / LAUNCH).mkdir(parents=True)
-    with pytest.raises(ConfigError, match=r"cannot read .*Is a directory; move it"):
+    with pytest.raises(ConfigError) as error:
         write_workspace(tmp_path)
+    assert LAUNCH in str(error.value)
     assert not everything(tmp_path)  # it was seen before anything was written
 
 
 def test_a_file_where_a_folder_goes_is_told(tmp_path: Path) -> None:
     (tmp_path / "src").mkdir()
     (tmp_path / "src" / "tool0_gazebo").touch()
-    with pytest.raises(ConfigError, match="Not a directory"):
+    with pytest.raises(ConfigError) as error:
         write_workspace(tmp_path)
+    assert "tool0_gazebo" in str(error.value)
     assert len(everything(tmp_path)) == 1

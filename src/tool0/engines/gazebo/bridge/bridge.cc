@@ -346,7 +346,7 @@ class ContactRecorder {
   };
   using ContactCallback = void (*)(dJointID, const dContactGeom*);
 
-  /// In the preloaded library, see leash.cc.
+  /// In the preloaded library, see preload.cc.
   static ContactCallback* Hook() {
     static const auto hook =
         static_cast<ContactCallback*>(::dlsym(RTLD_DEFAULT, "tool0_touched"));
@@ -615,7 +615,7 @@ class Bridge : public gazebo::SystemPlugin {
     const auto physics = world_->Physics();
     physics->SetMaxStepSize(dt_);
     if (auto step = static_cast<double*>(::dlsym(RTLD_DEFAULT, "tool0_step")))
-      *step = dt_;  // see leash.cc
+      *step = dt_;  // see preload.cc
     physics->SetRealTimeUpdateRate(0.0);
     // The iterative solver would leave errors that fingers on a stiff drive amplify;
     // for a robot the direct one is faster, too.

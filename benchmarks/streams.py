@@ -1,0 +1,88 @@
+"""What subscribers in other processes cost the tick."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import statistics
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from subprocess import PIPE, Popen
+
+import tool0
+from tool0.api.address import Claim
+from tool0.interfaces.server.backend import SimulationBackend
+from tool0.interfaces.server.server import Server
+from tool0.interfaces.server.unix_socket import UnixSocketService
+
+NAME = f"benchmark-streams-{os.getpid()}"
+SECONDS = 2.0
+ROUNDS = 5
+READER = """
+import sys, tool0
+with tool0.connect(sys.argv[1]) as robot:
+    stream = robot.subscribe(float(sys.argv[2]))
+    stream.following(30.0)
+    print("reads", flush=True)
+    while stream.following(30.0) is not None:
+        pass
+"""
+
+
+def tick_cost_ratio(readers: int, rate: float) -> float:
+    """Return the CPU time of the tick's thread with ``readers`` ÷ with none.
+
+    In real time, per simulated second; rounds with and without readers alternate, and
+    the median of the ratios is taken.
+
+    Args:
+        readers: Processes that read every snapshot.
+        rate: Snapshots per simulated second of each [Hz].
+    """
+    service = UnixSocketService(Claim(NAME))
+    with (
+        tool0.bringup() as robot,
+        Server(SimulationBackend(robot.simulation), [service], NAME),
+    ):
+        ratios = []
+        for _ in range(ROUNDS):
+            without = _tick_cpu(robot)
+            with _reading(readers, rate):
+                ratios.append(_tick_cpu(robot) / without)
+    return statistics.median(ratios)
+
+
+def _tick_cpu(robot: tool0.Robot) -> float:
+    """Return CPU seconds of the tick's thread per simulated second."""
+    (thread,) = (t for t in threading.enumerate() if t.name == "tool0 loop")
+    assert thread.ident is not None
+    clock = time.pthread_getcpuclockid(thread.ident)
+    cpu, simulated = time.clock_gettime(clock), robot.time
+    robot.run(SECONDS)
+    return (time.clock_gettime(clock) - cpu) / (robot.time - simulated)
+
+
+@contextlib.contextmanager
+def _reading(readers: int, rate: float) -> Iterator[None]:
+    """Let processes read until the end."""
+    command = [sys.executable, "-c", READER, NAME, str(rate)]
+    processes = [Popen(command, stdout=PIPE, text=True) for _ in range(readers)]
+    try:
+        for process in processes:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "reads\n"
+        yield
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+            assert process.stdout is not None
+            process.stdout.close()
+
+
+if __name__ == "__main__":
+    for n in (1, 5):
+        for hertz in (125.0, 500.0):
+            print(f"{n} at {hertz:g} Hz: {tick_cost_ratio(n, hertz):.3f}")

@@ -1,0 +1,224 @@
+from pathlib import Path
+
+import pytest
+from machine import add_program, make_machine
+
+from tool0.errors import RosUnavailableError
+from tool0.installation.doctor.machine import ExaminedMachine
+from tool0.installation.doctor.report import ProbeResult
+from tool0.installation.doctor.ros_probes import (
+    _LAUNCHED_PACKAGES,
+    gazebo,
+    ros1,
+    ros2,
+    workspace,
+)
+from tool0.installation.gazebo.installation import NAMED_BY
+from tool0.installation.ros1.status import Ros1Status
+
+# --- Gazebo ---
+
+CONFIG = '#define GAZEBO_VERSION_FULL "11.10.2"\n'
+
+
+@pytest.fixture
+def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Name a root that has no Gazebo, on a machine without a compiler."""
+    monkeypatch.setenv(NAMED_BY, str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("PATH", str(tmp_path / "bin"))
+    monkeypatch.delenv("CXX", raising=False)
+    add_program(tmp_path / "bin/apt-get")
+    return tmp_path
+
+
+def add_gazebo(root: Path) -> None:
+    header = root / "include/gazebo-11/gazebo/gazebo_config.h"
+    header.parent.mkdir(parents=True)
+    header.write_text(CONFIG)
+    add_program(root / "bin/gzserver")
+
+
+def test_a_missing_gazebo_is_installed_by_tool0(root: Path) -> None:
+    (result,) = gazebo(ExaminedMachine(system="linux"))
+    assert (result.state, result.remedy) == ("missing", "tool0 gazebo install --gui")
+
+
+def test_a_missing_compiler_is_what_is_missing(root: Path) -> None:
+    add_gazebo(root)
+    (result,) = gazebo(ExaminedMachine(system="linux"))
+    assert (result.state, result.remedy) == ("missing", "sudo apt install g++")
+
+
+def test_a_system_s_gazebo_is_reported_with_its_window(root: Path) -> None:
+    add_gazebo(root)
+    add_program(root / "bin/g++")
+    engine, window = gazebo(ExaminedMachine(system="linux"))
+    assert engine.state == "ready"
+    assert engine.found.startswith("11.10.2, the system's, ")
+    assert window.remedy == "tool0 gazebo install --gui --private"
+    add_program(root / "bin/gzclient")
+    engine, window = gazebo(ExaminedMachine(system="linux"))
+    assert (window.state, window.found) == ("ready", str(root / "bin/gzclient"))
+
+
+def test_gazebo_is_supported_on_linux_alone() -> None:
+    (result,) = gazebo(ExaminedMachine(system="darwin"))
+    assert result.state == "not supported"
+
+
+# --- ROS ---
+
+NEEDED = {"rospy": ("rospy", "rosgraph"), "messages": ("genpy", "genmsg", "std_msgs")}
+ROS1 = "tool0.installation.ros1"
+REMEDY = "tool0 ros1 install --rviz"
+
+
+def with_ros1(patch: pytest.MonkeyPatch, status: Ros1Status) -> list[ProbeResult]:
+    patch.setattr(f"{ROS1}.status.ros1_status", lambda: status)
+    return ros1(ExaminedMachine(environ={"PATH": ""}))
+
+
+def test_ros_2_is_reported_and_not_supported(tmp_path: Path) -> None:
+    (result,) = ros2(ExaminedMachine(root=tmp_path))
+    assert result.state == "not supported"
+    for distro in ("humble", "jazzy"):
+        home = tmp_path / "opt/ros" / distro / "lib/python3.10/site-packages/rclpy"
+        home.mkdir(parents=True)
+    (result,) = ros2(ExaminedMachine(root=tmp_path))
+    assert result.state == "not supported"
+    for distro in ("humble", "jazzy"):
+        assert str(tmp_path / "opt/ros" / distro) in result.found
+
+
+def test_ros_1_is_installed_where_it_is_packaged(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(f"{ROS1}.install.plan_install", lambda rviz: None)
+    (result,) = with_ros1(monkeypatch, Ros1Status(master="", missing=NEEDED))
+    assert (result.what, result.state) == ("ros1", "missing")
+    assert "rospy, rosgraph, genpy, genmsg, …" in result.found
+    assert result.remedy == REMEDY
+
+
+@pytest.mark.parametrize(
+    ("is_packaged", "state"), [(True, "missing"), (False, "not supported")]
+)
+def test_where_ros_1_cannot_be_installed_the_reason_is_reported(
+    monkeypatch: pytest.MonkeyPatch, is_packaged: bool, state: str
+) -> None:
+    def plan(rviz: bool) -> None:
+        raise RosUnavailableError("the reason")
+
+    monkeypatch.setattr(f"{ROS1}.install.plan_install", plan)
+    monkeypatch.setattr(f"{ROS1}.install.is_packaged", lambda: is_packaged)
+    (result,) = with_ros1(monkeypatch, Ros1Status(master="", missing=NEEDED))
+    assert (result.state, result.found) == (state, "the reason")
+
+
+def test_what_ros_1_can_run_without_has_results_of_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    status = Ros1Status(
+        rospy=Path("/r/rospy"),
+        version="1.15",
+        source="the distribution's",
+        master="http://localhost:11311",
+        missing={"tf2": ("tf2_ros",), "rviz": ("rviz",)},
+        remedies=(REMEDY,),
+    )
+    main, tools, rviz = with_ros1(monkeypatch, status)
+    assert main.state == "ready"
+    assert "1.15, the distribution's" in main.found
+    assert "--roscore" in main.found
+    assert (tools.state, tools.found, tools.remedy) == ("missing", "tf2", REMEDY)
+    assert (rviz.state, rviz.remedy) == ("missing", REMEDY)
+
+
+def test_a_master_that_answers_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    status = Ros1Status(rospy=Path("/r"), master="http://x:1", is_master_up=True)
+    results = with_ros1(monkeypatch, status)
+    assert [result.state for result in results] == ["ready"] * 3
+    assert "http://x:1 answers" in results[0].found
+
+
+# --- the workspace ---
+
+BOOKWORM = "PRETTY_NAME='Debian 12'\nVERSION_CODENAME=bookworm\n"
+FOCAL = "PRETTY_NAME='Ubuntu 20.04'\nVERSION_CODENAME=focal\n"
+NOBLE = "PRETTY_NAME='Ubuntu 24.04'\nVERSION_CODENAME=noble\n"
+
+
+def look(root: Path, release: str, *programs: str) -> tuple[ProbeResult, ProbeResult]:
+    examined = make_machine(root, "apt-get", *programs, release=release)
+    catkin, native = workspace(examined)
+    return catkin, native
+
+
+def add_packages(prefix: Path, *names: str) -> None:
+    for name in names:
+        manifest = prefix / "share" / name / "package.xml"
+        manifest.parent.mkdir(parents=True)
+        manifest.touch()
+
+
+def test_the_build_tools_are_reported(tmp_path: Path) -> None:
+    catkin, _ = look(tmp_path, NOBLE, "catkin_make", "cmake", "make")
+    assert (catkin.what, catkin.state) == ("catkin", "ready")
+    assert str(tmp_path / "bin/catkin_make") in catkin.found
+
+
+@pytest.mark.parametrize(
+    ("release", "programs", "state", "remedy"),
+    [
+        (BOOKWORM, (), "missing", "sudo apt install catkin cmake make"),
+        (BOOKWORM, ("make",), "missing", "sudo apt install catkin cmake"),
+        (NOBLE, ("catkin_make", "make"), "missing", "sudo apt install cmake"),
+        (NOBLE, ("cmake", "make"), "not supported", ""),
+    ],
+)
+def test_the_build_tools_are_installed_where_they_are_packaged(
+    tmp_path: Path, release: str, programs: tuple[str, ...], state: str, remedy: str
+) -> None:
+    catkin, _ = look(tmp_path, release, *programs)
+    assert (catkin.state, catkin.remedy) == (state, remedy)
+
+
+def test_a_noetic_is_to_be_sourced(tmp_path: Path) -> None:
+    setup = tmp_path / "opt/ros/noetic/setup.bash"
+    setup.parent.mkdir(parents=True)
+    setup.touch()
+    catkin, _ = look(tmp_path, FOCAL, "cmake", "make")
+    assert catkin.remedy == f"source {setup}"
+
+
+def test_a_complete_noetic_runs_natively(tmp_path: Path) -> None:
+    add_packages(tmp_path / "opt/ros/noetic", *_LAUNCHED_PACKAGES)
+    _, native = look(tmp_path, FOCAL)
+    assert native.state == "ready"
+    assert native.found.startswith(str(tmp_path / "opt/ros/noetic"))
+
+
+def test_what_a_noetic_lacks_is_installed_by_its_names(tmp_path: Path) -> None:
+    missing = {"gazebo_ros_control", "rqt_joint_trajectory_controller"}
+    add_packages(tmp_path / "opt/ros/noetic", *(set(_LAUNCHED_PACKAGES) - missing))
+    _, native = look(tmp_path, FOCAL)
+    assert native.state == "missing"
+    assert native.remedy == (
+        "sudo apt install ros-noetic-gazebo-ros-control "
+        "ros-noetic-rqt-joint-trajectory-controller"
+    )
+
+
+@pytest.mark.parametrize(
+    ("release", "state", "remedy"),
+    [
+        (FOCAL, "missing", "sudo apt install ros-noetic-desktop-full"),
+        (BOOKWORM, "not supported", ""),
+    ],
+)
+def test_noetic_is_for_ubuntu_20_04_alone(
+    tmp_path: Path, release: str, state: str, remedy: str
+) -> None:
+    _, native = look(tmp_path, release)
+    assert (native.state, native.remedy) == (state, remedy)

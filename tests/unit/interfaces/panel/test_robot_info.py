@@ -1,0 +1,105 @@
+from pathlib import Path
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
+from xml.dom.minidom import parseString
+
+import pytest
+
+import tool0
+from tool0.description.catalogue import assemble, load_robot
+from tool0.description.scene import SceneObject
+from tool0.description.shapes import Mesh
+from tool0.interfaces.panel.robot_info import RobotFiles, object_info
+from tool0.interfaces.panel.server import Panel
+
+
+def mesh_paths(urdf: str | bytes) -> set[str]:
+    elements = parseString(urdf).getElementsByTagName("mesh")
+    return {element.getAttribute("filename") for element in elements}
+
+
+def test_every_mesh_of_the_urdf_is_served(panel: Panel, robot: tool0.Robot) -> None:
+    with urlopen(panel.url + "robot.urdf") as response:
+        urdf = response.read()
+    paths = mesh_paths(urdf)
+    files = {
+        visual.geometry.path
+        for link in robot.description.model.links
+        for visual in link.visuals
+        if isinstance(visual.geometry, Mesh)
+    }
+    assert len(paths) == len(files) > 20
+    served = {urlopen(panel.url + path[1:]).read() for path in paths}
+    assert served == {file.read_bytes() for file in files}
+    assert len(urdf) + sum(map(len, served)) < 2 << 20
+
+
+def test_only_the_paths_of_meshes_differ_from_the_robot_s_urdf() -> None:
+    description = assemble()
+    text = RobotFiles(description).urdf.decode()
+    before = description.urdf.splitlines()
+    different = [
+        pair
+        for pair in zip(before, text.splitlines(), strict=True)
+        if pair[0] != pair[1]
+    ]
+    assert different
+    assert all("<mesh filename=" in line for pair in different for line in pair)
+
+
+def test_a_cached_file_is_not_sent_again(panel: Panel) -> None:
+    for path in ("robot.urdf", "meshes/0.stl"):
+        with urlopen(panel.url + path) as response:
+            etag = response.headers["etag"]
+            assert response.headers["cache-control"] == "no-cache"
+        request = Request(panel.url + path, headers={"If-None-Match": etag})
+        with pytest.raises(HTTPError) as answer:
+            urlopen(request)
+        assert answer.value.code == 304
+        answer.value.close()
+
+
+def test_meshes_of_another_robot_and_of_objects_are_served(tmp_path: Path) -> None:
+    for name in ("a.STL", "b.obj", "scene.stl"):
+        (tmp_path / name).write_bytes(b"x")
+    file = tmp_path / "mine.urdf"
+    shapes = "".join(
+        f"<{kind}><geometry><mesh filename='{name}'/></geometry></{kind}>"
+        for kind, name in (("visual", "a.STL"), ("collision", "b.obj"))
+    )
+    file.write_text(f"<robot name='mine'><link name='one'>{shapes}</link></robot>")
+    description = load_robot(file)
+    mesh = Mesh(uri="scene.stl", path=tmp_path / "scene.stl")
+    thing = SceneObject(name="thing", geometry=mesh)
+    files = RobotFiles(description)
+    files.set_objects([thing])
+    assert {path: file.name for path, file in files.meshes.items()} == {
+        "/meshes/0.stl": "a.STL",
+        "/meshes/1.obj": "b.obj",
+        "/meshes/2.stl": "scene.stl",
+    }
+    assert mesh_paths(files.urdf) == {"/meshes/0.stl", "/meshes/1.obj"}
+    assert object_info(thing, files).shape.url == "/meshes/2.stl"
+    assert str(tmp_path) not in files.urdf.decode()
+
+
+def test_the_mesh_of_an_object_added_again_has_another_path(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "part.stl"
+    part = SceneObject(name="part", geometry=Mesh(uri="part.stl", path=path))
+    twin = SceneObject(name="twin", geometry=Mesh(uri="part.stl", path=path))
+    files = RobotFiles(assemble())
+
+    def url() -> str | None:
+        return object_info(part, files).shape.url
+
+    files.set_objects([part])
+    first = url()
+    files.set_objects([part, twin])
+    assert url() == first
+    files.set_objects([])
+    assert first not in files.meshes
+    files.set_objects([part])  # its file may have changed
+    assert url() != first
+    assert files.meshes[url() or ""] == path
