@@ -34,6 +34,8 @@ _ORIGINS = {
     "switched off": "switched off",
 }
 
+_FROM_OUTSIDE = ("include", "pass_all_args")
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -230,14 +232,14 @@ class _FlowExplainer:
     def arguments(self, launch: LaunchFile) -> Item:
         """Return the arguments that are listed with one file."""
         is_root = launch is self._launch
+        names = [argument.name for argument in launch.arguments]
         found = []
         for argument in launch.arguments:
-            same = [a for a in launch.arguments if a.name == argument.name]
-            is_only = len(same) == 1 or argument.origin != "switched off"
-            value = argument.value
-            comes = argument.origin in ("include", "pass_all_args")
-            comes = comes and value is not None and bool(value.uses)
-            if is_only and (is_root or not comes):
+            is_only = names.count(argument.name) == 1
+            is_listed = is_only or argument.origin != "switched off"
+            uses = () if argument.value is None else argument.value.uses
+            comes = argument.origin in _FROM_OUTSIDE and uses
+            if is_listed and (is_root or not comes):
                 found.append(self._argument(launch, argument))
         return Item(
             kind="launch",
@@ -250,10 +252,8 @@ class _FlowExplainer:
         value = argument.value
         items = tuple(self._uses(launch, argument.name, ()))
         reason = "" if value is None else value.reason
-        is_outside = argument.origin in ("include", "pass_all_args")
-        place = argument.place.location
-        if value is not None and is_outside:
-            place = value.location
+        is_outside = value is not None and argument.origin in _FROM_OUTSIDE
+        place = value.location if value and is_outside else argument.place.location
         notes = [_ORIGINS[argument.origin], reason, "" if items else "nothing uses it"]
         return Item(
             kind="argument",

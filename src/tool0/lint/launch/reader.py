@@ -29,6 +29,7 @@ from tool0.lint.launch.statements import (
     read_statement,
 )
 from tool0.lint.packages import PackageIndex
+from tool0.lint.robot.elements import Tag
 
 
 def read_launch(
@@ -95,7 +96,7 @@ class _FileReader:
     def read(self) -> LaunchFile:
         """Return what the file holds."""
         scope, root = self.scope, self.scope.element
-        grammar.check(root, scope.location, scope.findings.append)
+        scope.findings += grammar.findings(Tag(root))
         if root.getAttribute("deprecated"):
             scope.report(
                 "deprecated",

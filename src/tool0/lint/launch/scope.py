@@ -23,6 +23,7 @@ from tool0.lint.launch.model import (
     all_hold,
 )
 from tool0.lint.launch.substitution import Substitution
+from tool0.lint.robot.elements import Tag
 
 
 @final
@@ -61,7 +62,7 @@ class Scope:
         for child in children(self.element):
             if child.tagName in grammar.CHILDREN[self.tag]:
                 inner = self.at(child)
-                grammar.check(child, inner.location, self.findings.append)
+                self.findings += grammar.findings(Tag(child))
                 yield inner
 
     def group(self, namespace: str | None) -> Scope:

@@ -67,6 +67,11 @@ def test_a_driven_joint_without_power(what: str) -> None:
     assert what in finding.message
 
 
+def test_expressions_are_to_be_expanded_by_xacro() -> None:
+    finding = only(check(ARM.replace('"-1"', '"${a}"')), "not-a-number")
+    assert "xacro" in finding.remedy
+
+
 LIGHT = INERTIAL.replace('mass value="1"', 'mass value="0.05"').replace("0.01", "2e-5")
 PAD = (
     '<collision><origin xyz="0 0 0.04"/><geometry><box size="0.02 0.02 0.02"/>'
