@@ -9,19 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import tyro
 
-from tool0.cli.parsing import parse
-
 if TYPE_CHECKING:
     from tool0.installation.workspace.writing import WorkspaceChanges
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 """Where robotiq_2f_85_gripper_visualization is; no distribution packages it."""
-
-
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    parse(workspace, command, arguments)
-    return 0
 
 
 def workspace(
