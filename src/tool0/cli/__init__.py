@@ -27,12 +27,18 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "step": ("simulation", "advance a paused simulation by some ticks"),
     "reset": ("simulation", "return to time zero and the initial pose"),
     "estop": ("simulation", "engage or release the emergency stop"),
-    "gazebo": ("gazebo", "install a Gazebo 11, or show which one would run"),
-    "ros1": ("ros1", "install ROS 1 for bringup --ros1, or show what is installed"),
+    "gazebo": ("installation", "install a Gazebo 11, or show which one would run"),
+    "ros1": (
+        "installation",
+        "install ROS 1 for bringup --ros1, or show what is installed",
+    ),
     "check": ("check", "find mistakes in URDF, xacro, YAML and launch files"),
     "explain": ("explain", "explain what a launch file does and where arguments go"),
     "workspace": ("workspace", "write the robot as catkin packages for Noetic"),
-    "doctor": ("doctor", "show what this machine can run, and how to get the rest"),
+    "doctor": (
+        "installation",
+        "show what this machine can run, and how to get the rest",
+    ),
 }
 """Command → its module in this package, and a summary."""
 

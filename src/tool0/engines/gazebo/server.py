@@ -144,7 +144,7 @@ class GazeboServer:
                 [str(program), *arguments],
                 environment=environment,
                 folder=self.folder,
-                stdout=stream,
+                log=stream,
             )
 
 

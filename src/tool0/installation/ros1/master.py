@@ -43,25 +43,23 @@ class Master:
         Raises:
             RosUnavailableError: If nobody answers, or the master refuses.
         """
-        try:
-            code, message, value = self._proxy(self.uri, method, *arguments)
-        except (OSError, ValueError, TypeError) as error:
-            raise RosUnavailableError(
-                f"no ROS master answers at {self.uri} ({error}); start roscore, "
-                "or add --roscore"
-            ) from None
+        code, message, value = self._call(self.uri, method, *arguments)
         if code != 1:
             raise RosUnavailableError(f"the ROS master refuses {method}: {message}")
         return value
 
-    def _proxy(self, uri: str, method: str, *arguments: object) -> Any:
+    def _call(self, uri: str, method: str, *arguments: object) -> tuple[int, str, Any]:
         from xmlrpc.client import Error, ServerProxy
 
         try:
             with ServerProxy(uri, transport=_transport()) as proxy:
-                return getattr(proxy, method)(self._node, *arguments)
-        except Error as error:
-            raise OSError(error) from None
+                code, message, value = getattr(proxy, method)(self._node, *arguments)
+        except (Error, OSError, ValueError, TypeError) as error:
+            raise RosUnavailableError(
+                f"no ROS master answers at {uri} ({error}); start roscore, "
+                "or add --roscore"
+            ) from None
+        return code, message, value
 
     @property
     def is_up(self) -> bool:
@@ -76,12 +74,9 @@ class Master:
         """Return the address of a node that lives, None if there is none."""
         try:
             uri = str(self.call("lookupNode", node))
-        except RosUnavailableError:
+            code, _, _ = self._call(uri, "getPid")
+        except RosUnavailableError:  # unknown; or killed, and never unregistered
             return None
-        try:
-            code, _, _ = self._proxy(uri, "getPid")
-        except (OSError, ValueError, TypeError):
-            return None  # killed, and never unregistered
         return uri if code == 1 else None
 
     def publishers_of(self, topic: str) -> tuple[str, ...]:
@@ -118,12 +113,18 @@ def running_master(master: Master, *, start: bool) -> Iterator[None]:
         raise RosUnavailableError(
             f"no ROS master answers at {master.uri}; start roscore, or add --roscore"
         )
-    roscore = _roscore(master)
-    try:
-        _wait_until_up(master, roscore)
+    with _roscore(master) as roscore:
+        end = time.monotonic() + ROSCORE_TIMEOUT
+        while not master.is_up:
+            if roscore.exit_status is not None:
+                how = f"ended with status {roscore.exit_status}"
+            elif time.monotonic() > end:
+                how = f"does not answer at {master.uri} within {ROSCORE_TIMEOUT:g} s"
+            else:
+                time.sleep(0.05)
+                continue
+            raise RosUnavailableError(f"roscore {how}:\n{roscore.last_output()}")
         yield
-    finally:
-        roscore.close()
 
 
 def _roscore(master: Master) -> ChildProcess:
@@ -132,30 +133,13 @@ def _roscore(master: Master) -> ChildProcess:
         raise RosUnavailableError(
             "there is no roscore on this machine's PATH; `tool0 ros1 install` gets one"
         )
-    address = urlsplit(master.uri)
     if not is_local(master.uri):
         raise RosUnavailableError(
             f"ROS_MASTER_URI is {master.uri}, on another machine: a roscore can be "
             "started only there"
         )
-    command = [program, "-p", str(address.port or 11311)]
-    return ChildProcess(command, grace=ROSCORE_GRACE)
-
-
-def _wait_until_up(master: Master, roscore: ChildProcess) -> None:
-    end = time.monotonic() + ROSCORE_TIMEOUT
-    while not master.is_up:
-        if roscore.exit_status is not None:
-            raise RosUnavailableError(
-                f"roscore ended with status {roscore.exit_status}:\n"
-                f"{roscore.last_output()}"
-            )
-        if time.monotonic() > end:
-            raise RosUnavailableError(
-                f"roscore does not answer at {master.uri} within {ROSCORE_TIMEOUT:g} s:"
-                f"\n{roscore.last_output()}"
-            )
-        time.sleep(0.05)
+    port = urlsplit(master.uri).port or 11311
+    return ChildProcess([program, "-p", str(port)], grace=ROSCORE_GRACE)
 
 
 @final

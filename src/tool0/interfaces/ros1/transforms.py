@@ -13,7 +13,7 @@ from tool0.description.forward_kinematics import joint_transform
 from tool0.description.model import Joint
 from tool0.description.transform import Transform
 from tool0.installation.child_process import ChildProcess
-from tool0.installation.ros1.packages import find_node
+from tool0.installation.ros1.library import find_node
 from tool0.interfaces.ros1.camera_edge import camera_transforms
 from tool0.interfaces.ros1.node import Part, RosNode
 from tool0.sensing.snapshot import Snapshot
