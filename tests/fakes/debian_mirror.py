@@ -9,7 +9,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from tool0.installation.gazebo.packages import FROM_HOST, HEADERS
+from tool0.installation.gazebo.debian import FROM_HOST, HEADERS
 
 VERSION = "11.1.0"
 CONFIG = f'#define GAZEBO_VERSION_FULL "{VERSION}"\n'

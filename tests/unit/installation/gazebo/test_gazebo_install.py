@@ -9,7 +9,6 @@ from machine import add_program
 
 from tool0.errors import ConfigError, EngineUnavailableError
 from tool0.installation.gazebo.install import (
-    GazeboOptions,
     install_gazebo,
     uninstall_gazebo,
 )
@@ -40,10 +39,13 @@ def install(
     mirror: Mirror, *, gui: bool = False
 ) -> tuple[GazeboInstallation, list[str]]:
     said: list[str] = []
-    options = GazeboOptions(
-        has_client=gui, is_private=True, mirror=mirror.address, keyring=mirror.keyring
+    made = install_gazebo(
+        lambda activity, _: said.append(activity),
+        has_client=gui,
+        is_private=True,
+        mirror=mirror.address,
+        keyring=mirror.keyring,
     )
-    made = install_gazebo(options, lambda activity, _: said.append(activity))
     return made, list(dict.fromkeys(said))
 
 
@@ -152,4 +154,4 @@ def test_uninstalling_leaves_nothing(mirror: Mirror, tmp_path: Path) -> None:
 @pytest.mark.parametrize("mirror", ["debian.org", "http://a b", ""])
 def test_a_mirror_must_be_an_address(mirror: str) -> None:
     with pytest.raises(ConfigError):
-        GazeboOptions(mirror=mirror)
+        install_gazebo(lambda *_: None, mirror=mirror)

@@ -5,11 +5,10 @@ from machine import add_program
 
 from tool0.errors import EngineUnavailableError
 from tool0.installation.gazebo.installation import (
-    PrefixMarker,
     find_installation,
     include_folders,
+    mark_complete,
     private_prefix,
-    write_marker,
 )
 
 
@@ -46,10 +45,8 @@ def add_headers(root: Path, version: str) -> None:
 
 def add_prefix(prefix: Path, *, has_client: bool = True) -> None:
     add_headers(prefix / "usr", "11.1.0")
-    marker = PrefixMarker(
-        version="11.1.0", triplet="x86_64-linux-gnu", has_client=has_client, size=1
-    )
-    write_marker(prefix, marker)
+    triplet = "x86_64-linux-gnu"
+    mark_complete(prefix, triplet=triplet, has_client=has_client, size=1)
 
 
 def why_none() -> str:

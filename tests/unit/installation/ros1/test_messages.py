@@ -17,8 +17,8 @@ WHERE = "import control_msgs.msg; print(control_msgs.msg.__file__)\n"
 def none_installed() -> None:
     require_ros()
     program = "from tool0.installation.ros1.library import import_ros; import_ros()\n"
-    program += "from tool0.installation.ros1 import generation, messages\n"
-    program += "print(messages.absent_packages() == generation.package_names())"
+    program += "from tool0.installation.ros1 import messages\n"
+    program += "print(messages.absent_packages() == messages.package_names())"
     if run(program) != "True\n":
         absent("ros1", "a ROS 1 that leaves all message packages to us is not here")
 
@@ -51,9 +51,9 @@ def noetic(tmp_path: Path) -> Path:
     folder.mkdir()
     program = (
         "import sys; from pathlib import Path\n"
-        "from tool0.installation.ros1 import generation\n"
+        "from tool0.installation.ros1 import messages\n"
         "from tool0.installation.ros1.library import import_ros; import_ros()\n"
-        "generation.generate(('control_msgs',), Path(sys.argv[1]))\n"
+        "messages.generate(('control_msgs',), Path(sys.argv[1]))\n"
     )
     run(program, str(folder))
     return folder

@@ -1,20 +1,79 @@
+"""What `tool0 doctor` finds on machines of all kinds."""
+
+import os
 from pathlib import Path
 
 import pytest
 from machine import add_program, make_machine
 
 from tool0.errors import RosUnavailableError
-from tool0.installation.doctor.machine import ExaminedMachine
+from tool0.installation.doctor import probes
+from tool0.installation.doctor.probes import _LAUNCHED_PACKAGES, gazebo, ros1, ros2
 from tool0.installation.doctor.report import ProbeResult
-from tool0.installation.doctor.ros_probes import (
-    _LAUNCHED_PACKAGES,
-    gazebo,
-    ros1,
-    ros2,
-    workspace,
-)
 from tool0.installation.gazebo.installation import NAMED_BY
-from tool0.installation.ros1.status import Ros1Status
+from tool0.installation.machine import Machine
+from tool0.installation.ros1.packages import Ros1Status
+
+# --- GPUs ---
+
+
+def gpu(root: Path) -> ProbeResult:
+    (result,) = probes.gpu(make_machine(root))
+    return result
+
+
+def test_a_gpu_is_not_needed(tmp_path: Path) -> None:
+    result = gpu(tmp_path)
+    assert (result.state, result.remedy) == ("missing", "")
+
+
+def test_nvidia_cards_are_read_without_running_a_program(tmp_path: Path) -> None:
+    add_program(tmp_path / "bin/nvidia-smi", "exec sleep 1000")
+    card = tmp_path / "proc/driver/nvidia/gpus/0000:01:00.0/information"
+    card.parent.mkdir(parents=True)
+    card.write_text("Model: \t\t NVIDIA H200\nIRQ:   \t\t 190\n")
+    (tmp_path / "proc/driver/nvidia/version").write_text(
+        "NVRM version: NVIDIA UNIX x86_64 Kernel Module  550.54.15  Tue Mar  5\n"
+    )
+    assert gpu(tmp_path).found == "NVIDIA H200, driver 550.54.15"
+
+
+def test_nvidia_smi_is_run_where_there_are_no_files(tmp_path: Path) -> None:
+    add_program(tmp_path / "bin/nvidia-smi", "echo 'NVIDIA H200, 550.54.15'")
+    assert gpu(tmp_path).found == "NVIDIA H200, driver 550.54.15"
+
+
+def test_nvidia_smi_without_a_driver_is_no_gpu(tmp_path: Path) -> None:
+    add_program(tmp_path / "bin/nvidia-smi", "echo NVIDIA-SMI has failed; exit 9")
+    assert gpu(tmp_path).state == "missing"
+
+
+def test_a_driver_that_hangs_is_unknown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tool0.installation.doctor.probes.PROGRAM_TIMEOUT", 0.2)
+    add_program(tmp_path / "bin/nvidia-smi", "exec /bin/sleep 1000")
+    result = gpu(tmp_path)
+    assert result.state == "unknown"
+    assert "nvidia-smi" in result.found
+
+
+def test_render_nodes_are_listed_with_their_vendor(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for node, vendor in (("renderD128", "0x8086"), ("renderD129", "0x1af4")):
+        (tmp_path / "dev/dri").mkdir(parents=True, exist_ok=True)
+        (tmp_path / "dev/dri" / node).touch()
+        file = tmp_path / "sys/class/drm" / node / "device/vendor"
+        file.parent.mkdir(parents=True)
+        file.write_text(f"{vendor}\n")
+    result = gpu(tmp_path)
+    assert (result.state, result.remedy) == ("ready", "")
+    assert result.found.startswith("Intel (")
+    assert ", a GPU (" in result.found
+    monkeypatch.setattr(os, "access", lambda *_: False)  # root may do anything
+    assert "usermod -aG render" in gpu(tmp_path).remedy
+
 
 # --- Gazebo ---
 
@@ -40,30 +99,30 @@ def add_gazebo(root: Path) -> None:
 
 
 def test_a_missing_gazebo_is_installed_by_tool0(root: Path) -> None:
-    (result,) = gazebo(ExaminedMachine(system="linux"))
+    (result,) = gazebo(Machine(system="linux"))
     assert (result.state, result.remedy) == ("missing", "tool0 gazebo install --gui")
 
 
 def test_a_missing_compiler_is_what_is_missing(root: Path) -> None:
     add_gazebo(root)
-    (result,) = gazebo(ExaminedMachine(system="linux"))
+    (result,) = gazebo(Machine(system="linux"))
     assert (result.state, result.remedy) == ("missing", "sudo apt install g++")
 
 
 def test_a_system_s_gazebo_is_reported_with_its_window(root: Path) -> None:
     add_gazebo(root)
     add_program(root / "bin/g++")
-    engine, window = gazebo(ExaminedMachine(system="linux"))
+    engine, window = gazebo(Machine(system="linux"))
     assert engine.state == "ready"
     assert engine.found.startswith("11.10.2, the system's, ")
     assert window.remedy == "tool0 gazebo install --gui --private"
     add_program(root / "bin/gzclient")
-    engine, window = gazebo(ExaminedMachine(system="linux"))
+    engine, window = gazebo(Machine(system="linux"))
     assert (window.state, window.found) == ("ready", str(root / "bin/gzclient"))
 
 
 def test_gazebo_is_supported_on_linux_alone() -> None:
-    (result,) = gazebo(ExaminedMachine(system="darwin"))
+    (result,) = gazebo(Machine(system="darwin"))
     assert result.state == "not supported"
 
 
@@ -75,17 +134,17 @@ REMEDY = "tool0 ros1 install --rviz"
 
 
 def with_ros1(patch: pytest.MonkeyPatch, status: Ros1Status) -> list[ProbeResult]:
-    patch.setattr(f"{ROS1}.status.ros1_status", lambda: status)
-    return ros1(ExaminedMachine(environ={"PATH": ""}))
+    patch.setattr(f"{ROS1}.packages.ros1_status", lambda: status)
+    return ros1(Machine(environ={"PATH": ""}))
 
 
 def test_ros_2_is_reported_and_not_supported(tmp_path: Path) -> None:
-    (result,) = ros2(ExaminedMachine(root=tmp_path))
+    (result,) = ros2(Machine(root=tmp_path))
     assert result.state == "not supported"
     for distro in ("humble", "jazzy"):
         home = tmp_path / "opt/ros" / distro / "lib/python3.10/site-packages/rclpy"
         home.mkdir(parents=True)
-    (result,) = ros2(ExaminedMachine(root=tmp_path))
+    (result,) = ros2(Machine(root=tmp_path))
     assert result.state == "not supported"
     for distro in ("humble", "jazzy"):
         assert str(tmp_path / "opt/ros" / distro) in result.found
@@ -151,7 +210,7 @@ NOBLE = "PRETTY_NAME='Ubuntu 24.04'\nVERSION_CODENAME=noble\n"
 
 def look(root: Path, release: str, *programs: str) -> tuple[ProbeResult, ProbeResult]:
     examined = make_machine(root, "apt-get", *programs, release=release)
-    catkin, native = workspace(examined)
+    catkin, native = probes.workspace(examined)
     return catkin, native
 
 
