@@ -2,7 +2,6 @@
 
 import json
 import os
-import platform
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +11,8 @@ from machine import add_program
 from promised import require_ros
 
 from tool0.cli import FAILED, OK, main
-from tool0.installation.ros1 import status
+from tool0.installation.machine import Machine
+from tool0.installation.ros1 import packages
 from tool0.installation.ros1.install import PYTHON_OF_RELEASE, not_installed
 from tool0.installation.ros1.library import is_of_distribution
 from tool0.installation.ros1.packages import (
@@ -45,7 +45,7 @@ esac
 """
 
 
-class Machine:
+class FakeMachine:
     """A machine whose distribution and programs are what a test says."""
 
     def __init__(self, folder: Path, patch: pytest.MonkeyPatch) -> None:
@@ -62,9 +62,7 @@ class Machine:
         self.is_root(True)
 
     def runs(self, release: str) -> None:
-        self._patch.setattr(
-            platform, "freedesktop_os_release", lambda: RELEASES[release]
-        )
+        self._patch.setattr(Machine, "release", lambda _: RELEASES[release])
 
     def has(self, program: str, script: str) -> None:
         add_program(self._programs / program, script)
@@ -79,8 +77,8 @@ class Machine:
 
 
 @pytest.fixture
-def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Machine:
-    return Machine(tmp_path, monkeypatch)
+def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> FakeMachine:
+    return FakeMachine(tmp_path, monkeypatch)
 
 
 def refusal(capsys: Capture, *arguments: str) -> str:
@@ -88,7 +86,7 @@ def refusal(capsys: Capture, *arguments: str) -> str:
     return capsys.readouterr().err
 
 
-def test_a_dry_run_prints_the_command(machine: Machine, capsys: Capture) -> None:
+def test_a_dry_run_prints_the_command(machine: FakeMachine, capsys: Capture) -> None:
     assert main(["ros1", "install", "--dry-run"]) == OK
     command = capsys.readouterr().out
     assert command.startswith("apt-get update && apt-get install --yes")
@@ -103,7 +101,9 @@ def test_a_dry_run_prints_the_command(machine: Machine, capsys: Capture) -> None
     assert command.split()[-1] == "rviz"
 
 
-def test_only_what_is_missing_is_installed(machine: Machine, capsys: Capture) -> None:
+def test_only_what_is_missing_is_installed(
+    machine: FakeMachine, capsys: Capture
+) -> None:
     names = [name for part in required_components(rviz=False) for name in part.debian]
     rows = "".join(f"echo {name} installed\n" for name in names[1:])
     machine.has("dpkg-query", f"echo {names[0]} config-files\n{rows}exit 0")
@@ -114,7 +114,9 @@ def test_only_what_is_missing_is_installed(machine: Machine, capsys: Capture) ->
     assert "nothing to do: Debian 12 has what is needed" in capsys.readouterr().out
 
 
-def test_it_installs_and_says_how_far_it_is(machine: Machine, capsys: Capture) -> None:
+def test_it_installs_and_says_how_far_it_is(
+    machine: FakeMachine, capsys: Capture
+) -> None:
     assert main(["ros1", "install"]) == OK
     said = capsys.readouterr()
     assert said.out.startswith("installing ROS 1 by apt, from Debian 12: python3-rospy")
@@ -126,7 +128,7 @@ def test_it_installs_and_says_how_far_it_is(machine: Machine, capsys: Capture) -
     assert "DPkg::Lock::Timeout=300" in install
 
 
-def test_without_root_it_goes_through_sudo(machine: Machine) -> None:
+def test_without_root_it_goes_through_sudo(machine: FakeMachine) -> None:
     machine.is_root(False)
     machine.has("sudo", 'shift; exec "$@"')
     assert main(["ros1", "install"]) == OK
@@ -134,7 +136,7 @@ def test_without_root_it_goes_through_sudo(machine: Machine) -> None:
 
 
 def test_without_root_or_sudo_it_prints_the_command(
-    machine: Machine, capsys: Capture
+    machine: FakeMachine, capsys: Capture
 ) -> None:
     machine.is_root(False)
     said = refusal(capsys)
@@ -157,7 +159,7 @@ def test_without_root_or_sudo_it_prints_the_command(
     ],
 )
 def test_failures_of_apt_are_explained(
-    script: str, cause: str, machine: Machine, capsys: Capture
+    script: str, cause: str, machine: FakeMachine, capsys: Capture
 ) -> None:
     machine.has("apt-get", script)
     said = refusal(capsys)
@@ -167,7 +169,7 @@ def test_failures_of_apt_are_explained(
 
 
 def test_lists_that_could_not_be_fetched_explain_what_is_not_found(
-    machine: Machine, capsys: Capture
+    machine: FakeMachine, capsys: Capture
 ) -> None:
     machine.has(
         "apt-get",
@@ -182,7 +184,7 @@ def test_lists_that_could_not_be_fetched_explain_what_is_not_found(
     [("noble", "RoboStack"), ("arch", "RoboStack"), ("focal", "setup.bash")],
 )
 def test_a_distribution_without_ros_1_is_told_the_ways_left(
-    release: str, remedy: str, machine: Machine, capsys: Capture
+    release: str, remedy: str, machine: FakeMachine, capsys: Capture
 ) -> None:
     machine.runs(release)
     said = refusal(capsys)
@@ -191,7 +193,7 @@ def test_a_distribution_without_ros_1_is_told_the_ways_left(
 
 
 def test_a_derivative_is_what_it_is_built_on(
-    machine: Machine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+    machine: FakeMachine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     machine.runs("mint")
     monkeypatch.setitem(PYTHON_OF_RELEASE, "jammy", OURS)
@@ -202,7 +204,9 @@ def test_a_derivative_is_what_it_is_built_on(
     assert "PYTHON=/usr/bin/python3" in said
 
 
-def test_without_apt_it_names_the_packages(machine: Machine, capsys: Capture) -> None:
+def test_without_apt_it_names_the_packages(
+    machine: FakeMachine, capsys: Capture
+) -> None:
     machine.has("dpkg-query", "")
     os.environ["PATH"] = os.environ["PATH"].split(":")[0]
     Path(os.environ["PATH"], "apt-get").unlink()
@@ -292,15 +296,15 @@ def test_each_kind_of_ros_has_its_own_installer(
             "mamba install -c conda-forge -c robostack-noetic ros-noetic-rviz",
         ),
     ):
-        monkeypatch.setattr(status, "ros_origin", lambda kind=kind: kind)
+        monkeypatch.setattr(packages, "ros_origin", lambda kind=kind: kind)
         monkeypatch.setattr(
-            status, "package_prefix", lambda name, prefix=prefix: prefix
+            packages, "package_prefix", lambda name, prefix=prefix: prefix
         )
-        assert status.other_install_command([rviz]) == command
+        assert packages.other_install_command([rviz]) == command
 
 
 def test_a_ros_that_is_named_but_not_found_is_told(
-    machine: Machine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+    machine: FakeMachine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROS_DISTRO", "noetic")
     monkeypatch.setattr("tool0.installation.ros1.library.DEBIAN", Path("/nowhere"))
@@ -332,4 +336,4 @@ def test_without_rospy_the_status_says_what_to_do(
     found = json.loads(capsys.readouterr().out)
     assert found["can_run"] is False
     assert "tool0 ros1 install" in found["remedies"][0]
-    assert status.ros1_status().why_not(["rospy"]) is not None
+    assert packages.ros1_status().why_not(["rospy"]) is not None

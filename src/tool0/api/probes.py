@@ -7,9 +7,8 @@ from tool0.installation.doctor.report import ProbeResult
 from tool0.installation.machine import Machine, python_package_version
 
 
-def mujoco(examined: Machine) -> list[ProbeResult]:
+def mujoco(_: Machine) -> list[ProbeResult]:
     """Bring the robot up in MuJoCo, and run it for 10 ms."""
-    del examined
     with bringup(realtime=False) as robot:
         robot.run(0.01)
     version = python_package_version("mujoco") or "of unknown version"

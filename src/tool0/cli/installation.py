@@ -8,13 +8,18 @@ from __future__ import annotations
 import json
 import shutil
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Final, Literal, Protocol, TextIO, final
+from typing import TYPE_CHECKING, Final, Literal, TextIO, final
 
 from tool0.cli.parsing import parse
 from tool0.cli.text import columns
+
+if TYPE_CHECKING:
+    from tool0.installation.doctor.report import DoctorReport
+    from tool0.installation.gazebo.status import GazeboStatus
+    from tool0.installation.ros1.packages import Ros1Status
 
 OK, NOT_READY = 0, 1
 _BAR: Final = 24
@@ -47,18 +52,9 @@ def run(command: str, arguments: list[str]) -> int:
     return status
 
 
-class InstallationStatus(Protocol):
-    """Whether something could run here, and what is missing."""
-
-    @property
-    def can_run(self) -> bool: ...
-
-    def as_json(self) -> dict[str, object]: ...
-
-    def rows(self) -> Sequence[Sequence[str]]: ...
-
-
-def _print_status(status: InstallationStatus, format: Literal["text", "json"]) -> int:
+def _print_status(
+    status: DoctorReport | GazeboStatus | Ros1Status, format: Literal["text", "json"]
+) -> int:
     if format == "json":
         print(json.dumps(status.as_json()))
     else:

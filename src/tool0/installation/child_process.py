@@ -27,6 +27,7 @@ from tool0.errors import Tool0Error
 from tool0.installation import supervisor
 
 R = TypeVar("R")
+_Work = Callable[[], object]
 
 _POLL_PERIOD: Final = 0.1
 """Between two calls of ``while_running`` [wall s]."""
@@ -172,16 +173,11 @@ def run_program(
 ) -> subprocess.CompletedProcess[str]:
     """Run a program to its end; the caller looks at its exit status.
 
-    Args:
-        command: The program and its arguments.
-        environment: Its variables; if left out those of this process, with messages
-            in English.
-        folder: Where it runs; where this process does if left out.
-        timeout: Time that it may take [wall s].
-        while_running: Called about ten times a second until it has ended.
+    Without ``environment``, its messages are in English.  ``while_running`` is called
+    about ten times a second.
 
     Raises:
-        subprocess.TimeoutExpired: If it takes longer.
+        subprocess.TimeoutExpired: If it takes longer than ``timeout`` [wall s].
     """
     if environment is None:
         environment = {**os.environ, "LC_ALL": "C"}
@@ -263,9 +259,7 @@ def _receive(connection: socket.socket, timeout: float) -> bytes:
     raise ChildLimitExceededError(f"it takes longer than {timeout:g} s")
 
 
-def _fork_worker(
-    work: Callable[[], object], connection: socket.socket, memory: int
-) -> NoReturn:
+def _fork_worker(work: _Work, connection: socket.socket, memory: int) -> NoReturn:
     """Become the supervisor of a process that does the work."""
     try:
         os.setsid()  # Ctrl-C is for the parent alone
@@ -284,9 +278,7 @@ def _fork_worker(
         os._exit(1)
 
 
-def _work(
-    work: Callable[[], object], connection: socket.socket, memory: int
-) -> NoReturn:
+def _work(work: _Work, connection: socket.socket, memory: int) -> NoReturn:
     """Do it, send the result, and exit."""
     packet = b""
     try:

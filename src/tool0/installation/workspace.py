@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import Enum
+from itertools import chain, count
 from pathlib import Path, PurePosixPath
 from typing import Final, final
 
@@ -113,11 +114,8 @@ def _action(
 ) -> FileAction:
     """Return what happens to a file.
 
-    Args:
-        path: The file.
-        wanted: Its new content; None if it is no longer part of the package.
-        written: The hashes of what we may have written there.
-        force: Whether it is overwritten even if it was edited.
+    ``wanted`` is its new content, None if it is no longer part of the package;
+    ``written`` has the hashes of what we may have written there.
     """
     present = _read(path)
     if present == wanted:
@@ -253,10 +251,9 @@ def _write(path: Path, data: bytes) -> None:
 
 def _back_up(path: Path) -> Path:
     """Rename an edited file to a free name, and return that."""
-    number, backup = 1, path.with_name(f"{path.name}.orig")
-    while backup.exists() or backup.is_symlink():
-        number += 1
-        backup = path.with_name(f"{path.name}.orig{number}")
+    numbers = chain([""], count(2))
+    paths = (path.with_name(f"{path.name}.orig{number}") for number in numbers)
+    backup = next(p for p in paths if not (p.exists() or p.is_symlink()))
     with _named_failure("rename", path):
         path.rename(backup)
     return backup

@@ -108,8 +108,7 @@ def test_a_python_without_what_tool0_needs_is_told(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (1, "")
     report = " ".join(done.stdout.split())
     assert f"-> {python} -m pip install 'msgspec>=" in report
-    assert "mujoco missing No module named 'numpy'" in report
-    assert f"-> {python} -m pip install 'numpy>=" in report
+    assert "mujoco missing No module named" in report
     assert "panel missing No module named" in report
     assert "unknown" not in report
     assert report.endswith("does not run here: see python and mujoco above")

@@ -160,19 +160,18 @@ def test_ros_1_is_installed_where_it_is_packaged(
     assert result.remedy == REMEDY
 
 
-@pytest.mark.parametrize(
-    ("is_packaged", "state"), [(True, "missing"), (False, "not supported")]
-)
 def test_where_ros_1_cannot_be_installed_the_reason_is_reported(
-    monkeypatch: pytest.MonkeyPatch, is_packaged: bool, state: str
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     def plan(rviz: bool) -> None:
         raise RosUnavailableError("the reason")
 
     monkeypatch.setattr(f"{ROS1}.install.plan_install", plan)
-    monkeypatch.setattr(f"{ROS1}.install.is_packaged", lambda: is_packaged)
-    (result,) = with_ros1(monkeypatch, Ros1Status(master="", missing=NEEDED))
-    assert (result.state, result.found) == (state, "the reason")
+    status = Ros1Status(master="", missing=NEEDED)
+    monkeypatch.setattr(f"{ROS1}.packages.ros1_status", lambda: status)
+    for release, state in ((BOOKWORM, "missing"), (NOBLE, "not supported")):
+        (result,) = ros1(make_machine(tmp_path, release=release))
+        assert (result.state, result.found) == (state, "the reason")
 
 
 def test_what_ros_1_can_run_without_has_results_of_its_own(

@@ -51,18 +51,14 @@ def machine(examined: Machine) -> list[ProbeResult]:
     return [ProbeResult("machine", "ready", found)]
 
 
-def python(examined: Machine) -> list[ProbeResult]:
+def python(_: Machine) -> list[ProbeResult]:
     """Return which Python runs this, and whether it has what tool0 needs."""
-    del examined
     found = f"{platform.python_version()}, {sys.prefix}"
-    missing = {
-        name: text
-        for name, text in python_requirements().items()
-        if python_package_version(name) is None
-    }
+    needed = python_requirements()
+    missing = [name for name in needed if python_package_version(name) is None]
     if missing:
         found += f": without {', '.join(missing)}"
-        remedy = pip_install_command(*missing.values())
+        remedy = pip_install_command(*(needed[name] for name in missing))
         return [ProbeResult("python", "missing", found, remedy)]
     found += f", tool0 {python_package_version('tool0') or 'of unknown version'}"
     return [ProbeResult("python", "ready", found)]
@@ -154,12 +150,14 @@ def gazebo(examined: Machine) -> list[ProbeResult]:
 
 def ros1(examined: Machine) -> list[ProbeResult]:
     """Return whether ``tool0 bringup --ros1`` works, and what else of ROS 1 exists."""
+    from tool0.installation.ros1.install import PYTHON_OF_RELEASE
     from tool0.installation.ros1.packages import ros1_status
 
     status = ros1_status()
     if not status.can_run:
         everything = [name for names in status.missing.values() for name in names]
-        return [_without_ros1(everything, has_rospy=status.rospy is not None)]
+        can_have = status.rospy is not None or examined.codename() in PYTHON_OF_RELEASE
+        return [_without_ros1(everything, can_have=can_have)]
     master = f"{status.master} answers"
     if not status.is_master_up:
         master = f"no master answers at {status.master}: add --roscore"
@@ -176,13 +174,12 @@ def ros1(examined: Machine) -> list[ProbeResult]:
     return [ProbeResult("ros1", "ready", found), tools_result, rviz_result]
 
 
-def _without_ros1(missing: list[str], *, has_rospy: bool) -> ProbeResult:
-    from tool0.installation.ros1.install import is_packaged, plan_install
+def _without_ros1(missing: list[str], *, can_have: bool) -> ProbeResult:
+    from tool0.installation.ros1.install import plan_install
 
     try:
         plan_install(rviz=False)
     except RosUnavailableError as error:  # it says who packages it, or what is wrong
-        can_have = has_rospy or is_packaged()
         state: ProbeState = "missing" if can_have else "not supported"
         return ProbeResult("ros1", state, str(error))
     first = ", ".join(missing[:4]) + ", …" * (len(missing) > 4)

@@ -237,8 +237,13 @@ class PrivateApt:
             while_running=while_running,
         )
         if answer.returncode != 0:
-            output = answer.stderr + answer.stdout
-            raise download_failure(output, self._mirror, self._keyring)
+            names = {"mirror": self._mirror, "keyring": self._keyring}
+            reason = explain_failure(
+                answer.stderr + answer.stdout,
+                {cause: text.format(**names) for cause, text in _EXPLANATIONS.items()},
+                otherwise="apt-get failed; run the same command again to resume",
+            )
+            raise EngineUnavailableError(reason)
         return answer.stdout
 
 
@@ -248,24 +253,6 @@ def listed_packages(output: str) -> list[DebianPackage]:
         DebianPackage(file, int(size), sha256)
         for file, size, sha256 in _PACKAGE.findall(output)
     ]
-
-
-def download_failure(output: str, mirror: str, keyring: Path) -> EngineUnavailableError:
-    """Return the error that says what went wrong, and the remedy.
-
-    Args:
-        output: All that apt printed.
-        mirror: The mirror that it used.
-        keyring: The keys that it trusted.
-    """
-    explanations = {
-        cause: text.format(mirror=mirror, keyring=keyring)
-        for cause, text in _EXPLANATIONS.items()
-    }
-    otherwise = "apt-get failed; run the same command again to resume"
-    return EngineUnavailableError(
-        explain_failure(output, explanations, otherwise=otherwise)
-    )
 
 
 def machine_mirrors() -> list[str]:
@@ -290,12 +277,9 @@ _TAR_OPTIONS: Final = (
 
 
 def unpack(files: Sequence[Path], root: Path, progress: ProgressCallback) -> None:
-    """Unpack packages into ``root``, several at once, without what ``DROPPED`` names.
+    """Unpack packages into ``root``, an empty folder, several at once.
 
-    Args:
-        files: The packages; large ones first are quickest.
-        root: An empty folder.
-        progress: Called after each package.
+    What ``DROPPED`` names is left out.  Large packages first are quickest.
 
     Raises:
         EngineUnavailableError: If one cannot be unpacked.

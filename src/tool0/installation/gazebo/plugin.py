@@ -72,7 +72,7 @@ def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
             installation.version,
             *map(str, installation.include_dirs),
             platform.machine(),
-            _c_library(),
+            *platform.libc_ver(),  # what was made for a newer one cannot be loaded
         )
         digest = hashlib.sha256("\0".join(dependencies).encode()).hexdigest()[:16]
         return plugin_folder() / f"{source.stem}-{digest}.so"
@@ -119,11 +119,3 @@ def _compile(source: Path, installation: GazeboInstallation, library: Path) -> N
         raise EngineUnavailableError(
             f"cannot write '{error.filename or library}': {error.strerror}"
         ) from None
-
-
-def _c_library() -> str:
-    """Return the C library's version: one made for a newer cannot be loaded."""
-    try:
-        return os.confstr("CS_GNU_LIBC_VERSION") or ""
-    except (ValueError, OSError):
-        return ""

@@ -95,9 +95,24 @@ def plan_install(*, rviz: bool) -> Ros1InstallPlan:
                 f"own means: {other_install_command(missing)}"
             )
         return Ros1InstallPlan(target=ros_origin() or "ROS", packages=())
-    _check_distribution()
+    name, codename = Machine().name(), Machine().codename()
+    theirs = PYTHON_OF_RELEASE.get(codename)
+    if theirs is None:
+        remedy = _ON_FOCAL if codename == "focal" else _NOT_PACKAGED
+        raise RosUnavailableError(
+            f"{name} has no packages of ROS 1 that tool0 knows of; Debian 12 and 13 "
+            f"and Ubuntu 22.04 have. {remedy}"
+        )
+    ours = f"{sys.version_info.major}.{sys.version_info.minor}"
+    if ours != theirs:
+        raise RosUnavailableError(
+            f"the packages of {name} are for Python {theirs}, and this is Python "
+            f"{ours} ('{sys.prefix}'). Make a virtual environment of the "
+            "distribution's own: rm -rf .venv && make setup PYTHON=/usr/bin/python3, "
+            "or /usr/bin/python3 -m venv FOLDER and FOLDER/bin/pip install ."
+        )
     packages = not_installed(n for part in components for n in part.debian)
-    return Ros1InstallPlan(target=Machine().name(), packages=packages)
+    return Ros1InstallPlan(target=name, packages=packages)
 
 
 def install_ros1(plan: Ros1InstallPlan, progress: ProgressCallback) -> None:
@@ -121,11 +136,6 @@ def install_ros1(plan: Ros1InstallPlan, progress: ProgressCallback) -> None:
         raise RosUnavailableError(f"{reason}\nThe command was: {plan.command}")
 
 
-def is_packaged() -> bool:
-    """Return whether this machine's distribution has packages of ROS 1."""
-    return Machine().codename() in PYTHON_OF_RELEASE
-
-
 def _has_other_ros() -> bool:
     """Return whether a ROS of another origin than the distribution is active."""
     try:
@@ -141,26 +151,6 @@ def _has_other_ros() -> bool:
             "packages"
         ) from None
     return not is_of_distribution()
-
-
-def _check_distribution() -> None:
-    """Raise RosUnavailableError if no packages exist for the Python that runs this."""
-    name, codename = Machine().name(), Machine().codename()
-    theirs = PYTHON_OF_RELEASE.get(codename)
-    if theirs is None:
-        remedy = _ON_FOCAL if codename == "focal" else _NOT_PACKAGED
-        raise RosUnavailableError(
-            f"{name} has no packages of ROS 1 that tool0 knows of; Debian 12 and 13 "
-            f"and Ubuntu 22.04 have. {remedy}"
-        )
-    ours = f"{sys.version_info.major}.{sys.version_info.minor}"
-    if ours != theirs:
-        raise RosUnavailableError(
-            f"the packages of {name} are for Python {theirs}, and this is Python "
-            f"{ours} ('{sys.prefix}'). Make a virtual environment of the "
-            "distribution's own: rm -rf .venv && make setup PYTHON=/usr/bin/python3, "
-            "or /usr/bin/python3 -m venv FOLDER and FOLDER/bin/pip install ."
-        )
 
 
 # --- the system's apt ---

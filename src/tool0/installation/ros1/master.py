@@ -7,8 +7,10 @@ import shutil
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from http.client import HTTPConnection
 from typing import Any, final
 from urllib.parse import urlsplit
+from xmlrpc.client import Error, ServerProxy, Transport
 
 from tool0.errors import RosUnavailableError
 from tool0.installation.child_process import ChildProcess
@@ -22,6 +24,14 @@ CALL_TIMEOUT = 3.0
 """[s] that a master has for an answer."""
 ROSCORE_GRACE = 5.0
 """[s] that a roscore of ours has to end by itself."""
+
+
+@final
+class _TimeLimitedTransport(Transport):
+    def make_connection(self, host: Any) -> HTTPConnection:
+        connection = super().make_connection(host)
+        connection.timeout = CALL_TIMEOUT
+        return connection
 
 
 @final
@@ -49,10 +59,8 @@ class Master:
         return value
 
     def _call(self, uri: str, method: str, *arguments: object) -> tuple[int, str, Any]:
-        from xmlrpc.client import Error, ServerProxy
-
         try:
-            with ServerProxy(uri, transport=_transport()) as proxy:
+            with ServerProxy(uri, transport=_TimeLimitedTransport()) as proxy:
                 code, message, value = getattr(proxy, method)(self._node, *arguments)
         except (Error, OSError, ValueError, TypeError) as error:
             raise RosUnavailableError(
@@ -83,20 +91,6 @@ class Master:
         """Return the nodes that publish ``topic``, dead ones included."""
         publishers, _, _ = self.call("getSystemState")
         return next((tuple(nodes) for name, nodes in publishers if name == topic), ())
-
-
-def _transport() -> Any:
-    """Return a transport of XML-RPC that waits no longer than we do."""
-    from http.client import HTTPConnection
-    from xmlrpc.client import Transport
-
-    class TimeLimited(Transport):
-        def make_connection(self, host: Any) -> HTTPConnection:
-            connection = super().make_connection(host)
-            connection.timeout = CALL_TIMEOUT
-            return connection
-
-    return TimeLimited()
 
 
 @contextmanager

@@ -26,7 +26,7 @@ from tool0.installation.ros1.library import (
     rospy_folder,
 )
 from tool0.installation.ros1.master import Master
-from tool0.installation.ros1.messages import is_generated, package_names
+from tool0.installation.ros1.messages import absent_packages, package_names
 
 
 @final
@@ -253,7 +253,7 @@ def ros1_status() -> Ros1Status:
         is_up = Master("/tool0_status").is_up
     except RosUnavailableError:  # its address is invalid
         is_up = False
-    found = {part.name: part.missing() for part in COMPONENTS}
+    found, absent = {p.name: p.missing() for p in COMPONENTS}, absent_packages()
     missing = {name: what for name, what in found.items() if what}
     remedy = f"tool0 ros1 install{' --rviz' if 'rviz' in missing else ''}"
     if not is_of_distribution():
@@ -265,7 +265,9 @@ def ros1_status() -> Ros1Status:
         master=master,
         is_master_up=is_up,
         missing=missing,
-        messages={name: _messages_kind(name) for name in package_names()},
+        messages={
+            name: "ours" if name in absent else "installed" for name in package_names()
+        },
         remedies=(remedy,) if missing else (),
     )
 
@@ -280,10 +282,3 @@ def _import_rospy() -> None:
             f"rospy is in '{rospy_folder()}' but cannot be imported ({error}); install "
             f"what it lacks into '{sys.prefix}', such as: pip install rospkg"
         ) from None
-
-
-def _messages_kind(package: str) -> str:
-    spec = importlib.util.find_spec(package)
-    if spec is None or spec.origin is None:
-        return "ours"
-    return "ours" if is_generated(str(Path(spec.origin).parents[1])) else "installed"

@@ -15,16 +15,18 @@ _BROWSERS: Final = (
     *("brave-browser", "vivaldi", "opera", "epiphany", "falkon"),
 )
 _BUILT_IN_BROWSER: Final = {"darwin": "Safari", "win32": "Microsoft Edge"}
-_FIREFOX: Final = {"zypper": "MozillaFirefox"} | dict.fromkeys(
-    ("dnf", "pacman", "apk"), "firefox"
-)
+_FIREFOX: Final = {
+    "dnf": "firefox",
+    "zypper": "MozillaFirefox",
+    "pacman": "firefox",
+    "apk": "firefox",
+}
 
 
-def panel(examined: Machine) -> list[ProbeResult]:
+def panel(_: Machine) -> list[ProbeResult]:
     """Return whether the panel can be served."""
     from tool0.interfaces.panel.server import is_page_built, load
 
-    del examined
     load()
     if is_page_built():
         return [ProbeResult("panel", "ready", "its page is built")]

@@ -10,7 +10,7 @@ from machine import add_program
 from tool0.errors import EngineUnavailableError
 from tool0.installation.gazebo.debian import (
     DebianPackage,
-    download_failure,
+    PrivateApt,
     listed_packages,
     machine_mirrors,
     size_on_disk,
@@ -54,10 +54,15 @@ def test_a_file_is_damaged_if_its_size_alone_is_right(tmp_path: Path) -> None:
         ("something new", "apt-get"),
     ],
 )
-def test_a_failure_is_explained_with_a_remedy(output: str, named: str) -> None:
-    error = download_failure(f"E: {output}\n", "http://near/debian", Path("/keys.gpg"))
-    assert named in str(error)
-    assert output in str(error)
+def test_a_failure_is_explained_with_a_remedy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, output: str, named: str
+) -> None:
+    monkeypatch.setenv("PATH", f"{tmp_path}:/bin")
+    add_program(tmp_path / "apt-get", f'echo "E: {output}" >&2; exit 100')
+    with pytest.raises(EngineUnavailableError) as error:
+        PrivateApt(tmp_path, "http://near/debian", Path("/keys.gpg"), "amd64")
+    assert named in str(error.value)
+    assert output in str(error.value)
 
 
 # --- mirrors ---
