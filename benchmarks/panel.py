@@ -28,11 +28,14 @@ DURATION: Final = 3.0
 ROUNDS: Final = 3
 _WARM_UP: Final = 1.0
 """Until the pages are there [wall s]."""
+_SUBSCRIBE: Final = json.dumps({"id": 1, "method": "subscribe_view"})
 _STEER: Final = json.dumps(
     {
-        "type": "steer",
-        "controller": "eff_joint_traj_controller",
-        "positions": {"wrist_3_joint": 0.1},
+        "method": "steer_joints",
+        "params": {
+            "controller": "eff_joint_traj_controller",
+            "positions": {"wrist_3_joint": 0.1},
+        },
     }
 )
 
@@ -118,10 +121,10 @@ def _pages(url: str, load: Load) -> Iterator[subprocess.Popen[bytes]]:
 # ---- the process of the pages --------------------------------------------------------
 
 
-async def _be_pages(url: str, load: Load) -> float:
-    """Be those pages, and return the bytes per second that the reading ones got."""
+async def _run_pages(url: str, load: Load) -> float:
+    """Act as those pages; return the bytes per second that the readers received."""
     tasks = [asyncio.create_task(_flood(url)) for _ in range(load.flooding)]
-    stuck = [_open_and_forget(url) for _ in range(load.stuck)]
+    stuck = [_open_unread(url) for _ in range(load.stuck)]
     duration = _WARM_UP + DURATION
     readers = [_read(url, duration) for _ in range(load.reading)]
     received = await asyncio.gather(asyncio.sleep(duration, 0.0), *readers)
@@ -140,6 +143,7 @@ async def _read(url: str, duration: float) -> float:
     end = time.monotonic() + duration
     n_bytes = 0
     async with connect(_socket_url(url), compression=None) as page:
+        await page.send(_SUBSCRIBE)
         while (left := end - time.monotonic()) > 0.0:
             with contextlib.suppress(TimeoutError, asyncio.TimeoutError):
                 n_bytes += len(await asyncio.wait_for(page.recv(), left))
@@ -154,6 +158,7 @@ async def _flood(url: str) -> None:
                 pass
 
         reading = asyncio.create_task(read())
+        await page.send(_SUBSCRIBE)
         try:
             while True:
                 await page.send(_STEER)
@@ -161,7 +166,7 @@ async def _flood(url: str) -> None:
             reading.cancel()
 
 
-def _open_and_forget(url: str) -> socket.socket:
+def _open_unread(url: str) -> socket.socket:
     parts = urlsplit(url)
     connection = socket.create_connection((parts.hostname, parts.port))
     connection.sendall(
@@ -169,9 +174,14 @@ def _open_and_forget(url: str) -> socket.socket:
         "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode()
     )
+    while b"\r\n\r\n" not in connection.recv(4096):
+        pass
+    # A text frame of a client, masked with zeros.
+    header = bytes((0x81, 0x80 | len(_SUBSCRIBE), 0, 0, 0, 0))
+    connection.sendall(header + _SUBSCRIBE.encode())
     return connection
 
 
 if __name__ == "__main__":
     address, *numbers = sys.argv[1:]
-    print(json.dumps(asyncio.run(_be_pages(address, Load(*map(int, numbers))))))
+    print(json.dumps(asyncio.run(_run_pages(address, Load(*map(int, numbers))))))

@@ -1,7 +1,7 @@
-"""How long a command on a ROS topic takes to become effort, beside rospy alone.
+"""Latency from a command on a ROS topic to the joint's effort, beside rospy alone.
 
-Three processes, as in life: the robot in ROS, a client that commands it, and a plain
-node of rospy that hears the same messages on another topic.  Clocks are monotonic ones,
+Three processes: the robot in ROS, a client that commands it, and a plain node of rospy
+that receives the same messages on another topic.  Times are of the monotonic clock,
 which all processes of a machine share.
 """
 
@@ -23,9 +23,9 @@ import tool0
 COMMANDS = 200
 JOINT = "shoulder_pan_joint"
 STEP = 0.1
-"""By how much it is sent to and fro [rad]."""
+"""Amplitude of the commands [rad]."""
 JUMP = 0.5
-"""Change of effort within a tick that only a command makes [N·m]."""
+"""Change of effort within a tick that only a command causes [N·m]."""
 PAUSE = 0.1
 """Between commands [s]."""
 
@@ -37,11 +37,11 @@ class Latency:
     p50: float
     p99: float
     plain_p50: float
-    """Until a node that does nothing else has the message."""
+    """Until a node that does nothing else receives the message."""
 
 
 def latency() -> Latency:
-    """Measure it, in processes of its own: rospy allows one node in each."""
+    """Measure it in separate processes: rospy allows one node in each."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -67,20 +67,20 @@ def latency() -> Latency:
 
 
 def _delays(sent: Sequence[float], seen: Sequence[float]) -> list[float]:
-    """Return from each sending to what was seen next, if it was before the next one."""
+    """Return the delay from each command to the next event, unless it is too late."""
     found = []
     for start in sent:
         after = min((when for when in seen if when > start), default=None)
         if after is not None and after - start < PAUSE:
             found.append(after - start)
     if len(found) < 0.9 * len(sent):
-        raise RuntimeError(f"only {len(found)} of {len(sent)} commands were seen")
+        raise RuntimeError(f"only {len(found)} of {len(sent)} commands had an effect")
     return found
 
 
 def _robot() -> None:
-    """Be the robot; print when the client sent, when effort jumped, what was heard."""
-    from tool0.interfaces.ros1.edge import Ros1
+    """Run the robot; print the times of commands, jumps of effort, and receptions."""
+    from tool0.interfaces.ros1.bridge import Ros1Bridge
     from tool0.interfaces.ros1.options import Ros1Options
 
     with tool0.bringup() as robot:
@@ -95,7 +95,7 @@ def _robot() -> None:
             write(effort)
 
         robot.engine.write = watched  # type: ignore[method-assign]
-        with Ros1(robot, Ros1Options(roscore=True)):
+        with Ros1Bridge(robot, Ros1Options(roscore=True)):
             listener = _start("listener")
             client = _start("client")
             sent = json.loads(client.communicate()[0])
@@ -113,7 +113,7 @@ def _start(role: str) -> subprocess.Popen[str]:
 
 
 def _listener() -> None:
-    """Note when messages come, until standard input ends."""
+    """Record the reception times until standard input ends."""
     import rospy
     from trajectory_msgs.msg import JointTrajectory
 
@@ -127,7 +127,7 @@ def _listener() -> None:
 
 
 def _client() -> None:
-    """Send the joint to and fro, on the controller's topic and on the plain one."""
+    """Move the joint to and fro, by the controller's topic and by the plain one."""
     import rospy
     from sensor_msgs.msg import JointState
     from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint

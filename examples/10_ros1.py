@@ -1,8 +1,8 @@
-"""A robot that ROS 1 sees, and a client of actionlib that moves it as in any ROS."""
+"""A robot in ROS 1, moved by an actionlib client."""
 
 import tool0
 from tool0.errors import RosUnavailableError
-from tool0.interfaces.ros1.edge import Ros1
+from tool0.interfaces.ros1.bridge import Ros1Bridge
 from tool0.interfaces.ros1.options import Ros1Options
 
 GOAL = {"shoulder_lift_joint": -1.2, "elbow_joint": 1.4}  # [rad]
@@ -39,8 +39,8 @@ def move() -> None:
 
 with tool0.bringup() as robot:
     try:
-        # rospy knows one node in a process: here it is robot and client at once.
-        with Ros1(robot, Ros1Options(roscore=True)):
+        # rospy allows one node in a process: here it is robot and client at once.
+        with Ros1Bridge(robot, Ros1Options(roscore=True)):
             move()
     except RosUnavailableError as error:  # "… `tool0 ros1 install` installs it …"
-        print("no ROS to be seen in:", error)
+        print("ROS 1 is not available:", error)

@@ -1,4 +1,4 @@
-"""Write ``web/protocol.schema.json``: the panel's protocol, for TypeScript."""
+"""Write ``web/protocol.schema.json``: the protocol of connections, for TypeScript."""
 
 from __future__ import annotations
 
@@ -9,33 +9,51 @@ from typing import Any, get_args
 
 import msgspec
 
-from tool0.interfaces.panel import protocol
+from tool0.interfaces.panel.protocol import ViewMessage
+from tool0.requests.codec import Reply
+from tool0.requests.messages import EventMessage, Hello
+from tool0.requests.table import entries
 
 SCHEMA = Path(__file__).parent.parent / "web" / "protocol.schema.json"
 
 
 def schema_text() -> str:
-    """Return the schema of every message, with a union of what each side may send."""
-    unions = {
-        "ClientMessage": get_args(protocol.ClientMessage),
-        "ServerMessage": get_args(protocol.ServerMessage),
+    """Return the schema of ``Requests``, method → params, and of ``ServerMessage``."""
+    requests = {
+        name: entry.request
+        for name, entry in sorted(entries().items())
+        if not entry.is_local
     }
-    messages = [message for union in unions.values() for message in union]
-    _, components = msgspec.json.schema_components(
-        messages, ref_template="#/$defs/{name}"
+    messages = [Hello, Reply, *get_args(ViewMessage), *get_args(EventMessage)]
+    refs, components = msgspec.json.schema_components(
+        [*requests.values(), *messages], ref_template="#/$defs/{name}"
     )
-    for name, union in unions.items():
-        components[name] = {
-            "title": name,
-            "anyOf": [{"$ref": f"#/$defs/{message.__name__}"} for message in union],
-        }
-    schema = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Message",
-        "anyOf": [{"$ref": f"#/$defs/{name}"} for name in unions],
-        "$defs": _without_indents(components),
+    components["Requests"] = {
+        "title": "Requests",
+        "type": "object",
+        "properties": dict(zip(requests, refs, strict=False)),
+        "required": list(requests),
     }
-    return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+    components["ServerMessage"] = {
+        "title": "ServerMessage",
+        "anyOf": refs[len(requests) :],
+    }
+    definitions = ",\n".join(
+        f"    {json.dumps(name)}: "
+        + json.dumps(_without_indents(components[name]), ensure_ascii=False)
+        for name in sorted(components)
+    )
+    return (
+        "{\n"
+        '  "$schema": "https://json-schema.org/draft/2020-12/schema",\n'
+        '  "title": "Protocol",\n'
+        '  "anyOf": [\n'
+        '    { "$ref": "#/$defs/Requests" },\n'
+        '    { "$ref": "#/$defs/ServerMessage" }\n'
+        "  ],\n"
+        f'  "$defs": {{\n{definitions}\n  }}\n'
+        "}\n"
+    )
 
 
 def _without_indents(part: Any) -> Any:  # Any: JSON

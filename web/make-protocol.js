@@ -1,4 +1,4 @@
-/* Write src/protocol.ts: the panel's protocol as types, from protocol.schema.json. */
+/* Write src/protocol.ts: the protocol as types, from protocol.schema.json. */
 import { readFile, writeFile } from "node:fs/promises";
 import { compile } from "json-schema-to-typescript";
 
@@ -13,7 +13,7 @@ function withOldTuples(part) {
 }
 
 const schema = JSON.parse(await readFile("protocol.schema.json", "utf8"));
-const types = await compile(withOldTuples(schema), "Message", {
+const types = await compile(withOldTuples(schema), "Protocol", {
   additionalProperties: false,
   bannerComment:
     "/* Made from protocol.schema.json by make-protocol.js: do not edit. */",

@@ -32,7 +32,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def open_tab(browser: Browser) -> Iterator[OpenTab]:
-    """Open pages; at the end none may have complained, or asked anything outside."""
+    """Open pages; none may log an error or request another server."""
     tabs: list[Tab] = []
 
     def open_(url: str = "") -> Tab:

@@ -1,4 +1,4 @@
-"""Servers that restart, several browsers, and pages that have no business here."""
+"""Servers that restart, several browsers, and pages of other origins."""
 
 import http.server
 import os
@@ -86,7 +86,7 @@ def test_a_page_without_the_token_is_told_so(
         tab.page.goto(panel.url.partition("?")[0])
         tab.see("[data-testid=connection][data-state=refused]")
         tab.text("connection-banner", "token")
-        assert tab.complaints
+        assert tab.errors
         tab.close()
 
 
@@ -103,7 +103,7 @@ def test_two_browsers_see_and_drive_the_same_robot(
     other.send_joint("elbow_joint", 1.2)
     for tab in (one, other):
         tab.shows_joint("elbow_joint", 1.2, NEAR)
-    one.text("driving-state", "elsewhere")
+    one.text("driving-state", "another client")
     other.get("estop").click()
     one.get("estop-banner").wait_for()
 
@@ -126,8 +126,8 @@ ATTACK = """async ([target, steer]) => {
     return results;
 }"""
 STEER = (
-    '{"type": "steer", "controller": "eff_joint_traj_controller", '
-    '"positions": {"elbow_joint": 0.5}, "speed": 1.0}'
+    '{"method": "steer_joints", "params": {"controller": "eff_joint_traj_controller", '
+    '"positions": {"elbow_joint": 0.5}, "speed": 1.0}}'
 )
 
 
@@ -167,7 +167,7 @@ def test_a_page_of_another_origin_cannot_drive_the_robot(
     assert set(attack(tab, panel).values()) == {"refused"}
     time_passes(robot, 0.5)
     assert robot.joint_state.position["elbow_joint"] == pytest.approx(before, abs=1e-3)
-    tab.complaints.clear()
+    tab.errors.clear()
     tab.requested.clear()
 
     # the same from the panel's own page does drive it: the attempt was a real one
@@ -177,4 +177,4 @@ def test_a_page_of_another_origin_cannot_drive_the_robot(
         lambda: abs(robot.joint_state.position["elbow_joint"] - 0.5) < NEAR,
         "the arm moves",
     )
-    tab.complaints.clear()
+    tab.errors.clear()

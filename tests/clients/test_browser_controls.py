@@ -88,9 +88,9 @@ def test_the_emergency_stop_stops_a_moving_arm(
 
 
 def shown(time: float) -> str:
-    """Return simulated time as the page writes it: it is told six digits."""
-    told = Decimal(round(time, 6))
-    return f"{told.quantize(Decimal('0.01'), ROUND_HALF_UP)} s"
+    """Return simulated time as the page writes it: it receives six digits."""
+    received = Decimal(round(time, 6))
+    return f"{received.quantize(Decimal('0.01'), ROUND_HALF_UP)} s"
 
 
 def test_time_is_paused_stepped_resumed_and_reset(tab: Tab, robot: tool0.Robot) -> None:

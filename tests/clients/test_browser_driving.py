@@ -7,7 +7,6 @@ import pytest
 from browser import Tab, comes_to_rest, eventually
 
 import tool0
-from tool0.api.controller import ControllerHandle
 
 MONITOR = "[data-testid=joint-slider-elbow_joint][disabled]"
 NEAR = 0.03
@@ -99,9 +98,8 @@ def test_a_thousand_slider_events_cost_few_trajectories(
     tab: Tab, robot: tool0.Robot
 ) -> None:
     tab.drive()
-    with patch.object(
-        ControllerHandle, "steer", autospec=True, side_effect=ControllerHandle.steer
-    ) as steer:
+    core = type(robot.simulation.core)
+    with patch.object(core, "steer", autospec=True, side_effect=core.steer) as steer:
         began = time.monotonic()
         goal = tab.get("joint-slider-elbow_joint").evaluate(
             """async (slider) => {

@@ -122,7 +122,7 @@ def test_a_person_adds_moves_and_removes_objects(tab: Tab, robot: tool0.Robot) -
     tab.get("object-add").click()
     tab.get("object-row-post").wait_for()
     item = robot.scene["post"]
-    assert tab.get("grasp-assist").count() == 0  # a badge for those who cheat
+    assert tab.get("grasp-assist").count() == 0
     assert item.geometry == Cylinder(radius=0.05, length=0.2)
     assert (item.mass, item.pose.xyz) == (None, (1.2, 0.0, 0.1))
     eventually(lambda: shown_position(tab, "post") == [1200, 0, 100], "it is there")

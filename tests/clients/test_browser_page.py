@@ -10,9 +10,9 @@ from playwright.sync_api import Browser
 import tool0
 from conftest import OpenTab
 from tool0.description.catalogue import assemble
-from tool0.interfaces.panel.robot_files import RobotFiles
+from tool0.interfaces.panel.robot_info import RobotFiles
 from tool0.interfaces.panel.server import STATIC, Panel
-from tool0.interfaces.panel.source import ViewSource
+from tool0.interfaces.panel.view import RobotView
 
 READY = "[data-testid=scene][data-ready=true]"
 SEEN_READY_AT = """
@@ -88,16 +88,16 @@ def test_chinese_is_chinese(tab: Tab) -> None:
     tab.text("estop", "急停")
 
 
-def test_a_cheat_is_named_whatever_is_shown(open_tab: OpenTab) -> None:
+def test_the_grasp_assist_is_shown_on_every_tab(open_tab: OpenTab) -> None:
     simulation = tool0.SimulationConfig(grasp_assist=True, realtime=False)
     with (
-        tool0.bringup(simulation=simulation) as cheat,
-        Panel(cheat) as panel,
+        tool0.bringup(simulation=simulation) as robot,
+        Panel(robot) as panel,
     ):
         tab = open_tab(panel.url)
         for name in ("motion", "log"):
             tab.get(f"tab-{name}").click()
-            tab.text("grasp-assist", "cheat")
+            tab.text("grasp-assist", "assist")
         tab.close()  # before its server
 
 
@@ -111,7 +111,7 @@ def test_themes_change_the_colours(tab: Tab) -> None:
 
 @pytest.fixture
 def view() -> Iterator[Panel]:
-    with Panel(ViewSource(assemble(), ground=-0.1)) as panel:
+    with Panel(RobotView(assemble(), ground=-0.1)) as panel:
         yield panel
 
 

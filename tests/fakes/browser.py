@@ -1,4 +1,4 @@
-"""A real browser with the panel's page, and what it complained of."""
+"""A real browser with the panel's page, its console errors and its requests."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from playwright.sync_api import Browser, ConsoleMessage, Locator, Playwright
 
 import tool0
 
-PATIENCE: Final = 60.0
+TIMEOUT: Final = 60.0
 """Longest wait for anything; software GL on a busy machine is slow [wall s]."""
 _NAMES: Final = ("chromium", "google-chrome", "chromium-browser")
 _FLAGS: Final = (
@@ -42,7 +42,7 @@ def launch(playwright: Playwright, chromium: str) -> Browser:
 
 def eventually(is_so: Callable[[], bool], what: str) -> None:
     """Wait for something in the robot that a page cannot announce."""
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + TIMEOUT
     while not is_so():
         assert time.monotonic() < deadline, f"never: {what}"
         time.sleep(0.005)
@@ -72,15 +72,15 @@ class Tab:
         self.context = browser.new_context(
             viewport={"width": width, "height": height}, locale="en-US"
         )
-        self.context.set_default_timeout(PATIENCE * 1000)
+        self.context.set_default_timeout(TIMEOUT * 1000)
         self.page = self.context.new_page()
-        self.complaints: list[str] = []
+        self.errors: list[str] = []
         """Errors on the console, with those of the content security policy."""
         self.expected: list[str] = []
-        """Parts of those that a test brings about on purpose."""
+        """Parts of those that a test causes on purpose."""
         self.requested: list[str] = []
         self.page.on("console", self._listen)
-        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("request", lambda request: self.requested.append(request.url))
         self.page.on("websocket", lambda socket: self.requested.append(socket.url))
         if url:
@@ -88,7 +88,7 @@ class Tab:
 
     def _listen(self, message: ConsoleMessage) -> None:
         if message.type == "error":
-            self.complaints.append(message.text)
+            self.errors.append(message.text)
 
     def open(self, url: str) -> None:
         """Open the panel at ``url`` and wait until it is connected."""
@@ -129,24 +129,24 @@ class Tab:
             arg=[f"joint-actual-{joint}", position, within],
         )
 
-    def strangers(self) -> list[str]:
-        """Return what was asked of any other machine or server."""
+    def foreign_requests(self) -> list[str]:
+        """Return the addresses of other servers that the page requested."""
         host = urlsplit(self.page.url).netloc
         local = ("data", "blob")
         parts = [(url, urlsplit(url)) for url in self.requested]
         return [u for u, p in parts if p.scheme not in local and p.netloc != host]
 
     def close(self) -> None:
-        """Leave, and fail if the page complained or asked outside.
+        """Close the page; fail if it logged an error or requested other servers.
 
-        It complains if its server goes first.  Closing twice is allowed.
+        It logs one if its server ends first.  Closing twice is allowed.
         """
-        strangers = self.strangers()
+        foreign = self.foreign_requests()
         self.context.close()
-        complaints = [
+        unexpected = [
             text
-            for text in self.complaints
+            for text in self.errors
             if not any(part in text for part in self.expected)
         ]
-        assert not complaints, complaints
-        assert not strangers, strangers
+        assert not unexpected, unexpected
+        assert not foreign, foreign

@@ -1,4 +1,4 @@
-"""A page without a browser, which speaks the panel's protocol."""
+"""A panel page without a browser: a WebSocket client of the server."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from urllib.parse import urlsplit, urlunsplit
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
-PATIENCE = 30.0
+TIMEOUT = 30.0
 """Longest wait for anything [wall s]."""
 
 Message = dict[str, Any]
@@ -25,12 +25,16 @@ def socket_url(url: str) -> str:
 
 
 class Page:
+    """A client that has subscribed to the view."""
+
     def __init__(self, socket: ClientConnection) -> None:
         self.socket = socket
         self._number = 0
         self._kept: list[Message] = []
         self._newest: dict[str, Message] = {}
         self.hello = self.next("hello")
+        assert self.request("subscribe_view") is None
+        self.view = self.next("view")
 
     def receive(self, deadline: float) -> Message:
         text = self.socket.recv(max(0.0, deadline - time.monotonic()))
@@ -39,54 +43,60 @@ class Page:
         return message
 
     def next(
-        self, kind: str, which: Callable[[Message], bool] = lambda _: True
+        self, kind: str, condition: Callable[[Message], bool] = lambda _: True
     ) -> Message:
-        """Return the next message of a kind of which ``which`` is true.
+        """Return the next message of a type that meets ``condition``.
 
-        Notices and replies that come meanwhile are kept for later.
+        Notices, replies and events that come meanwhile are kept for later.
         """
         for message in self._kept:
-            if message["type"] == kind and which(message):
+            if message["type"] == kind and condition(message):
                 self._kept.remove(message)
                 return message
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + TIMEOUT
         while True:
             message = self.receive(deadline)
-            if message["type"] == kind and which(message):
+            if message["type"] == kind and condition(message):
                 return message
-            if message["type"] in ("notice", "reply"):
+            if message["type"] in ("notice", "reply", "goal_finished"):
                 self._kept.append(message)
 
-    def see(self, kind: str, which: Callable[[Message], bool]) -> Message:
-        """Return the newest frame or status as soon as ``which`` is true of it."""
+    def wait_for(self, kind: str, condition: Callable[[Message], bool]) -> Message:
+        """Return the newest message of a type as soon as it meets ``condition``."""
         newest = self._newest.get(kind)
-        if newest is not None and which(newest):
+        if newest is not None and condition(newest):
             return newest
-        return self.next(kind, which)
+        return self.next(kind, condition)
 
     def close_code(self) -> int:
         """Read until the server ends the connection, and return the code it gave."""
         try:
             while True:
-                self.socket.recv(PATIENCE)
+                self.socket.recv(TIMEOUT)
         except ConnectionClosed as closed:
             return 0 if closed.rcvd is None else closed.rcvd.code
 
-    def send(self, kind: str, **fields: Any) -> None:
-        self.socket.send(json.dumps({"type": kind, **fields}))
+    def send(self, method: str, **params: Any) -> None:
+        """Send a setpoint of a stream: a request without an id."""
+        self.socket.send(json.dumps({"method": method, "params": params}))
 
-    def ask(self, kind: str, **fields: Any) -> Message | None:
-        """Send a request, wait for its answer, and return why it was refused."""
+    def start(self, method: str, **params: Any) -> int:
+        """Send a request, and return its id."""
         self._number += 1
-        number = self._number
-        self.send(kind, id=number, **fields)
+        text = json.dumps({"id": self._number, "method": method, "params": params})
+        self.socket.send(text)
+        return self._number
+
+    def request(self, method: str, **params: Any) -> Message | None:
+        """Send a request, wait for its reply, and return the error in it."""
+        number = self.start(method, **params)
         reply = self.next("reply", lambda message: message["id"] == number)
         error: Message | None = reply.get("error")
         return error
 
     def position(self, joint: str, frame: Message) -> float:
-        """Return where a joint is in a frame."""
-        names = [item["name"] for item in self.hello["robot"]["joints"]]
+        """Return where a joint is in a frame [rad | m]."""
+        names = [item["name"] for item in self.view["robot"]["joints"]]
         position: float = frame["position"][names.index(joint)]
         return position
 

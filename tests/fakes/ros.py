@@ -14,35 +14,34 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 from xmlrpc.client import ServerProxy
 
 from tool0.installation.child_process import ChildProcess
 
-PATIENCE = 60.0
-"""For what takes a moment on a busy machine [wall s]."""
-_GLANCE = 0.02
-"""Between two looks at what announces nothing [wall s]."""
+TIMEOUT = 60.0
+"""For everything, on a busy machine [wall s]."""
+_POLL_PERIOD = 0.02
+"""Between two polls [wall s]."""
 _CALLER = "/test"
 _GRACE = 5.0
-"""That programs of ROS have to end by themselves [wall s]."""
+"""For programs of ROS to end by themselves [wall s]."""
 _LAST_LINES = 60
-"""Of what a program printed, for who reads that a test failed."""
+"""Of a program's output, in the report of a failed test."""
 _UNSET = ("ROS_HOSTNAME", "ROS_NAMESPACE", "ROS_OS_OVERRIDE", "ROSCONSOLE_CONFIG_FILE")
 
 
-def until(is_so: Callable[[], Any], what: str, patience: float = PATIENCE) -> Any:
-    """Return the first true answer of ``is_so``; fail if there is none in time."""
-    deadline = time.monotonic() + patience
-    while not (answer := is_so()):
-        assert time.monotonic() < deadline, f"{what}: not within {patience:g} s"
-        time.sleep(_GLANCE)
+def until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> Any:
+    """Return the first true result of ``condition``; fail if there is none in time."""
+    deadline = time.monotonic() + timeout
+    while not (answer := condition()):
+        assert time.monotonic() < deadline, f"{what}: not within {timeout:g} s"
+        time.sleep(_POLL_PERIOD)
     return answer
 
 
 class Ros:
-    """A roscore on a port of its own, reached from this machine alone."""
+    """A roscore on a port of its own, on 127.0.0.1 only."""
 
     def __init__(self, port: int | None = None) -> None:
         self.port = port or free_port()
@@ -78,7 +77,7 @@ class Ros:
         return self
 
     def stop(self) -> None:
-        """End the roscore; what was started under it goes on."""
+        """End the roscore; programs started under it continue."""
         if self._core is not None:
             self._core.close()
             self._core = None
@@ -86,45 +85,39 @@ class Ros:
     @property
     def is_up(self) -> bool:
         try:
-            return bool(self.ask("getPid"))
+            return bool(self.call_master("getPid"))
         except OSError:
             return False
 
-    def ask(self, method: str, *arguments: object) -> Any:
-        """Return what the master answers, None if it says no."""
+    def call_master(self, method: str, *arguments: object) -> Any:
+        """Return the master's response, None if it refuses."""
         with ServerProxy(self.uri) as proxy:
             code, _, value = getattr(proxy, method)(_CALLER, *arguments)
         return value if code == 1 else None
 
     def address_of(self, node: str) -> str | None:
-        found: str | None = self.ask("lookupNode", node)
+        found: str | None = self.call_master("lookupNode", node)
         return found
 
     def parameter(self, name: str) -> Any:
         """Return its value, None if it is not set."""
-        return self.ask("getParam", name)
+        return self.call_master("getParam", name)
 
     def services(self) -> set[str]:
-        return {name for name, _ in self.ask("getSystemState")[2]}
+        return {name for name, _ in self.call_master("getSystemState")[2]}
 
     def publishers(self) -> dict[str, list[str]]:
         """Return topic → nodes that publish it."""
-        return dict(self.ask("getSystemState")[0])
-
-    def wait_for_parameter(self, name: str) -> Any:
-        return until(lambda: self.parameter(name), f"parameter {name}")
+        return dict(self.call_master("getSystemState")[0])
 
     def wait_for_service(self, name: str) -> None:
         until(lambda: name in self.services(), f"service {name}")
-
-    def wait_for_publisher(self, topic: str) -> None:
-        until(lambda: self.publishers().get(topic), f"publisher of {topic}")
 
     # --- programs under it ---
 
     @property
     def tools(self) -> Mapping[str, str]:
-        """What a terminal has after ``eval "$(tool0 ros1 env)"``."""
+        """The environment of a terminal after ``eval "$(tool0 ros1 env)"``."""
         if self._tools is None:
             answer = subprocess.run(
                 [
@@ -134,7 +127,7 @@ class Ros:
                 env=dict(self.environment),
                 capture_output=True,
                 text=True,
-                timeout=PATIENCE,
+                timeout=TIMEOUT,
                 check=False,
             )
             assert answer.returncode == 0, answer.stderr
@@ -142,16 +135,16 @@ class Ros:
             self._tools = {name: value for name, _, value in pairs}
         return self._tools
 
-    def run(self, *command: str, patience: float = PATIENCE) -> str:
-        """Run one of ROS's programs to its end; return what it prints."""
-        answer = self.outcome(*command, patience=patience)
+    def run(self, *command: str, timeout: float = TIMEOUT) -> str:
+        """Run a program to its end and return its output; it has to succeed."""
+        answer = self.outcome(*command, timeout=timeout)
         assert answer.returncode == 0, (command, answer.stdout, answer.stderr)
         return answer.stdout
 
     def outcome(
-        self, *command: str, patience: float = PATIENCE
+        self, *command: str, timeout: float = TIMEOUT
     ) -> subprocess.CompletedProcess[str]:
-        """Run it to its end, or to Ctrl-C after ``patience`` [wall s]."""
+        """Run a program to its end, or to Ctrl-C after ``timeout`` [wall s]."""
         with subprocess.Popen(
             command,
             env=dict(self.tools),
@@ -162,18 +155,18 @@ class Ros:
             start_new_session=True,
         ) as process:
             try:
-                out, error = process.communicate(timeout=patience)
+                out, error = process.communicate(timeout=timeout)
             except subprocess.TimeoutExpired:
                 process.send_signal(signal.SIGINT)
                 try:
-                    out, error = process.communicate(timeout=PATIENCE)
+                    out, error = process.communicate(timeout=TIMEOUT)
                 finally:
                     process.kill()
         return subprocess.CompletedProcess(command, process.returncode, out, error)
 
-    def python(self, program: str, *arguments: str, patience: float = PATIENCE) -> str:
-        """Run a program of rospy in the system's Python, as a person's script is."""
-        return self.run(system_python(), "-c", program, *arguments, patience=patience)
+    def python(self, program: str, *arguments: str, timeout: float = TIMEOUT) -> str:
+        """Run a script of rospy in the system's Python."""
+        return self.run(system_python(), "-c", program, *arguments, timeout=timeout)
 
     def spawn(self, *command: str) -> ChildProcess:
         """Start a program that ends with the roscore at the latest."""
@@ -189,25 +182,20 @@ class Ros:
             bringup.wait()
         return bringup
 
-    def said(self) -> dict[str, str]:
-        """Return what those printed that run under it: name → the last lines."""
+    def outputs(self) -> dict[str, str]:
+        """Return the last lines of every program under it, by name."""
         names = {} if self._core is None else {"roscore": self._core.last_output()}
         for number, one in enumerate(self._started, start=1):
             if isinstance(one, Bringup) and not one.is_closed:
                 names |= {
-                    f"{number}: {name}": text for name, text in one.said().items()
+                    f"{number}: {name}": text for name, text in one.outputs().items()
                 }
         return names
 
     def __enter__(self) -> Ros:
         return self.start()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         for one in reversed(self._started):
             one.close()
         self.stop()
@@ -237,9 +225,9 @@ class Bringup:
             start_new_session=True,
         )
         self.lines: list[str] = []
-        """What it printed, up to what was waited for."""
+        """Its output, up to the line that was waited for."""
         self._printed: list[str] = []
-        """All of it, with the time of each line [wall s from its start]."""
+        """All of its output, with the time of each line [wall s from its start]."""
         self._arrived: queue.SimpleQueue[str | None] = queue.SimpleQueue()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -253,9 +241,9 @@ class Bringup:
             self._arrived.put(line.rstrip())
         self._arrived.put(None)
 
-    def wait_for(self, words: str, patience: float = PATIENCE) -> str:
-        """Return the first new line that holds ``words``."""
-        deadline = time.monotonic() + patience
+    def wait_for(self, words: str, timeout: float = TIMEOUT) -> str:
+        """Return the first new line that contains ``words``."""
+        deadline = time.monotonic() + timeout
         while True:
             try:
                 line = self._arrived.get(timeout=max(deadline - time.monotonic(), 0.0))
@@ -271,13 +259,13 @@ class Bringup:
         self.wait_for("Ctrl-C")
 
     def end(self, number: signal.Signals = signal.SIGINT) -> int:
-        """Let it end, as by Ctrl-C; return its exit status."""
+        """End it by a signal; return its exit status."""
         self.process.send_signal(number)
         return self.wait_for_end()
 
     def wait_for_end(self) -> int:
-        status = self.process.wait(PATIENCE)
-        self._reader.join(PATIENCE)
+        status = self.process.wait(TIMEOUT)
+        self._reader.join(TIMEOUT)
         while not self._arrived.empty():
             self.lines.append(self._arrived.get() or "")
         return status
@@ -290,23 +278,23 @@ class Bringup:
     def is_closed(self) -> bool:
         return self.process.stdout is None or self.process.stdout.closed
 
-    def said(self) -> dict[str, str]:
-        """Return what it and its Gazebo printed: name → the last lines."""
+    def outputs(self) -> dict[str, str]:
+        """Return the last lines of it and of its Gazebo, by name."""
         texts = {"bring-up": self._printed}
         for log in Path(self._sockets.name).glob("*/*.log"):
             texts[log.name] = log.read_text(errors="replace").splitlines()
         return {name: "\n".join(rows[-_LAST_LINES:]) for name, rows in texts.items()}
 
     def close(self) -> None:
-        """End it however it is; closing twice is allowed."""
+        """End it, by SIGKILL if need be; closing twice is allowed."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
             try:
-                self.process.wait(PATIENCE)
+                self.process.wait(TIMEOUT)
             except subprocess.TimeoutExpired:
                 self.process.kill()
                 self.process.wait()
-        self._reader.join(PATIENCE)
+        self._reader.join(TIMEOUT)
         if self.process.stdout is not None:
             self.process.stdout.close()
         self._sockets.cleanup()

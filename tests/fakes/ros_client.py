@@ -1,4 +1,4 @@
-"""What a person's rospy script does, for tests: listen, publish, call, send goals."""
+"""A rospy client for tests: subscribe, publish, call, send goals."""
 
 from __future__ import annotations
 
@@ -6,17 +6,15 @@ import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ros import PATIENCE, until
+from ros import TIMEOUT, until
 from ur5_rig import ARM, ARM_JOINTS
 
 Message = Any
 """Of a class that ROS generates, which carries no types."""
 
-SECONDS = 1_000_000_000  # [ns]
-
 
 class Topic:
-    """Everything that is heard on a topic."""
+    """A subscription that keeps every message."""
 
     def __init__(self, name: str, kind: type) -> None:
         from rospy import Subscriber
@@ -29,17 +27,17 @@ class Topic:
 
     def wait_for(
         self,
-        is_so: Callable[[Message], bool] = lambda message: True,
+        condition: Callable[[Message], bool] = lambda message: True,
         *,
         since: int = 0,
-        patience: float = PATIENCE,
+        timeout: float = TIMEOUT,
     ) -> Message:
-        """Return the first message from number ``since`` on of which ``is_so``."""
+        """Return the first message, from number ``since``, that meets ``condition``."""
 
         def found() -> Message | None:
-            return next((m for m in self.messages[since:] if is_so(m)), None)
+            return next((m for m in self.messages[since:] if condition(m)), None)
 
-        return until(found, f"a message on {self.name}", patience)
+        return until(found, f"a message on {self.name}", timeout)
 
     def next(self, n: int = 1) -> list[Message]:
         """Return the next ``n`` messages."""
@@ -53,7 +51,7 @@ class Topic:
 
 @contextlib.contextmanager
 def listening(name: str, kind: type) -> Iterator[Topic]:
-    """Listen, from the first message that comes."""
+    """Subscribe; enter at the first message."""
     topic = Topic(name, kind)
     try:
         topic.wait_for()
@@ -64,7 +62,7 @@ def listening(name: str, kind: type) -> Iterator[Topic]:
 
 @contextlib.contextmanager
 def publishing(name: str, kind: type) -> Iterator[Callable[[Message], None]]:
-    """Give what publishes, once somebody listens."""
+    """Return a function that publishes, once there is a subscriber."""
     from rospy import Publisher
 
     publisher = Publisher(name, kind, queue_size=10)
@@ -133,7 +131,7 @@ def follow_goal(message: Message, **options: object) -> Message:
 
 
 def arm_client(controller: str = ARM) -> Message:
-    """Return an actionlib client of a trajectory controller that is there."""
+    """Return a connected actionlib client of a trajectory controller."""
     from actionlib import SimpleActionClient
     from control_msgs.msg import FollowJointTrajectoryAction
 
@@ -145,14 +143,14 @@ def arm_client(controller: str = ARM) -> Message:
 
 
 def connected(client: Message) -> Message:
-    """Return ``client``, once its server is there."""
+    """Return ``client`` once it is connected."""
     from rospy import Duration
 
     assert client.wait_for_server(Duration(10)), "no action server"
     return client
 
 
-def outcome(client: Message, patience: float = PATIENCE) -> tuple[int, Message]:
+def outcome(client: Message, timeout: float = TIMEOUT) -> tuple[int, Message]:
     """Wait for the goal of an actionlib client; return its status and result."""
     from actionlib_msgs.msg import GoalStatus
 
@@ -160,7 +158,7 @@ def outcome(client: Message, patience: float = PATIENCE) -> tuple[int, Message]:
         *(GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED),
         *(GoalStatus.PREEMPTED, GoalStatus.RECALLED, GoalStatus.LOST),
     )
-    until(lambda: client.get_state() in terminal, "the end of a goal", patience)
+    until(lambda: client.get_state() in terminal, "the end of a goal", timeout)
     # The result may come after the status.
-    until(client.get_result, "the result of a goal", patience)
+    until(client.get_result, "the result of a goal", timeout)
     return client.get_state(), client.get_result()

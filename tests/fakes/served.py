@@ -1,14 +1,16 @@
-"""A bringup of a fake robot for a test, under its own private socket folder."""
+"""A bring-up's Unix socket for a test, under its own private folder."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from fake_robot import FakeRobot
-from tool0.interfaces.socket.server import RemoteServer
 
+import tool0
 from tool0.api.address import Claim
+from tool0.interfaces.server.backend import SimulationBackend
+from tool0.interfaces.server.server import Server
+from tool0.interfaces.server.unix_socket import UnixSocketService
 
 
 def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:
@@ -21,9 +23,8 @@ def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:
 
 
 @contextmanager
-def serving(robot: FakeRobot, name: str = "tool0") -> Iterator[RemoteServer]:
-    server = RemoteServer(robot, Claim(name))
-    try:
+def serving(robot: tool0.Robot, name: str = "tool0") -> Iterator[Server]:
+    """Serve ``robot`` over the Unix socket."""
+    service = UnixSocketService(Claim(name))
+    with Server(SimulationBackend(robot.simulation), [service], name) as server:
         yield server
-    finally:
-        server.close()

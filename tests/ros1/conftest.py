@@ -1,4 +1,4 @@
-"""A real roscore, and robots under it.  Where there is none, the tests say so."""
+"""A real roscore, and robots under it; visible skips where ROS 1 is not installed."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from promised import require_ros
+from promised import require_engine, require_ros
 from ros import Bringup, Ros
 
 HERE = Path(__file__).parent
-THEIRS = "rospy|rosgraph|actionlib|genpy|tf2_ros"
+ROS_MODULES = "rospy|rosgraph|actionlib|genpy|tf2_ros"
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Leave ROS its old ways: its threads would end by what is an error to us."""
+    """Allow ROS its warnings: as errors they would end its threads."""
     for item in items:
         if item.path.is_relative_to(HERE):
-            for category in (f"DeprecationWarning:{THEIRS}", "ResourceWarning"):
+            for category in (f"DeprecationWarning:{ROS_MODULES}", "ResourceWarning"):
                 item.add_marker(pytest.mark.filterwarnings(f"ignore::{category}"))
 
 
@@ -28,12 +28,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_runtest_makereport(
     item: pytest.Item,
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Show what the programs under ROS said when a test failed."""
+    """Show the output of the programs under ROS when a test failed."""
     report = yield
     if report.failed:
         parts = getattr(item, "funcargs", {}).values()
         for ros in (part for part in parts if isinstance(part, Ros)):
-            report.sections += ros.said().items()
+            report.sections += ros.outputs().items()
     return report
 
 
@@ -56,7 +56,7 @@ def node(ros: Ros) -> Iterator[ModuleType]:
         import_messages()
         import rospy
 
-        ros.ask("setParam", "/use_sim_time", True)  # read by init_node alone
+        ros.call_master("setParam", "/use_sim_time", True)  # read by init_node alone
         rospy.init_node("test", anonymous=True, disable_signals=True)
     yield rospy
     rospy.signal_shutdown("the tests are over")
@@ -73,10 +73,22 @@ def rospy(ros: Ros, node: ModuleType) -> Iterator[ModuleType]:
         gc.collect()
 
 
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Run tests with ``bringup`` on the module's ENGINES, unless they name one."""
+    marks = metafunc.definition.iter_markers("parametrize")
+    if "bringup" in metafunc.fixturenames and "bringup" not in {
+        m.args[0] for m in marks
+    }:
+        engines = getattr(metafunc.module, "ENGINES", ("mujoco",))
+        metafunc.parametrize("bringup", engines, indirect=True, scope="module")
+
+
 @pytest.fixture(scope="module")
-def bringup(ros: Ros) -> Iterator[Bringup]:
-    """Bring the usual robot up, for all tests of a module."""
-    bringup = ros.bring_up()
+def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
+    """Bring a robot up, with the module's OPTIONS, for all its tests."""
+    require_engine(request.param)
+    options = getattr(request.module, "OPTIONS", ())
+    bringup = ros.bring_up("--engine", request.param, *options)
     yield bringup
     bringup.close()
 
@@ -90,7 +102,7 @@ def own_ros() -> Iterator[Ros]:
 
 
 def set_environment(patch: pytest.MonkeyPatch, ros: Ros) -> None:
-    """Let what this process asks of ROS be asked of ``ros``."""
+    """Connect this process to ``ros``."""
     for name, value in ros.environment.items():
         if name.startswith("ROS_"):
             patch.setenv(name, value)

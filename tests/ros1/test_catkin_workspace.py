@@ -18,7 +18,7 @@ import yaml
 from catkin_rig import Catkin, exported, require_catkin, sourced
 from in_rviz import black, blue, view
 from promised import absent, require_engine, require_ros
-from ros import PATIENCE, Ros
+from ros import TIMEOUT, Ros
 from screen import Pixels, Screen, find_xvfb
 
 from tool0.description.catalogue import assemble, named_poses
@@ -50,13 +50,13 @@ def built(catkin: Catkin) -> Catkin:
 
 @pytest.fixture(scope="module")
 def parameters(catkin: Catkin) -> dict[str, object]:
-    """What the bringup sets if it is told nothing."""
+    """The parameters that the bring-up sets without arguments."""
     return catkin.parameters(*GAZEBO)
 
 
 @pytest.fixture(scope="module")
 def quickly(catkin: Catkin) -> tuple[str, str, str]:
-    """Return the bringup without what takes xacro a second: for what nodes are told."""
+    """Return the bring-up without xacro, which takes a second: for nodes alone."""
     nothing = catkin.folder.parent / "nothing.launch.xml"
     nothing.write_text("<launch/>")
     return (*GAZEBO, f"robot_description_file:={nothing}")
@@ -113,9 +113,9 @@ def test_the_robot_is_the_one_that_the_program_reads(urdf: str) -> None:
 def test_check_urdf_accepts_it(catkin: Catkin, urdf: str, tmp_path: Path) -> None:
     file = tmp_path / "robot.urdf"
     file.write_text(urdf)
-    said = catkin.out("check_urdf", file)
-    assert "Successfully Parsed XML" in said
-    assert "root Link: world has 1 child" in said
+    output = catkin.out("check_urdf", file)
+    assert "Successfully Parsed XML" in output
+    assert "root Link: world has 1 child" in output
 
 
 def test_gazebo_converts_it(urdf: str, tmp_path: Path) -> None:
@@ -343,7 +343,7 @@ def test_the_robots_arguments_end_in_the_robot(catkin: Catkin, tmp_path: Path) -
 def test_a_description_of_ones_own_is_given_what_it_takes(
     catkin: Catkin, tmp_path: Path
 ) -> None:
-    """Upstream's files take four arguments or eight, and ours hands on more."""
+    """Upstream's files take four arguments or eight, and ours passes more."""
     own = tmp_path / "load_mine.launch.xml"
     own.write_text(
         "<launch><arg name='kinematics_params'/>"
@@ -399,5 +399,5 @@ def test_the_view_shows_the_robot(
         world = view(pixels)
         return bool(blue(world).sum() > 400 and black(world).sum() > 600)
 
-    assert screen.wait_for(shows_the_robot, PATIENCE) is not None, launch.last_output()
+    assert screen.wait_for(shows_the_robot, TIMEOUT) is not None, launch.last_output()
     launch.close()

@@ -127,8 +127,8 @@ def test_cameras_of_a_robot_with_a_prefix_have_frames_of_their_own(
     ):
         frame = infos.wait_for(lambda m: True).header.frame_id
         assert frame == f"left_{FRAME}"
-        told = static.wait_for(lambda m: frame in parents(m))
-    assert parents(told)[frame] == "left_tool0"
+        static_transforms = static.wait_for(lambda m: frame in parents(m))
+    assert parents(static_transforms)[frame] == "left_tool0"
 
 
 def parents(message: Message) -> dict[str, str]:

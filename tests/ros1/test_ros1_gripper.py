@@ -6,31 +6,23 @@ from collections.abc import Iterator
 from types import ModuleType
 
 import pytest
-from promised import require_engine
-from ros import Bringup, Ros, until
+from ros import Bringup, until
 from ros_client import Message, Topic, connected, listening, outcome, state
 from ur5_rig import GRIPPER
 
 from tool0.description.catalogue import config_file
 
-SCENE = "table_and_cubes"
-READY = ("shoulder_lift_joint=-1.2", "elbow_joint=1.9", "wrist_1_joint=-2.2708")
-"""With the red cube of 4 cm between the fingers."""
+ENGINES = ("mujoco", "gazebo")
 FILE = config_file("ur5_2f85", "controllers_gripper_action.yaml")
+OPTIONS = (
+    *("--scene", "table_and_cubes", "--controllers-file", str(FILE)),
+    *("--initial-pose", "shoulder_lift_joint=-1.2"),
+    *("elbow_joint=1.9", "wrist_1_joint=-2.2708"),
+)
+"""With the red cube of 4 cm between the fingers."""
 CLOSED = 0.8133  # [rad]
 ABORTED, PREEMPTED, REJECTED, SUCCEEDED = 4, 2, 5, 3
 """Of actionlib_msgs/GoalStatus."""
-
-
-@pytest.fixture(scope="module", params=["mujoco", "gazebo"])
-def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
-    require_engine(request.param)
-    bringup = ros.bring_up(
-        *("--engine", request.param, "--scene", SCENE),
-        *("--controllers-file", str(FILE), "--initial-pose", *READY),
-    )
-    yield bringup
-    bringup.close()
 
 
 @pytest.fixture(scope="module")
@@ -55,20 +47,28 @@ def goal(position: float, max_effort: float = 0.0) -> Message:
     return GripperCommandGoal(GripperCommand(position, max_effort))
 
 
+def wait_for_finger(states: Topic, position: float, within: float = 0.005) -> None:
+    """Wait until the finger is there: on a busy machine messages come late."""
+    until(
+        lambda: abs(state(states)["finger_joint"] - position) < within,
+        f"the finger at {position} rad",
+    )
+
+
 def test_it_reaches_an_angle(client: Message, states: Topic) -> None:
-    heard: list[Message] = []
+    feedback: list[Message] = []
     for position in (0.2, 0.05):
-        client.send_goal(goal(position), feedback_cb=heard.append)
+        client.send_goal(goal(position), feedback_cb=feedback.append)
         status, result = outcome(client)
         assert status == SUCCEEDED
         assert (result.reached_goal, result.stalled) == (True, False)
         assert result.position == pytest.approx(position, abs=0.002)
-        assert state(states)["finger_joint"] == pytest.approx(position, abs=0.005)
-    assert heard
-    assert 0.0 < max(one.position for one in heard) < 0.21
+        wait_for_finger(states, position)
+    assert feedback
+    assert 0.0 < max(one.position for one in feedback) < 0.21
 
 
-def test_it_stalls_on_a_cube_and_goes_on_squeezing(
+def test_it_stalls_on_a_cube_and_keeps_its_force(
     client: Message, states: Topic
 ) -> None:
     client.send_goal(goal(CLOSED, 5.0))
@@ -84,7 +84,7 @@ def test_it_stalls_on_a_cube_and_goes_on_squeezing(
     assert outcome(client)[0] == SUCCEEDED
 
 
-def test_a_cancel_holds_it_where_it_is(client: Message, states: Topic) -> None:
+def test_a_cancelled_goal_stops_the_fingers(client: Message, states: Topic) -> None:
     client.send_goal(goal(0.3))
     states.wait_for(
         lambda message: message.position[message.name.index("finger_joint")] > 0.1,
@@ -94,21 +94,18 @@ def test_a_cancel_holds_it_where_it_is(client: Message, states: Topic) -> None:
     status, result = outcome(client)
     assert status == PREEMPTED
     assert not result.reached_goal
-    until(
-        lambda: abs(state(states)["finger_joint"] - result.position) < 0.01,
-        "fingers that stay where they were",
-    )
+    wait_for_finger(states, result.position, within=0.01)
     client.send_goal(goal(0.05))
     assert outcome(client)[0] == SUCCEEDED
 
 
-def test_what_is_invalid_is_rejected(client: Message, bringup: Bringup) -> None:
-    for bad, words in (
-        (goal(float("nan")), "position nan"),
-        (goal(0.2, float("inf")), "max_effort inf"),
-        (goal(2.0), "beyond its limits"),
+def test_invalid_goals_are_rejected(client: Message, bringup: Bringup) -> None:
+    for bad, value in (
+        (goal(float("nan")), "nan"),
+        (goal(0.2, float("inf")), "inf"),
+        (goal(2.0), "finger_joint"),
     ):
         client.send_goal(bad)
         assert outcome(client)[0] == REJECTED
-        assert words in client.get_goal_status_text()
-        bringup.wait_for(words)
+        assert value in client.get_goal_status_text()
+        assert value in bringup.wait_for("gripper_cmd")

@@ -1,4 +1,4 @@
-"""What goes wrong around a robot in ROS: the robot holds, it is said, others go on."""
+"""Failures around a robot in ROS: master, clients, subscribers, other nodes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from xmlrpc.client import ServerProxy
 
 import pytest
 from processes import Watch, descendants, listening, program
-from ros import PATIENCE, Bringup, Ros, system_python, until
+from ros import TIMEOUT, Bringup, Ros, system_python, until
 
 CLIENT = """
 import sys, rospy, actionlib
@@ -45,21 +45,8 @@ def goal(wrist, after):
     goal = FollowJointTrajectoryGoal()
     goal.trajectory = JointTrajectory(joint_names=JOINTS, points=[point(wrist, after)])
     return goal
-
-def publisher(kind=JointTrajectory):
-    publisher = rospy.Publisher(CONTROLLER + "/command", kind, queue_size=1)
-    end = rospy.get_time() + 20
-    while not publisher.get_num_connections() and rospy.get_time() < end:
-        rospy.sleep(0.01)
-    return publisher
-
-def send(message):
-    topic = publisher()
-    for _ in range(5):
-        topic.publish(message)
-        rospy.sleep(0.1)
 """
-"""A person's script; what a test adds comes after it."""
+"""The beginning of a user's script."""
 
 MOVES = """
 client = action()
@@ -71,18 +58,18 @@ Wrist = Callable[[], float]
 
 
 def moves(ros: Ros, wrist: float) -> bool:
-    """Return whether a new client drives the robot."""
+    """Return whether a new client can move the robot."""
     answer = ros.python(CLIENT + MOVES, str(wrist))
     return answer.split() == [str(SUCCEEDED), str(wrist)]
 
 
 @pytest.fixture
 def wrist(rospy: ModuleType, bringup: Bringup) -> Callable[[], float]:
-    """Return what tells where the last joint of the module's robot is [rad]."""
+    """Return a function that reads the last joint [rad]."""
     from sensor_msgs.msg import JointState
 
     def read() -> float:
-        message = rospy.wait_for_message("/joint_states", JointState, PATIENCE)
+        message = rospy.wait_for_message("/joint_states", JointState, TIMEOUT)
         return float(message.position[message.name.index("wrist_3_joint")])
 
     return read
@@ -90,7 +77,7 @@ def wrist(rospy: ModuleType, bringup: Bringup) -> Callable[[], float]:
 
 def test_a_master_that_goes_and_comes_back(own_ros: Ros) -> None:
     bringup = own_ros.bring_up()
-    names = own_ros.services()
+    ours = {name for name in own_ros.services() if "/rosout" not in name}
     follower = own_ros.spawn("rostopic", "hz", "/joint_states")
     until(lambda: n_subscribers(own_ros) >= 2, "it beside robot_state_publisher")
     own_ros.stop()
@@ -100,16 +87,9 @@ def test_a_master_that_goes_and_comes_back(own_ros: Ros) -> None:
     bringup.wait_for("registered again")
     assert own_ros.parameter("/robot_description")
     assert own_ros.parameter("/eff_joint_traj_controller/type")
-    assert {name for name in names if "/rosout" not in name} <= until(
-        lambda: own_ros.services() if own_ros.services() >= _ours(names) else None,
-        "our services",
-    )
+    until(lambda: own_ros.services() >= ours, "our services")
     assert moves(own_ros, 0.3)
     own_ros.run("rostopic", "echo", "-n1", "/tf")
-
-
-def _ours(names: set[str]) -> set[str]:
-    return {name for name in names if "/rosout" not in name}
 
 
 def test_a_client_that_dies_amid_its_goal(
@@ -133,54 +113,15 @@ def test_a_subscriber_that_stalls_delays_nobody(ros: Ros, bringup: Bringup) -> N
     )
     ros.spawn(system_python(), "-c", script)
     until(lambda: n_subscribers(ros) >= 2, "a subscriber beside the publisher of /tf")
-    rate = ros.outcome("rostopic", "hz", "-w", "500", "/joint_states", patience=6.0)
+    rate = ros.outcome("rostopic", "hz", "-w", "500", "/joint_states", timeout=6.0)
     rates = [float(r) for r in re.findall(r"average rate: ([\d.]+)", rate.stdout)]
     assert rates[-1] == pytest.approx(125.0, abs=1.0)
     assert moves(ros, 0.2)
 
 
 def n_subscribers(ros: Ros) -> int:
-    _, subscribers, _ = ros.ask("getSystemState")
+    _, subscribers, _ = ros.call_master("getSystemState")
     return len(dict(subscribers).get("/joint_states", ()))
-
-
-WRONG = {
-    "NaN": (
-        "p = point(float('nan'), 1.0)\n"
-        "send(JointTrajectory(joint_names=JOINTS, points=[p]))",
-        "nan",
-    ),
-    "an unknown joint": (
-        "send(JointTrajectory(\n"
-        "    joint_names=JOINTS[:5] + ['wrist_4_joint'], points=[point(0.1, 1.0)]))",
-        "wrist_4_joint",
-    ),
-    "too few positions": (
-        "p = point(0.1, 1.0)\np.positions = p.positions[:3]\n"
-        "send(JointTrajectory(joint_names=JOINTS, points=[p]))",
-        "3 positions",
-    ),
-    "times that go back": (
-        "p = [point(0.1, 1.0), point(0.1, 0.5)]\n"
-        "send(JointTrajectory(joint_names=JOINTS, points=p))",
-        "strictly increasing",
-    ),
-    "a position beyond the limits": (
-        "send(\n    JointTrajectory(joint_names=JOINTS, points=[point(99.0, 1.0)]))",
-        "beyond its limits",
-    ),
-}
-
-
-@pytest.mark.parametrize("what", WRONG)
-def test_messages_that_make_no_sense(
-    ros: Ros, bringup: Bringup, wrist: Wrist, what: str
-) -> None:
-    script, words = WRONG[what]
-    before = wrist()
-    ros.python(CLIENT + script)
-    bringup.wait_for(words)
-    assert wrist() == pytest.approx(before, abs=1e-3)
 
 
 def test_garbage_on_our_ports(ros: Ros, bringup: Bringup) -> None:
@@ -224,7 +165,7 @@ def test_a_hundred_thousand_points(ros: Ros, bringup: Bringup, wrist: Wrist) -> 
         "while client.get_state() == 0: rospy.sleep(0.05)\n"
         "print(client.get_state())\n"
     )
-    assert int(ros.python(script, patience=90.0)) == 1  # ACTIVE
+    assert int(ros.python(script, timeout=90.0)) == 1  # ACTIVE
     until(lambda: abs(wrist() - 0.35) < 0.02, "its first point reached")
     assert moves(ros, 0.1)  # and so it is preempted
 
@@ -236,7 +177,7 @@ def test_what_we_start_ends_with_us_when_we_are_killed(own_ros: Ros) -> None:
     assert len(started) >= 5  # supervisors, roscore and its two, and others
     watch = Watch(started)
     bringup.process.kill()
-    assert watch.all_ended(PATIENCE)
+    assert watch.all_ended(TIMEOUT)
     until(lambda: not own_ros.is_up, "the master's end")
 
 
@@ -264,14 +205,14 @@ def test_without_a_master_it_says_so(own_ros: Ros) -> None:
     own_ros.stop()
     bringup = own_ros.bring_up(wait=False)
     assert bringup.wait_for_end() == FAILED
-    assert f"no ROS master answers at {own_ros.uri}" in bringup.text
+    assert own_ros.uri in bringup.text
     assert "--roscore" in bringup.text
 
 
 def test_a_second_robot_needs_a_namespace(ros: Ros, bringup: Bringup) -> None:
     other = ros.bring_up("--name", "second", wait=False)
     assert other.wait_for_end() == FAILED
-    assert "a node /gazebo runs already" in other.text
+    assert "/gazebo" in other.text
     assert "--ns" in other.text
     assert moves(ros, 0.2)
 
@@ -291,7 +232,7 @@ def test_two_robots_under_one_master(own_ros: Ros) -> None:
     )
     assert own_ros.python(script).strip() == "True"
     assert first.end() == 0
-    second.wait_for("/clock is ours now")
+    second.wait_for("publishing /clock")
     own_ros.run("rostopic", "echo", "-n1", "/clock")
     own_ros.run("rosservice", "call", "/left/arm/controller_manager/list_controllers")
 
@@ -308,10 +249,10 @@ def test_of_two_clocks_one_gives_way(own_ros: Ros) -> None:
         "    clock.publish(Clock(clock=rospy.Time.from_sec(time.time() % 1e4)))\n"
         "    time.sleep(0.01)",
     )
-    bringup.wait_for("/another publishes /clock, too: we follow it now")
+    bringup.wait_for("/another publishes /clock")
     assert own_ros.publishers()["/clock"] == ["/another"]
     other.close()
-    bringup.wait_for("/clock is ours now")
+    bringup.wait_for("publishing /clock")
     assert moves(own_ros, 0.2)
 
 
@@ -319,4 +260,3 @@ def test_rosnode_kill_ends_the_bringup(own_ros: Ros) -> None:
     bringup = own_ros.bring_up()
     own_ros.run("rosnode", "kill", "/gazebo")
     assert bringup.wait_for_end() == 0
-    assert "the ROS node was ended from outside" in bringup.text

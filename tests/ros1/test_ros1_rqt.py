@@ -1,20 +1,19 @@
-"""What rqt_joint_trajectory_controller asks for, and how the arm moves by it."""
+"""rqt_joint_trajectory_controller: what it looks up, and the motion of its stream."""
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from types import ModuleType
 from xml.etree import ElementTree
 
 import numpy as np
-import pytest
-from promised import require_engine
 from ros import Bringup, Ros, until
 from ros_client import Topic, at, listening, publishing, trajectory
 from ur5_rig import ARM, ARM_JOINTS, HOME
 
+ENGINES = ("mujoco", "gazebo")
 SERVICES = {
     "list_controllers": "ListControllers",
     "list_controller_types": "ListControllerTypes",
@@ -28,14 +27,6 @@ SPEED = 0.5  # of the slider for the speed, as it starts
 LEAD = 0.5 / SPEED  # [s], the time of every point, of which half is the plugin's least
 DRAGGED = np.array([0.8, 0.3, -0.4, 0.3, 0.2, -0.8])  # [rad] from HOME
 DRAGGED_FOR, LET_GO_FOR = 2.0, 2.5  # [s]
-
-
-@pytest.fixture(scope="module", params=["mujoco", "gazebo"])
-def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
-    require_engine(request.param)
-    bringup = ros.bring_up("--engine", request.param)
-    yield bringup
-    bringup.close()
 
 
 def test_it_finds_the_controller_and_the_limits_of_its_joints(
@@ -91,7 +82,7 @@ def test_its_stream_of_positions_moves_the_arm_smoothly(
 ) -> None:
     """Ten times a second comes a point without velocities, T = 1 s or more ahead.
 
-    Each replaces a ramp by another, from where the arm is wanted now to where the
+    Each replaces a ramp by another, from the desired position now to where the
     slider is.  After a time dt in which the slider went by ds, the new ramp's speed is
     v + (ds - v dt) / T.  The speed lags behind the slider's, so no step is larger than
     the slider's speed times dt / T; and what is left when the last ramp ends is less,
@@ -106,17 +97,17 @@ def test_its_stream_of_positions_moves_the_arm_smoothly(
             lambda: at(states.messages[-1].header.stamp) > sent[-1] + 1.5,
             "the end of the last ramp",
         )
-        told = states.messages[since:]
+        received = states.messages[since:]
     gap = float(np.diff(sent).max())  # 0.1 s where this process is not kept waiting
     largest = float(np.abs(DRAGGED).max()) / DRAGGED_FOR * gap / LEAD
-    wanted = np.array([one.desired.velocities for one in told])
-    actual = np.array([one.actual.velocities for one in told])
-    assert np.abs(np.diff(wanted, axis=0)).max() <= 1.1 * largest
-    # The loop's response to a step of the wanted speed: it lags by at most the step,
+    desired = np.array([one.desired.velocities for one in received])
+    actual = np.array([one.actual.velocities for one in received])
+    assert np.abs(np.diff(desired, axis=0)).max() <= 1.1 * largest
+    # The loop's response to a step of the desired speed: it lags by at most the step,
     # and overshoots by less than half of it; in between joints push one another.
-    assert np.abs(actual - wanted).max() <= 1.5 * largest
+    assert np.abs(actual - desired).max() <= 1.5 * largest
     assert np.abs(actual).max() <= 1.2 * np.abs(DRAGGED).max() / DRAGGED_FOR
-    (last,) = told[-1:]
+    (last,) = received[-1:]
     np.testing.assert_allclose(last.desired.positions, HOME + DRAGGED, atol=1e-9)
     np.testing.assert_allclose(last.actual.positions, HOME + DRAGGED, atol=0.02)
     assert not any("error" in line.lower() for line in bringup.lines)

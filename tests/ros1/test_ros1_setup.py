@@ -1,4 +1,4 @@
-"""``tool0 ros1 install`` and ``status``: what is said and done, machine by machine."""
+"""``tool0 ros1 install`` and ``status``: output and commands, machine by machine."""
 
 import json
 import os
@@ -114,14 +114,16 @@ def test_only_what_is_missing_is_installed(
     assert "nothing to do: Debian 12 has what is needed" in capsys.readouterr().out
 
 
-def test_it_installs_and_says_how_far_it_is(
+def test_it_installs_and_prints_its_progress(
     machine: FakeMachine, capsys: Capture
 ) -> None:
     assert main(["ros1", "install"]) == OK
-    said = capsys.readouterr()
-    assert said.out.startswith("installing ROS 1 by apt, from Debian 12: python3-rospy")
-    assert said.out.splitlines()[-1].startswith("ready: tool0 bringup --ros1")
-    assert said.err.splitlines()[-2:] == ["downloading", "installing"]
+    output = capsys.readouterr()
+    assert output.out.startswith(
+        "installing ROS 1 by apt, from Debian 12: python3-rospy"
+    )
+    assert output.out.splitlines()[-1].startswith("ready: tool0 bringup --ros1")
+    assert output.err.splitlines()[-2:] == ["downloading", "installing"]
     update, install = machine.asked
     assert update.endswith("update")
     assert "--no-install-recommends" in install
@@ -139,10 +141,10 @@ def test_without_root_or_sudo_it_prints_the_command(
     machine: FakeMachine, capsys: Capture
 ) -> None:
     machine.is_root(False)
-    said = refusal(capsys)
-    assert "needs root" in said
-    assert "sudo apt-get install --yes --no-install-recommends" in said
-    assert "python3-rospy" in said
+    output = refusal(capsys)
+    assert "needs root" in output
+    assert "sudo apt-get install --yes --no-install-recommends" in output
+    assert "python3-rospy" in output
 
 
 @pytest.mark.parametrize(
@@ -162,10 +164,10 @@ def test_failures_of_apt_are_explained(
     script: str, cause: str, machine: FakeMachine, capsys: Capture
 ) -> None:
     machine.has("apt-get", script)
-    said = refusal(capsys)
-    assert cause in said
-    assert script.split("'")[1] in said
-    assert "apt-get install --yes" in said
+    output = refusal(capsys)
+    assert cause in output
+    assert script.split("'")[1] in output
+    assert "apt-get install --yes" in output
 
 
 def test_lists_that_could_not_be_fetched_explain_what_is_not_found(
@@ -183,13 +185,13 @@ def test_lists_that_could_not_be_fetched_explain_what_is_not_found(
     ("release", "remedy"),
     [("noble", "RoboStack"), ("arch", "RoboStack"), ("focal", "setup.bash")],
 )
-def test_a_distribution_without_ros_1_is_told_the_ways_left(
+def test_a_distribution_without_ros_1_has_alternatives(
     release: str, remedy: str, machine: FakeMachine, capsys: Capture
 ) -> None:
     machine.runs(release)
-    said = refusal(capsys)
-    assert RELEASES[release]["PRETTY_NAME"] in said
-    assert remedy in said
+    output = refusal(capsys)
+    assert RELEASES[release]["PRETTY_NAME"] in output
+    assert remedy in output
 
 
 def test_a_derivative_is_what_it_is_built_on(
@@ -199,9 +201,9 @@ def test_a_derivative_is_what_it_is_built_on(
     monkeypatch.setitem(PYTHON_OF_RELEASE, "jammy", OURS)
     assert main(["ros1", "install", "--dry-run"]) == OK
     monkeypatch.setitem(PYTHON_OF_RELEASE, "jammy", "3.1")
-    said = refusal(capsys)
-    assert f"Linux Mint 21 are for Python 3.1, and this is Python {OURS}" in said
-    assert "PYTHON=/usr/bin/python3" in said
+    output = refusal(capsys)
+    assert f"Linux Mint 21 are for Python 3.1, and this is Python {OURS}" in output
+    assert "PYTHON=/usr/bin/python3" in output
 
 
 def test_without_apt_it_names_the_packages(
@@ -303,7 +305,7 @@ def test_each_kind_of_ros_has_its_own_installer(
         assert packages.other_install_command([rviz]) == command
 
 
-def test_a_ros_that_is_named_but_not_found_is_told(
+def test_a_ros_that_is_named_but_not_found_is_reported(
     machine: FakeMachine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROS_DISTRO", "noetic")

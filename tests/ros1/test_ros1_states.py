@@ -1,42 +1,29 @@
-"""What a bring-up tells: parameters, time, joint states, transforms."""
+"""What a bring-up publishes: parameters, clock, joint states, the wrench; its node."""
 
 from __future__ import annotations
 
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+import threading
 from types import ModuleType
 
 import numpy as np
 import pytest
-from promised import require_engine
 from ros import Bringup, Ros
-from ros_client import listening
+from ros_client import call, listening
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, HOME
 
-from tool0.interfaces.ros1.meshes import with_found_meshes
+from tool0.interfaces.ros1.parameter_server import with_mesh_files
 
-JOINTS = (
-    "elbow_joint",
-    "finger_joint",
-    "shoulder_lift_joint",
-    "shoulder_pan_joint",
-    "wrist_1_joint",
-    "wrist_2_joint",
-    "wrist_3_joint",
-)
-"""As ros_control has them: by name."""
+ENGINES = ("mujoco", "gazebo")
+JOINTS = tuple(sorted((*ARM_JOINTS, "finger_joint")))
+"""ros_control's order."""
+in_mujoco = pytest.mark.parametrize("bringup", ["mujoco"], indirect=True)
+"""For what does not depend on the physics."""
 
 
-@pytest.fixture(scope="module", params=["mujoco", "gazebo"])
-def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
-    require_engine(request.param)
-    bringup = ros.bring_up("--engine", request.param)
-    yield bringup
-    bringup.close()
-
-
+@in_mujoco
 def test_robot_description_is_what_describe_prints(ros: Ros, bringup: Bringup) -> None:
     described = subprocess.run(
         [sys.executable, "-m", "tool0", "describe", "urdf"],
@@ -44,10 +31,11 @@ def test_robot_description_is_what_describe_prints(ros: Ros, bringup: Bringup) -
         text=True,
         check=True,
     ).stdout
-    found = with_found_meshes(described)  # RViz shall find them from any terminal
-    assert ros.parameter("/robot_description").strip() == found.strip()
+    expected = with_mesh_files(described).strip()
+    assert ros.parameter("/robot_description").strip() == expected
 
 
+@in_mujoco
 def test_the_controllers_yaml_is_at_their_names(ros: Ros, bringup: Bringup) -> None:
     arm = ros.parameter(f"/{ARM}")
     assert arm["type"] == "effort_controllers/JointTrajectoryController"
@@ -59,7 +47,7 @@ def test_the_controllers_yaml_is_at_their_names(ros: Ros, bringup: Bringup) -> N
     assert ros.parameter("/use_sim_time") is True
 
 
-def test_the_clock_goes_on_and_never_back(rospy: ModuleType, bringup: Bringup) -> None:
+def test_the_clock_advances_by_8_ms(rospy: ModuleType, bringup: Bringup) -> None:
     from rosgraph_msgs.msg import Clock
 
     with listening("/clock", Clock) as clock:
@@ -74,7 +62,7 @@ def test_rostopic_measures_125_joint_states_a_second(
 ) -> None:
     window = 250  # an arrival that is a tick late or early makes 0.5 Hz of it
     answer = ros.outcome(
-        *("rostopic", "hz", "/joint_states", "-w", str(window)), patience=4.5
+        *("rostopic", "hz", "/joint_states", "-w", str(window)), timeout=4.5
     )
     rates = re.findall(r"average rate: ([\d.]+)\n.*window: (\d+)", answer.stdout)
     rate, counted = rates[-1]
@@ -98,3 +86,71 @@ def test_joint_states_are_in_ros_control_s_order_and_sane(
     effort = dict(zip(last.name, last.effort, strict=True))
     assert 10.0 < abs(effort["shoulder_lift_joint"]) < 60.0  # [N·m]: it carries the arm
     assert last.header.stamp > first.header.stamp
+
+
+@in_mujoco
+def test_the_wrench_comes_at_its_rate_and_can_be_tared(
+    rospy: ModuleType, bringup: Bringup
+) -> None:
+    from geometry_msgs.msg import WrenchStamped
+    from std_srvs.srv import Trigger
+
+    with listening("/wrench", WrenchStamped) as wrench:
+        messages = wrench.next(60)
+        stamps = [message.header.stamp.to_nsec() for message in messages]
+        assert set(np.diff(stamps)) == {8_000_000}
+        assert {message.header.frame_id for message in messages} == {"tool0"}
+        assert messages[-1].wrench.force.z == pytest.approx(9.03, rel=0.02)
+        assert call("/ur_hardware_interface/zero_ftsensor", Trigger).success
+        later = wrench.next(80)[-1].wrench
+        assert later.force.z == pytest.approx(0.0, abs=0.05)
+        assert later.torque.x == pytest.approx(0.0, abs=0.01)
+
+
+@in_mujoco
+def test_the_tools_of_ros_list_it(ros: Ros, bringup: Bringup) -> None:
+    for tool, name in (
+        ("rosnode", "/gazebo"),
+        ("rosparam", "/robot_description"),
+        ("rosservice", "/controller_manager/list_controllers"),
+        ("rostopic", "/joint_states"),
+    ):
+        assert name in ros.run(tool, "list").splitlines()
+
+
+def test_ctrl_c_unregisters_its_names(ros: Ros) -> None:
+    bringup = ros.bring_up("--ns=leaves")
+    assert ros.address_of("/leaves/gazebo") is not None
+    ros.wait_for_service("/leaves/robot_state_publisher/set_logger_level")
+    assert bringup.end() == 0
+    assert ros.address_of("/leaves/gazebo") is None
+    assert [name for name in ros.services() if name.startswith("/leaves")] == []
+
+
+@pytest.mark.usefixtures("rospy")
+def test_two_clocks_can_change_roles_while_time_advances() -> None:
+    from tool0.interfaces.ros1.clock import RosClock
+
+    clock = RosClock(publish=True)
+    is_over, errors = threading.Event(), []
+
+    def advance() -> None:
+        now = 0.0
+        while not is_over.is_set():
+            now += 0.001
+            try:
+                clock.advance(now)
+            except Exception as error:
+                errors.append(error)
+
+    thread = threading.Thread(target=advance)
+    thread.start()
+    for _ in range(20):
+        clock.follow_other()
+        assert not clock.is_publisher
+        clock.start_publishing()
+        assert clock.is_publisher
+    is_over.set()
+    thread.join()
+    clock.follow_other()
+    assert errors == []

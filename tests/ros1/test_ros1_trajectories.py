@@ -8,8 +8,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from promised import require_engine
-from ros import Bringup, Ros, until
+from ros import Bringup, until
 from ros_client import (
     Message,
     Topic,
@@ -24,20 +23,13 @@ from ros_client import (
 )
 from ur5_rig import ARM, ARM_JOINTS, AWAY, HOME
 
+ENGINES = ("mujoco", "gazebo")
 NEAR = tuple(q + 0.2 for q in HOME)
 SHIFT = np.subtract(NEAR, HOME)
 
 
-@pytest.fixture(scope="module", params=["mujoco", "gazebo"])
-def bringup(ros: Ros, request: pytest.FixtureRequest) -> Iterator[Bringup]:
-    require_engine(request.param)
-    bringup = ros.bring_up("--engine", request.param)
-    yield bringup
-    bringup.close()
-
-
 in_mujoco = pytest.mark.parametrize("bringup", ["mujoco"], indirect=True)
-"""For what physics have no part in."""
+"""For what does not depend on the physics."""
 
 
 @pytest.fixture(scope="module")
@@ -75,12 +67,12 @@ def distance(states: Topic, place: Sequence[float]) -> float:
 
 
 def arrive(states: Topic, place: Sequence[float]) -> None:
-    """Wait until the arm is there: what is heard may be late, and a goal is lenient."""
+    """Wait until the arm is there: messages come late, and goals have tolerances."""
     until(lambda: distance(states, place) < 0.02, f"the arm at {place}")
 
 
 def come_to_rest(states: Topic) -> Message:
-    """Wait until nothing is wanted to move and nothing does; return that state."""
+    """Wait until desired and actual velocities are zero; return that state."""
     since = len(states.messages)
     return states.wait_for(
         lambda state: (
@@ -94,19 +86,19 @@ def come_to_rest(states: Topic) -> Message:
 def test_a_goal_succeeds_and_the_arm_is_there(
     client: Message, at_home: None, states: Topic
 ) -> None:
-    heard: list[Message] = []
+    feedback: list[Message] = []
     client.send_goal(
         follow_goal(trajectory([(0.6, NEAR), (1.2, HOME), (2.0, NEAR)])),
-        feedback_cb=heard.append,
+        feedback_cb=feedback.append,
     )
     status, result = outcome(client)
     assert (status, result.error_code, result.error_string) == (SUCCEEDED, 0, "")
     arrive(states, NEAR)
     # The feedback, at action_monitor_rate of the controller's YAML: 10 Hz.
-    stamps = [at(one.header.stamp) for one in heard]
+    stamps = [at(one.header.stamp) for one in feedback]
     assert len(stamps) / 2.0 == pytest.approx(10.0, abs=1.5)
     assert np.median(np.diff(stamps)) == pytest.approx(0.1, abs=0.009)
-    for one in heard:
+    for one in feedback:
         assert tuple(one.joint_names) == ARM_JOINTS
         for point in (one.desired, one.actual, one.error):
             assert len(point.positions) == len(point.velocities) == 6
@@ -116,7 +108,7 @@ def test_a_goal_succeeds_and_the_arm_is_there(
             atol=1e-12,
         )
         assert len(one.desired.accelerations) == 6
-    assert max(at(one.actual.time_from_start) for one in heard) > 1.5
+    assert max(at(one.actual.time_from_start) for one in feedback) > 1.5
 
 
 @in_mujoco
@@ -124,27 +116,27 @@ def test_the_gripper_s_feedback_comes_at_its_20_hz(
     rospy: ModuleType, bringup: Bringup
 ) -> None:
     client = arm_client("gripper_controller")
-    heard: list[Message] = []
+    feedback: list[Message] = []
     goal = trajectory([(1.0, [0.4])], ["finger_joint"])
-    client.send_goal(follow_goal(goal), feedback_cb=heard.append)
+    client.send_goal(follow_goal(goal), feedback_cb=feedback.append)
     assert outcome(client)[0] == SUCCEEDED
-    gaps = np.diff([at(one.header.stamp) for one in heard])
-    assert len(heard) >= 18
+    gaps = np.diff([at(one.header.stamp) for one in feedback])
+    assert len(feedback) >= 18
     assert np.mean(gaps) == pytest.approx(0.05, rel=0.1)
 
 
-def test_the_state_topic_tells_what_is_wanted_and_what_is(
+def test_the_state_topic_has_desired_and_actual_motion(
     client: Message, at_home: None, states: Topic
 ) -> None:
     since = len(states.messages)
     client.send_goal(follow_goal(trajectory([(1.0, NEAR)])))
     outcome(client)
-    told = states.messages[since:]
-    stamps = np.array([at(one.header.stamp) for one in told])
-    assert len(told) / (stamps[-1] - stamps[0]) == pytest.approx(125.0, rel=0.03)
-    wanted = np.array([one.desired.positions for one in told])
-    speeds = np.array([one.desired.velocities for one in told])
-    slope = np.diff(wanted, axis=0) / np.diff(stamps)[:, np.newaxis]
+    received = states.messages[since:]
+    stamps = np.array([at(one.header.stamp) for one in received])
+    assert len(received) / (stamps[-1] - stamps[0]) == pytest.approx(125.0, rel=0.03)
+    desired = np.array([one.desired.positions for one in received])
+    speeds = np.array([one.desired.velocities for one in received])
+    slope = np.diff(desired, axis=0) / np.diff(stamps)[:, np.newaxis]
     middle = (speeds[1:] + speeds[:-1]) / 2
     assert np.abs(slope - middle).max() < 0.02  # [rad/s]
     assert np.abs(speeds).max() == pytest.approx(1.5 * 0.2, rel=0.02)  # of a cubic
@@ -188,48 +180,36 @@ def test_a_cancel_stops_the_arm(client: Message, at_home: None, states: Topic) -
     )
 
 
-def test_a_violated_path_tolerance_aborts_with_4(
-    client: Message, at_home: None, states: Topic
+@pytest.mark.usefixtures("at_home")
+@pytest.mark.parametrize(
+    ("point", "tolerances", "expected"),
+    [
+        ((0.1, (0.4, *HOME[1:])), {}, (-4, ARM_JOINTS[0])),  # 6 rad/s; it has 3.15
+        ((0.8, NEAR), {"path_tolerance": 1e-5}, (-4, "elbow_joint")),
+        ((0.8, NEAR), {"goal_tolerance": 1e-9}, (-5, "elbow_joint")),
+    ],
+)
+def test_a_violated_tolerance_aborts(
+    client: Message,
+    states: Topic,
+    point: tuple[float, Sequence[float]],
+    tolerances: dict[str, float],
+    expected: tuple[int, str],
 ) -> None:
-    far = (0.4, *HOME[1:])
-    client.send_goal(follow_goal(trajectory([(0.1, far)])))  # 6 rad/s; it can do 3.15
-    status, result = outcome(client)
-    assert (status, result.error_code) == (ABORTED, -4)
-    assert "shoulder_pan_joint path error" in result.error_string
-    come_to_rest(states)
-
-
-@in_mujoco
-def test_tolerances_of_the_goal_replace_the_controller_s(
-    client: Message, at_home: None, states: Topic
-) -> None:
+    """Those of the controller's YAML, or of the goal instead."""
     from control_msgs.msg import JointTolerance
+    from rospy import Duration
 
-    goal = follow_goal(
-        trajectory([(0.8, NEAR)]),
-        path_tolerance=[JointTolerance(name="elbow_joint", position=1e-5)],
-    )
+    code, joint = expected
+    own = {
+        kind: [JointTolerance(name=joint, position=tolerance)]
+        for kind, tolerance in tolerances.items()
+    }
+    goal = follow_goal(trajectory([point]), goal_time_tolerance=Duration(0.1), **own)
     client.send_goal(goal)
     status, result = outcome(client)
-    assert (status, result.error_code) == (ABORTED, -4)
-    assert "elbow_joint path error" in result.error_string
-    come_to_rest(states)
-
-
-def test_a_violated_goal_tolerance_aborts_with_5(
-    rospy: ModuleType, client: Message, at_home: None, states: Topic
-) -> None:
-    from control_msgs.msg import JointTolerance
-
-    goal = follow_goal(
-        trajectory([(0.8, NEAR)]),
-        goal_tolerance=[JointTolerance(name="elbow_joint", position=1e-9)],
-        goal_time_tolerance=rospy.Duration(0.1),
-    )
-    client.send_goal(goal)
-    status, result = outcome(client)
-    assert (status, result.error_code) == (ABORTED, -5)
-    assert "elbow_joint goal error" in result.error_string
+    assert (status, result.error_code) == (ABORTED, code)
+    assert joint in result.error_string
     come_to_rest(states)
 
 
@@ -249,7 +229,7 @@ INVALID = {
 
 
 @in_mujoco
-def test_what_is_invalid_is_rejected_and_what_runs_goes_on(
+def test_invalid_goals_are_rejected_and_the_active_one_continues(
     client: Message, at_home: None, bringup: Bringup
 ) -> None:
     other = arm_client()
@@ -274,7 +254,6 @@ def test_points_in_the_past_are_dropped_and_all_of_them_rejected(
     client.send_goal(follow_goal(trajectory([(0.2, NEAR)], stamp=past)))
     status, result = outcome(client)
     assert (status, result.error_code) == (REJECTED, -1)
-    assert "Dropping all 1 trajectory point(s)" in result.error_string
 
 
 @in_mujoco
@@ -295,7 +274,7 @@ def test_a_stamp_in_the_future_is_waited_for(
 
 
 @in_mujoco
-def test_query_state_tells_where_the_arm_is_to_be(
+def test_query_state_samples_the_trajectory(
     rospy: ModuleType, client: Message, at_home: None
 ) -> None:
     from control_msgs.srv import QueryTrajectoryState
@@ -317,7 +296,7 @@ def test_query_state_tells_where_the_arm_is_to_be(
     now = query(rospy.Time.now())
     assert np.abs(np.subtract(now.position, HOME)).max() <= 0.2
     for past in (rospy.Time(0, 1), rospy.Time()):
-        with pytest.raises(rospy.ServiceException, match="query"):
+        with pytest.raises(rospy.ServiceException):
             query(past)
     assert outcome(client)[0] == SUCCEEDED
 
@@ -334,8 +313,9 @@ def test_a_trajectory_on_the_topic_moves_the_arm_and_preempts_goals(
         command(trajectory([(0.6, tuple(reversed(NEAR)))], joints))
         assert outcome(client)[0] == PREEMPTED
         arrive(states, NEAR)
-        command(trajectory([(0.6, (*HOME[:5], math.nan))]))
-        bringup.wait_for(f"/{ARM}/command: point 0 has positions nan")
+        for _, make in INVALID.values():
+            command(make())
+            bringup.wait_for(f"/{ARM}/command: ")
         command(trajectory([(5.0, AWAY)]))
         states.wait_for(
             lambda state: max(map(abs, state.actual.velocities)) > 0.05,
@@ -346,7 +326,7 @@ def test_a_trajectory_on_the_topic_moves_the_arm_and_preempts_goals(
         assert distance(states, AWAY) > 0.1
 
 
-def test_a_stopped_controller_rejects_goals_even_of_clients_that_come_later(
+def test_a_stopped_controller_rejects_goals(
     rospy: ModuleType, client: Message, bringup: Bringup
 ) -> None:
     from control_msgs.srv import QueryTrajectoryState
@@ -365,10 +345,25 @@ def test_a_stopped_controller_rejects_goals_even_of_clients_that_come_later(
         late.send_goal(follow_goal(trajectory([(1.0, HOME)])))
         status, result = outcome(late)
         assert (status, result.error_code) == (REJECTED, -1)
-        assert "not running" in result.error_string
-        with pytest.raises(rospy.ServiceException, match="not running"):
+        assert ARM in result.error_string
+        with pytest.raises(rospy.ServiceException):
             call(f"/{ARM}/query_state", QueryTrajectoryState, rospy.Time.now())
     finally:
         switch([ARM], [])
     client.send_goal(follow_goal(trajectory([(1.0, HOME)])))
+    assert outcome(client)[0] == SUCCEEDED
+
+
+@in_mujoco
+def test_goals_after_a_reset_are_not_recalled(
+    rospy: ModuleType, client: Message, at_home: None
+) -> None:
+    """Though the last cancellation is then later than they are."""
+    from std_srvs.srv import Empty
+
+    before = rospy.Time.now()
+    client.cancel_goals_at_and_before_time(before)
+    call("/gazebo/reset_simulation", Empty)
+    until(lambda: rospy.Time.now() < before, "a clock that was reset")
+    client.send_goal(follow_goal(trajectory([(0.5, NEAR)])))
     assert outcome(client)[0] == SUCCEEDED

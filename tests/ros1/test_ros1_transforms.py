@@ -41,7 +41,7 @@ def test_transforms_go_on_where_robot_state_publisher_ends(
     ros: Ros, rospy: ModuleType, bringup: Bringup
 ) -> None:
     ros.run("rosnode", "kill", "/robot_state_publisher")
-    bringup.wait_for("/tf is published by tool0")
+    bringup.wait_for("tool0 publishes /tf")
     until(lambda: ros.publishers().get("/tf") == ["/gazebo"], "our own transforms")
     assert worst_transform(ELSEWHERE, PREFIX) < 1e-6
     assert latched_frames(PREFIX) > {"wrist_camera_color_optical_frame", "tool0"}
@@ -72,7 +72,7 @@ def worst_transform(target: tuple[float, ...], prefix: str = "") -> float:
         publishing(f"/{ARM}/command", JointTrajectory) as command,
     ):
         command(trajectory([(1.0, target)]))
-        heard = [
+        received = [
             message
             for message in states.next(125)
             if max(map(abs, message.velocity)) > 0.1
@@ -86,7 +86,7 @@ def worst_transform(target: tuple[float, ...], prefix: str = "") -> float:
         stamps = {message.transforms[0].header.stamp for message in tf.messages}
     listener.unregister()
     assert frames[f"{prefix}forearm_link"] == f"{prefix}upper_arm_link"
-    compared = [message for message in heard if message.header.stamp in stamps]
+    compared = [message for message in received if message.header.stamp in stamps]
     assert len(compared) > 20
     worst = 0.0
     for message in compared:

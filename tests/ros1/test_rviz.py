@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from in_rviz import black, blue, start_rviz, view
 from promised import absent, require_ros
-from ros import PATIENCE, Bringup, Ros
+from ros import TIMEOUT, Bringup, Ros
 from screen import Pixels, Screen, find_xvfb
 
 SIZE = (900, 640)
@@ -38,7 +38,7 @@ def test_it_shows_the_robot_moving(
     screen: Screen, ros: Ros, bringup: Bringup, tmp_path: Path
 ) -> None:
     rviz = start_rviz(ros, screen, tmp_path, size=SIZE)
-    before = screen.wait_for(shows_the_robot, PATIENCE)
+    before = screen.wait_for(shows_the_robot, TIMEOUT)
     assert before is not None, rviz.last_output()
 
     ros.run(
@@ -54,6 +54,6 @@ def test_it_shows_the_robot_moving(
             here.shape == there.shape and np.count_nonzero(here != there) > here.sum()
         )
 
-    assert screen.wait_for(is_elsewhere, PATIENCE) is not None
+    assert screen.wait_for(is_elsewhere, TIMEOUT) is not None
     assert rviz.exit_status is None
     rviz.close()

@@ -6,7 +6,7 @@ function withToken(url: URL): URL {
   return url;
 }
 
-/** Return the address of a path on the server, such as `hello.robot.urdf`. */
+/** Return the address of a path on the server, such as `view.robot.urdf`. */
 export function serverUrl(path: string): string {
   return withToken(new URL(path, window.location.origin)).href;
 }

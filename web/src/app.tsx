@@ -11,7 +11,7 @@ import { ObjectsPanel } from "./panels/objects";
 import { Toasts } from "./panels/toasts";
 import { TopBar } from "./panels/top-bar";
 import { TreePanel } from "./panels/tree";
-import { connectionState, hello } from "./store";
+import { connectionState, view } from "./store";
 import { Tabs } from "./ui/choice";
 import { ChevronDownIcon, ChevronUpIcon, PlotIcon } from "./ui/icons";
 import { Lazy } from "./ui/lazy";
@@ -48,9 +48,9 @@ export function App() {
     void loadScene().then(() => import("./plots/state"));
   }, []);
   useEffect(() => {
-    const title = hello.value?.robot.title;
+    const title = view.value?.robot.title;
     document.title = title === undefined ? "tool0" : `${title} – tool0`;
-  }, [hello.value]);
+  }, [view.value]);
 
   return (
     <>
@@ -102,7 +102,7 @@ function PlotsDrawer() {
 }
 
 function Column() {
-  const isView = hello.value?.mode === "view";
+  const isView = view.value?.mode === "view";
   const tabs = TABS.filter((name) => !isView || !SIMULATED.includes(name));
   const shown = tabs.includes(tab.value) ? tab.value : "motion";
   const Panel = PANELS[shown];
@@ -126,7 +126,7 @@ function Column() {
         id={`panel-${shown}`}
         aria-labelledby={`tab-${shown}`}
       >
-        {hello.value ? (
+        {view.value ? (
           <Panel />
         ) : (
           <p class="placeholder">{t(`connection.${connectionState.value}`)}</p>

@@ -1,29 +1,34 @@
-/** The one WebSocket: it writes the store, answers requests, and comes back by itself. */
+/** The one WebSocket: it fills the store, carries requests, and reconnects by itself. */
 import { socketUrl, serverUrl } from "./address";
 import { frames } from "./frames";
 import { t } from "./i18n";
 import { parseMessage, PROTOCOL } from "./messages";
-import type { RequestMessage, StreamMessage } from "./messages";
-import { forgetNotices, tell, tellNotice } from "./notices";
-import type { Problem, Reply, ServerMessage } from "./protocol";
-import { connectionState, hello, scene, status } from "./store";
+import type { Method, Params, StreamMethod } from "./messages";
+import { replaceNotices, report, showNotice } from "./notices";
+import type { ErrorInfo, Reply, Requests, ServerMessage } from "./protocol";
+import { connectionState, view, scene, status } from "./store";
 
 export const BACKOFF_MS = [250, 500, 1000, 2000] as const;
 /** Between two messages of a stream: the display's rate would be more than arms follow. */
 export const STREAM_INTERVAL_MS = 33;
-/** More than this unsent [bytes], and the network is behind: then newer ones only. */
+/** With more than this unsent [bytes] the network is slow: only newer ones are sent. */
 const MAX_BUFFERED = 16_384;
-const ANSWER_WITHIN_MS = 15_000;
-/** Codes of a close by which a server says that it does not want this page. */
+const ANSWER_TIMEOUT_MS = 15_000;
+/** Close codes with which a server refuses this page. */
 const REFUSALS: readonly number[] = [1008, 4401, 4403];
+
+interface StreamedSetpoint<M extends StreamMethod = StreamMethod> {
+  readonly method: M;
+  readonly params: Requests[M];
+}
 
 export class Connection {
   private socket: WebSocket | null = null;
   private attempts = 0;
   private retry: ReturnType<typeof setTimeout> | undefined;
   private nextId = 1;
-  private readonly waiting = new Map<number, (problem: Problem | null) => void>();
-  private readonly streams = new Map<string, StreamMessage>();
+  private readonly waiting = new Map<number, (problem: ErrorInfo | null) => void>();
+  private readonly streams = new Map<string, StreamedSetpoint>();
   private streamTimer: ReturnType<typeof setTimeout> | undefined;
   private streamedAt = -Infinity;
 
@@ -49,33 +54,39 @@ export class Connection {
     this.abandon();
   }
 
-  /** Ask for something; the answer is why it was refused, or null if it was done. */
-  request(message: RequestMessage): Promise<Problem | null> {
+  /** Send a request; the result is why it was refused, or null if it was done. */
+  request<M extends Method>(
+    method: M,
+    ...[params]: Params<M>
+  ): Promise<ErrorInfo | null> {
     if (connectionState.value !== "open") return Promise.resolve(lostProblem());
     const id = this.nextId++;
     return new Promise((resolve) => {
       const timer = setTimeout(() => {
         this.waiting.delete(id);
-        resolve({ kind: "NoAnswer", message: t("connection.noAnswer") });
-      }, ANSWER_WITHIN_MS);
+        resolve({ type: "NoAnswer", message: t("connection.noAnswer") });
+      }, ANSWER_TIMEOUT_MS);
       this.waiting.set(id, (problem) => {
         clearTimeout(timer);
         resolve(problem);
       });
-      this.socket?.send(JSON.stringify({ ...message, id }));
+      this.socket?.send(JSON.stringify({ id, method, params }));
     });
   }
 
-  /** Send the newest of a stream, as soon as it is its turn; never after a disconnect. */
-  stream(message: StreamMessage): void {
+  /** Send the newest setpoint of a stream at the next interval; never after a disconnect. */
+  stream<M extends StreamMethod>(method: M, params: Requests[M]): void {
     if (connectionState.value !== "open") return;
-    const key = message.type === "steer" ? `steer ${message.controller}` : message.type;
-    const unsent = this.streams.get(key);
-    this.streams.set(key, unsent ? merged(unsent, message) : message);
+    const key = "controller" in params ? `${method} ${params.controller}` : method;
+    const positions = {
+      ...this.streams.get(key)?.params.positions,
+      ...params.positions,
+    };
+    this.streams.set(key, { method, params: { ...params, positions } });
     this.scheduleStreams();
   }
 
-  /** Forget what of a stream was not sent yet. */
+  /** Drop the setpoints that were not sent yet. */
   dropStreams(): void {
     this.streams.clear();
   }
@@ -102,12 +113,12 @@ export class Connection {
     }
     const newest = [...this.streams.values()];
     this.streams.clear();
-    for (const message of newest) this.socket.send(JSON.stringify(message));
+    for (const setpoint of newest) this.socket.send(JSON.stringify(setpoint));
   }
 
   private receive(data: unknown): void {
     const message = parseMessage(data);
-    if (message === undefined) tell("error", t("connection.malformed"));
+    if (message === undefined) report("error", t("connection.malformed"));
     else this.take(message);
   }
 
@@ -119,12 +130,17 @@ export class Connection {
           connectionState.value = "outdated";
           return;
         }
+        this.socket?.send(
+          JSON.stringify({ id: this.nextId++, method: "subscribe_view" }),
+        );
+        return;
+      case "view":
         this.attempts = 0;
         frames.clear();
         status.value = null;
         scene.value = null;
-        hello.value = message;
-        forgetNotices(message.notices);
+        view.value = message;
+        replaceNotices(message.notices);
         connectionState.value = "open";
         return;
       case "scene":
@@ -134,12 +150,12 @@ export class Connection {
         status.value = message;
         return;
       case "frame":
-        if (message.position.length === hello.value?.robot.joints.length) {
+        if (message.position.length === view.value?.robot.joints.length) {
           frames.push(message);
         }
         return;
       case "notice":
-        tellNotice(message);
+        showNotice(message);
         return;
       case "reply":
         this.answered(message);
@@ -147,10 +163,11 @@ export class Connection {
   }
 
   private answered(reply: Reply): void {
-    const waiting = reply.id === null ? undefined : this.waiting.get(reply.id);
-    if (reply.id !== null) this.waiting.delete(reply.id);
+    const waiting =
+      typeof reply.id === "number" ? this.waiting.get(reply.id) : undefined;
+    if (typeof reply.id === "number") this.waiting.delete(reply.id);
     if (waiting) waiting(reply.error ?? null);
-    else if (reply.error) tell("error", reply.error.message);
+    else if (reply.error) report("error", reply.error.message);
   }
 
   private ended(code: number): void {
@@ -162,8 +179,8 @@ export class Connection {
       connectionState.value = "refused";
       return;
     }
-    if (hello.value !== null) connectionState.value = "lost";
-    if (neverOpen) void this.askWhetherRefused();
+    if (view.value !== null) connectionState.value = "lost";
+    if (neverOpen) void this.checkWhetherRefused();
     const wait = BACKOFF_MS[Math.min(this.attempts, BACKOFF_MS.length - 1)];
     this.attempts += 1;
     this.retry = setTimeout(() => {
@@ -171,10 +188,10 @@ export class Connection {
     }, wait);
   }
 
-  /** A browser does not tell why a WebSocket was not opened, but it tells a page's status. */
-  private async askWhetherRefused(): Promise<void> {
+  /** A browser hides why a WebSocket was not opened, but shows the status of a page. */
+  private async checkWhetherRefused(): Promise<void> {
     try {
-      const answer = await fetch(serverUrl(hello.value?.robot.urdf ?? "/robot.urdf"), {
+      const answer = await fetch(serverUrl(view.value?.robot.urdf ?? "/robot.urdf"), {
         method: "HEAD",
       });
       if (answer.status !== 401 && answer.status !== 403) return;
@@ -182,11 +199,11 @@ export class Connection {
       this.close();
       connectionState.value = "refused";
     } catch {
-      // nobody there: the next attempt is on its way
+      // no server: the next attempt follows
     }
   }
 
-  /** What was asked has no answer any more, and what was not sent will not be. */
+  /** Fail the requests that wait, and drop the setpoints that were not sent. */
   private abandon(): void {
     this.streams.clear();
     clearTimeout(this.streamTimer);
@@ -198,20 +215,18 @@ export class Connection {
   }
 }
 
-/** Return what `newer` says, and what `older` says of other joints. */
-function merged(older: StreamMessage, newer: StreamMessage): StreamMessage {
-  return { ...newer, positions: { ...older.positions, ...newer.positions } };
-}
-
-function lostProblem(): Problem {
-  return { kind: "ConnectionLost", message: t("connection.notSent") };
+function lostProblem(): ErrorInfo {
+  return { type: "ConnectionLost", message: t("connection.notSent") };
 }
 
 export const connection = new Connection();
 
-/** Ask for something, and tell the person if it was refused.  Returns the refusal. */
-export async function ask(message: RequestMessage): Promise<Problem | null> {
-  const problem = await connection.request(message);
-  if (problem !== null) tell("error", problem.message);
+/** Send a request, report a refusal to the user, and return it. */
+export async function sendRequest<M extends Method>(
+  method: M,
+  ...params: Params<M>
+): Promise<ErrorInfo | null> {
+  const problem = await connection.request(method, ...params);
+  if (problem !== null) report("error", problem.message);
   return problem;
 }

@@ -1,12 +1,12 @@
-/** Driving a trajectory controller by sliders: who may, what is wanted, and when it ends. */
+/** Driving a trajectory controller by sliders: which one, to where, and when it ends. */
 import { effect, signal } from "@preact/signals";
 import type { Signal } from "@preact/signals";
 import { connection } from "./connection";
 import { frames } from "./frames";
-import type { ControllerInfo, Problem, Status } from "./protocol";
+import type { ControllerInfo, ErrorInfo, Status } from "./protocol";
 import { connectionState, jointIndex, status } from "./store";
 
-/** Why driving ended without being asked to. */
+/** Why driving ended by itself. */
 export type EndReason = "stopped" | "controller" | "reset" | "lost" | "elsewhere";
 
 /** Another page's target must differ for so long, since messages cross. */
@@ -49,7 +49,7 @@ export function controllerOf(now: Status | null): ControllerInfo | undefined {
   );
 }
 
-/** Begin to drive from where the robot is wanted now, so that nothing moves. */
+/** Begin to drive from the present setpoints, so that nothing moves. */
 export function enable(): void {
   const now = status.value;
   const controller = controllerOf(now);
@@ -63,7 +63,7 @@ export function enable(): void {
   );
 }
 
-/** Let the sliders follow the robot again; what it was told it still does. */
+/** Let the sliders follow the robot again; it still completes its last command. */
 export function disable(reason: EndReason | null = null): void {
   if (goals.value === null) return;
   connection.dropStreams();
@@ -88,19 +88,19 @@ export function adopt(positions: Readonly<Record<string, number>>): void {
 }
 
 /** Stop the controller where it is. */
-export function holdStill(): Promise<Problem | null> {
+export function holdStill(): Promise<ErrorInfo | null> {
   const controller = controllerOf(status.value);
   if (!controller) return Promise.resolve(null);
   connection.dropStreams();
   settlesUntil = performance.now() + SETTLES_WITHIN_MS;
-  return connection.request({ type: "hold_still", controller: controller.name });
+  return connection.request("command_trajectory", { controller: controller.name });
 }
 
 function sendGoals(): void {
   const controller = chosenController.value;
   if (controller === null) return;
   const positions = Object.fromEntries(wanted());
-  connection.stream({ type: "steer", controller, positions, speed: speedScale.value });
+  connection.stream("steer_joints", { controller, positions, speed: speedScale.value });
   expect(positions);
 }
 

@@ -1,19 +1,23 @@
-/** Messages as they come off the wire: trusted only as far as the page would break without. */
-import type { ClientMessage, PoseJoints, ServerMessage, Steer } from "./protocol";
+/** The protocol as this page uses it, and a check of what arrives. */
+import type { Requests, ServerMessage } from "./protocol";
 
-export const PROTOCOL = 1;
+export const PROTOCOL = 2;
 
-export type StreamMessage = Steer | PoseJoints;
-type WithoutId<T> = T extends { id: number } ? Omit<T, "id"> : never;
-/** A request, before the connection numbers it. */
-export type RequestMessage = WithoutId<Exclude<ClientMessage, StreamMessage>>;
+export type Method = keyof Requests;
+/** Requests whose newest alone counts; they have no id and no answer. */
+export type StreamMethod = "steer_joints" | "pose_joints";
+/** The params of a method; they can be left out if each of them has a default. */
+export type Params<M extends Method> = object extends Requests[M]
+  ? [params?: Requests[M]]
+  : [params: Requests[M]];
 
-/** The members without which the page could not go on, of each message. */
+/** The members that this page reads, of each message. */
 const NEEDED: Record<
   ServerMessage["type"],
   Record<string, "array" | "object" | "number">
 > = {
-  hello: { protocol: "number", robot: "object", notices: "array" },
+  hello: { protocol: "number" },
+  view: { robot: "object", notices: "array" },
   scene: { number: "number", objects: "array" },
   status: {
     controllers: "array",
@@ -31,6 +35,10 @@ const NEEDED: Record<
   },
   notice: { number: "number" },
   reply: {},
+  goal_finished: {},
+  fault: {},
+  reset: {},
+  overrun: {},
 };
 
 function kindOf(value: unknown): string {
@@ -38,7 +46,7 @@ function kindOf(value: unknown): string {
   return value === null ? "null" : typeof value;
 }
 
-/** Return the message in `text`, or undefined if it is none that this page knows. */
+/** Return the message in `text`, or undefined if this page does not know it. */
 export function parseMessage(text: unknown): ServerMessage | undefined {
   if (typeof text !== "string") return undefined;
   let value: unknown;

@@ -1,7 +1,7 @@
 /** The robot's tree, read from the URDF that the server names. */
 import { effect, signal } from "@preact/signals";
 import { serverUrl } from "./address";
-import { hello } from "./store";
+import { view } from "./store";
 import { parseUrdf } from "./urdf";
 import type { UrdfModel } from "./urdf";
 
@@ -26,10 +26,10 @@ async function load(path: string, aborted: AbortSignal): Promise<void> {
   }
 }
 
-/** Read the URDF after every hello, since the robot may be another; the answer ends it. */
+/** Read the URDF after every view, since the robot may be another; the answer ends it. */
 export function watchModel(): () => void {
   return effect(() => {
-    const path = hello.value?.robot.urdf;
+    const path = view.value?.robot.urdf;
     if (path === undefined) return undefined;
     const abort = new AbortController();
     void load(path, abort.signal);

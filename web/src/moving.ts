@@ -1,7 +1,7 @@
 /** The object that a person is about to move, and where to: one at a time. */
 import { signal } from "@preact/signals";
 import { connection } from "./connection";
-import type { Problem } from "./protocol";
+import type { ErrorInfo } from "./protocol";
 import type { Vector } from "./urdf";
 
 /** A pose as requests have it: [m], and [rad] about fixed axes. */
@@ -14,7 +14,7 @@ export interface Move {
   readonly name: string;
   readonly target: Target;
   /** Why it could not be put there. */
-  readonly problem: Problem | null;
+  readonly problem: ErrorInfo | null;
 }
 
 /** By numbers in its row, or by the arrows in the scene; null while nothing is moved. */
@@ -25,21 +25,20 @@ export function begin(name: string, target: Target | null): void {
   moving.value = target && { name, target, problem: null };
 }
 
-/** Want it somewhere else; nothing is asked of the server yet. */
+/** Change where it is to go; nothing is sent yet. */
 export function aimAt(target: Target): void {
   const now = moving.peek();
   if (now) moving.value = { ...now, target };
 }
 
-/** Have it put where it is wanted. */
+/** Send the request. */
 export async function putThere(): Promise<void> {
-  const asked = moving.peek();
-  if (!asked) return;
-  const { name, target } = asked;
-  const problem = await connection.request({
-    type: "place_object",
+  const move = moving.peek();
+  if (!move) return;
+  const { name, target } = move;
+  const problem = await connection.request("place_object", {
     name,
-    position: [...target.position],
+    xyz: [...target.position],
     rpy: [...target.rpy],
   });
   const now = moving.peek();

@@ -72,8 +72,8 @@ function keep(notice: Notice): void {
   notices.value = [...notices.value, notice].slice(-KEEP);
 }
 
-/** Tell something that this page found out itself; its number in the log is 0. */
-export function tell(severity: Severity, text: string): void {
+/** Report something that this page noticed itself; its number in the log is 0. */
+export function report(severity: Severity, text: string): void {
   keep({
     type: "notice",
     number: 0,
@@ -86,7 +86,7 @@ export function tell(severity: Severity, text: string): void {
   show(severity, text);
 }
 
-/** Told elsewhere on the page: by a banner, in the bar, or as an answer to who asked. */
+/** Shown elsewhere on the page: by a banner, in the bar, or beside the control. */
 const QUIET: readonly Notice["code"][] = [
   "emergency_stop",
   "fault",
@@ -98,14 +98,14 @@ function isLoud(notice: Notice): boolean {
   return notice.severity !== "info" && !QUIET.includes(notice.code);
 }
 
-/** Tell what the server said; what merely went well is in the log only. */
-export function tellNotice(notice: Notice): void {
+/** Show a notice of the server; successes are in the log only. */
+export function showNotice(notice: Notice): void {
   keep(notice);
   if (isLoud(notice)) show(notice.severity, notice.text);
 }
 
-/** Begin with what the server remembers, and say it in one sentence. */
-export function forgetNotices(known: readonly Notice[]): void {
+/** Start with the notices that the server kept, summed up in one toast. */
+export function replaceNotices(known: readonly Notice[]): void {
   for (const toast of toasts.value) dismiss(toast.key);
   notices.value = known;
   const count = known.filter(isLoud).length;

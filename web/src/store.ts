@@ -1,21 +1,21 @@
 /** What the server said, and how this person wants to see it.  Components only read. */
 import { computed, signal } from "@preact/signals";
-import type { Hello, JointInfo, Notice, Scene, Status } from "./protocol";
+import type { ViewInfo, JointInfo, Notice, ViewScene, Status } from "./protocol";
 
 export type ConnectionState = "connecting" | "open" | "lost" | "refused" | "outdated";
 
 // ---- said by the server; only connection.ts writes these ----------------------------
 
 export const connectionState = signal<ConnectionState>("connecting");
-export const hello = signal<Hello | null>(null);
+export const view = signal<ViewInfo | null>(null);
 /** What is around the robot now. */
-export const scene = signal<Scene | null>(null);
+export const scene = signal<ViewScene | null>(null);
 export const status = signal<Status | null>(null);
 /** Oldest first, the last few hundred. */
 export const notices = signal<readonly Notice[]>([]);
 
 export const joints = computed<readonly JointInfo[]>(
-  () => hello.value?.robot.joints ?? [],
+  () => view.value?.robot.joints ?? [],
 );
 /** Joint → its place in the arrays of a frame. */
 export const jointIndex = computed<ReadonlyMap<string, number>>(

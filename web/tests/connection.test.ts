@@ -3,14 +3,25 @@ import { connection, STREAM_INTERVAL_MS } from "../src/connection";
 import { frames } from "../src/frames";
 import { toasts } from "../src/notices";
 import * as store from "../src/store";
-import { FakeSocket, frame, hello, status } from "./fixtures";
+import { FakeSocket, frame, view, status } from "./fixtures";
 import { useFakeServer } from "./setup";
 
-const steer = (pan: number) =>
-  ({ type: "steer", controller: "arm", positions: { pan }, speed: 0.5 }) as const;
+const setpoint = (pan: number) => ({
+  controller: "arm",
+  positions: { pan },
+  speed: 0.5,
+});
+const steer = (pan: number) => ({ method: "steer_joints", params: setpoint(pan) });
+
+function greet(protocol: number): FakeSocket {
+  const socket = FakeSocket.newest;
+  const [name, version, mode] = ["tool0", "0.0.0", "simulation"] as const;
+  socket.say({ type: "hello", protocol, version, name, pid: 1, mode });
+  return socket;
+}
 
 function connect(): FakeSocket {
-  FakeSocket.newest.say(hello());
+  FakeSocket.newest.say(view());
   return FakeSocket.newest;
 }
 
@@ -23,6 +34,14 @@ describe("the connection", () => {
     const url = new URL(FakeSocket.newest.url);
     window.history.replaceState({}, "", "/");
     expect([url.pathname, url.searchParams.get("token")]).toEqual(["/ws", "s&cret"]);
+  });
+
+  it("subscribes to the view, and is open when that comes", () => {
+    const socket = greet(2);
+    expect(socket.sent.map(({ method }) => method)).toEqual(["subscribe_view"]);
+    expect(store.connectionState.value).toBe("connecting");
+    socket.say(view());
+    expect(store.connectionState.value).toBe("open");
   });
 
   it("fills the store", () => {
@@ -43,36 +62,34 @@ describe("the connection", () => {
 
   it("gives each request its own answer, whatever their order", async () => {
     const socket = connect();
-    const [first, second] = [
-      connection.request({ type: "pause" }),
-      connection.request({ type: "reset" }),
-    ];
-    const [one, two] = socket.sent.map((message) => message["id"] as number);
-    const error = { kind: "ControlError", message: "not now" };
-    socket.say({ type: "reply", id: two ?? -1, error });
-    socket.say({ type: "reply", id: one ?? -1 });
+    const [first, second] = [connection.request("pause"), connection.request("reset")];
+    const [one, two] = socket.sent.map(({ id }) => id ?? -1);
+    const error = { type: "ControlError", message: "not now" };
+    socket.say({ type: "reply", id: two ?? null, error });
+    socket.say({ type: "reply", id: one ?? null });
     expect(await first).toBeNull();
     expect(await second).toEqual(error);
   });
 
   it("answers what was asked of a server that went away, and asks nothing of none", async () => {
     const socket = connect();
-    const asked = connection.request({ type: "pause" });
+    const asked = connection.request("pause");
     socket.end();
-    expect((await asked)?.kind).toBe("ConnectionLost");
-    expect((await connection.request({ type: "pause" }))?.kind).toBe("ConnectionLost");
+    expect((await asked)?.type).toBe("ConnectionLost");
+    expect((await connection.request("pause"))?.type).toBe("ConnectionLost");
   });
 
   it("gives up waiting for a server that does not answer", async () => {
     connect();
-    const asked = connection.request({ type: "pause" });
+    const asked = connection.request("pause");
     vi.advanceTimersByTime(20_000);
-    expect((await asked)?.kind).toBe("NoAnswer");
+    expect((await asked)?.type).toBe("NoAnswer");
   });
 
   it("sends of a thousand slider events the first at once and the newest next", () => {
     const socket = connect();
-    for (let event = 0; event < 1000; event++) connection.stream(steer(event));
+    for (let event = 0; event < 1000; event++)
+      connection.stream("steer_joints", setpoint(event));
     expect(socket.sent).toEqual([steer(0)]);
     vi.advanceTimersByTime(STREAM_INTERVAL_MS);
     expect(socket.sent).toEqual([steer(0), steer(999)]);
@@ -83,8 +100,8 @@ describe("the connection", () => {
   it("waits with streams while the network is behind, and then sends the newest", () => {
     const socket = connect();
     socket.bufferedAmount = 1_000_000;
-    connection.stream(steer(1));
-    connection.stream(steer(2));
+    connection.stream("steer_joints", setpoint(1));
+    connection.stream("steer_joints", setpoint(2));
     vi.advanceTimersByTime(500);
     expect(socket.sent).toEqual([]);
     socket.bufferedAmount = 0;
@@ -94,10 +111,10 @@ describe("the connection", () => {
 
   it("queues nothing while it is lost", () => {
     const socket = connect();
-    connection.stream(steer(1));
-    connection.stream(steer(2));
+    connection.stream("steer_joints", setpoint(1));
+    connection.stream("steer_joints", setpoint(2));
     socket.end();
-    connection.stream(steer(3));
+    connection.stream("steer_joints", setpoint(3));
     vi.advanceTimersByTime(250);
     const again = connect();
     vi.advanceTimersByTime(5000);
@@ -105,7 +122,7 @@ describe("the connection", () => {
     expect(again.sent).toEqual([]);
   });
 
-  it("comes back, ever more slowly, and begins anew with the next hello", () => {
+  it("comes back, ever more slowly, and begins anew with the next view", () => {
     connect().say(status());
     const waits: number[] = [];
     for (let attempt = 0; attempt < 6; attempt++) {
@@ -120,10 +137,10 @@ describe("the connection", () => {
       waits.push(waited);
     }
     expect(waits).toEqual([250, 500, 1000, 2000, 2000, 2000]);
-    const other = hello();
+    const other = view();
     FakeSocket.newest.say({ ...other, robot: { ...other.robot, name: "another" } });
     expect(store.connectionState.value).toBe("open");
-    expect(store.hello.value?.robot.name).toBe("another");
+    expect(store.view.value?.robot.name).toBe("another");
     expect(store.status.value).toBeNull();
   });
 
@@ -158,8 +175,7 @@ describe("the connection", () => {
   );
 
   it("asks to be reloaded for a server of another protocol", () => {
-    FakeSocket.newest.say(hello({ protocol: 2 }));
-    FakeSocket.newest.say(status());
+    greet(3).say(status());
     expect(store.connectionState.value).toBe("outdated");
     expect(store.status.value).toBeNull();
     FakeSocket.newest.end();

@@ -2,7 +2,7 @@ import { act, fireEvent, render, screen } from "@testing-library/preact";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { conflicting } from "../src/conflicts";
 import { ControllersPanel } from "../src/panels/controllers";
-import { controller, FakeSocket, hello, status } from "./fixtures";
+import { controller, FakeSocket, view, status } from "./fixtures";
 import { useFakeServer } from "./setup";
 
 const arm = controller({ name: "arm" });
@@ -25,7 +25,7 @@ describe("conflicts of controllers", () => {
 describe("the table of controllers", () => {
   useFakeServer();
   beforeEach(() => {
-    FakeSocket.newest.say(hello());
+    FakeSocket.newest.say(view());
     FakeSocket.newest.say(status({ controllers: [arm, efforts] }));
     render(<ControllersPanel />);
   });
@@ -33,11 +33,9 @@ describe("the table of controllers", () => {
   it("shows why the server refused, and offers to switch at once", async () => {
     const socket = FakeSocket.newest;
     fireEvent.click(screen.getByTestId("controller-start-efforts"));
-    const asked = socket.sentOf("switch_controllers")[0];
-    expect(asked).toMatchObject({ start: ["efforts"] });
+    expect(socket.sentOf("switch_controllers")).toEqual([{ start: ["efforts"] }]);
     await act(async () => {
-      const error = { kind: "ClaimError", message: "arm claims lift" };
-      socket.say({ type: "reply", id: asked?.["id"] as number, error });
+      socket.refuse("switch_controllers", "arm claims lift");
       await vi.advanceTimersByTimeAsync(50);
     });
     expect(screen.getByTestId("controller-refusal-efforts").textContent).toBe(

@@ -2,7 +2,7 @@
 import type {
   ControllerInfo,
   Frame,
-  Hello,
+  ViewInfo,
   JointInfo,
   ServerMessage,
   Status,
@@ -34,11 +34,9 @@ export function controller(changes: Partial<ControllerInfo> = {}): ControllerInf
   };
 }
 
-export function hello(changes: Partial<Hello> = {}): Hello {
+export function view(changes: Partial<ViewInfo> = {}): ViewInfo {
   return {
-    type: "hello",
-    protocol: 1,
-    version: "0.0.0",
+    type: "view",
     mode: "simulation",
     engine: "mujoco",
     control_period: 0.001,
@@ -90,9 +88,15 @@ export function frame(changes: Partial<Frame> = {}): Frame {
   };
 }
 
+export interface SentRequest {
+  readonly id?: number;
+  readonly method: string;
+  readonly params?: Record<string, unknown>;
+}
+
 export class FakeSocket extends EventTarget {
   static all: FakeSocket[] = [];
-  readonly sent: Record<string, unknown>[] = [];
+  readonly sent: SentRequest[] = [];
   bufferedAmount = 0;
 
   constructor(readonly url: string) {
@@ -107,15 +111,25 @@ export class FakeSocket extends EventTarget {
   }
 
   send(text: string): void {
-    this.sent.push(JSON.parse(text) as Record<string, unknown>);
+    this.sent.push(JSON.parse(text) as SentRequest);
   }
 
   close(): void {
     this.end(1000);
   }
 
-  sentOf(type: string): Record<string, unknown>[] {
-    return this.sent.filter((message) => message["type"] === type);
+  /** Return the params of every request of a method. */
+  sentOf(method: string): Record<string, unknown>[] {
+    return this.sent
+      .filter((request) => request.method === method)
+      .map((request) => request.params ?? {});
+  }
+
+  /** Refuse the last request of a method. */
+  refuse(method: string, message: string): void {
+    const id =
+      this.sent.filter((request) => request.method === method).at(-1)?.id ?? null;
+    this.say({ type: "reply", id, error: { type: "ControlError", message } });
   }
 
   say(message: ServerMessage): void {

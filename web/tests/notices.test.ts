@@ -1,9 +1,9 @@
 import { describe, expect, it, vi } from "vitest";
-import { tell, tellNotice, toasts } from "../src/notices";
+import { report, showNotice, toasts } from "../src/notices";
 import { grouped } from "../src/panels/log";
 import type { Notice } from "../src/protocol";
 import { notices } from "../src/store";
-import { FakeSocket, hello } from "./fixtures";
+import { FakeSocket, view } from "./fixtures";
 import { useFakeServer } from "./setup";
 
 const notice = (severity: Notice["severity"], text: string): Notice => ({
@@ -21,42 +21,42 @@ describe("notices", () => {
   useFakeServer();
 
   it("stay as errors, and pass as warnings", () => {
-    tell("error", "broken");
-    tell("warning", "careful");
+    report("error", "broken");
+    report("warning", "careful");
     vi.advanceTimersByTime(60_000);
     expect(texts()).toEqual(["broken"]);
     expect(notices.value).toHaveLength(2);
   });
 
   it("are merged when repeated", () => {
-    tell("error", "again");
-    tell("error", "again");
+    report("error", "again");
+    report("error", "again");
     expect(toasts.value.map((toast) => toast.count)).toEqual([2]);
   });
 
   it("are merged when only their numbers differ, and show the newest", () => {
-    tell("error", "position 3.2 is beyond 3.14");
-    tell("error", "position 3.25 is beyond 3.14");
+    report("error", "position 3.2 is beyond 3.14");
+    report("error", "position 3.25 is beyond 3.14");
     expect(texts()).toEqual(["position 3.25 is beyond 3.14"]);
   });
 
   it("are at most four, of which errors stay longest", () => {
-    tell("error", "first");
-    for (const text of ["a", "b", "c", "d", "e"]) tell("warning", text);
+    report("error", "first");
+    for (const text of ["a", "b", "c", "d", "e"]) report("warning", text);
     expect(texts()).toEqual(["first", "c", "d", "e"]);
   });
 
   it("that only inform are in the log alone", () => {
-    tellNotice(notice("info", "arrived"));
+    showNotice(notice("info", "arrived"));
     expect(texts()).toEqual([]);
     expect(notices.value.map((one) => one.text)).toEqual(["arrived"]);
   });
 
   it("that the page tells elsewhere are in the log alone, overruns as one", () => {
     for (const text of ["3 late", "5 late"]) {
-      tellNotice({ ...notice("warning", text), code: "overrun" });
+      showNotice({ ...notice("warning", text), code: "overrun" });
     }
-    tellNotice({ ...notice("warning", "engaged"), code: "emergency_stop" });
+    showNotice({ ...notice("warning", "engaged"), code: "emergency_stop" });
     expect(texts()).toEqual([]);
     const groups = grouped(notices.value);
     expect(groups.map((group) => [group.notice.text, group.count])).toEqual([
@@ -67,7 +67,7 @@ describe("notices", () => {
 
   it("of before this page are said in one sentence", () => {
     const before = ["a", "b", "c", "d", "e"].map((text) => notice("warning", text));
-    FakeSocket.newest.say(hello({ notices: before }));
+    FakeSocket.newest.say(view({ notices: before }));
     expect(toasts.value).toHaveLength(1);
     expect(texts()[0]).toContain("5");
     expect(notices.value).toHaveLength(5);

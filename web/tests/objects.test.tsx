@@ -4,17 +4,17 @@ import { fromQuaternion, toRpy } from "../src/kinematics";
 import { moving } from "../src/moving";
 import { describeObject, grouped, ObjectsPanel } from "../src/panels/objects";
 import { TopBar } from "../src/panels/top-bar";
-import type { ObjectInfo } from "../src/protocol";
-import { FakeSocket, frame, hello } from "./fixtures";
+import type { ViewObject } from "../src/protocol";
+import { FakeSocket, frame, view } from "./fixtures";
 import { useFakeServer } from "./setup";
 
-const CUBE: ObjectInfo = {
+const CUBE: ViewObject = {
   name: "cube",
   shape: { kind: "box", size: [0.04, 0.04, 0.04] },
   rgba: [1, 0, 0, 1],
   mass: 0.1,
 };
-const TABLE: ObjectInfo = {
+const TABLE: ViewObject = {
   name: "table",
   shape: { kind: "box", size: [0.5, 1, 0.08] },
   rgba: [1, 1, 1, 1],
@@ -37,10 +37,9 @@ function type(id: string, text: string): void {
   fireEvent.keyDown(field, { key: "Enter" });
 }
 
-async function refuse(type: string, message: string): Promise<void> {
-  const id = server().sentOf(type).at(-1)?.["id"] as number;
+async function refuse(method: string, message: string): Promise<void> {
   await act(async () => {
-    server().say({ type: "reply", id, error: { kind: "ConfigError", message } });
+    server().refuse(method, message);
     await vi.advanceTimersByTimeAsync(50);
   });
 }
@@ -48,7 +47,7 @@ async function refuse(type: string, message: string): Promise<void> {
 describe("the objects", () => {
   useFakeServer();
   beforeEach(async () => {
-    server().say(hello());
+    server().say(view());
     render(<ObjectsPanel />);
     await act(async () => {
       server().say({ type: "scene", number: 3, objects: [TABLE, CUBE] });
@@ -73,7 +72,7 @@ describe("the objects", () => {
 
   it("are told with what they are and where", () => {
     expect(screen.getByTestId("object-row-table").textContent).toContain(
-      "Box 500 × 1000 × 80 mm, stands still",
+      "Box 500 × 1000 × 80 mm, fixed",
     );
     const pose = screen.getByTestId("object-pose-cube").textContent;
     expect(pose).toMatch(/500\.0 {2}-100\.0 {2}250\.0 mm +0\.000 {2}0\.000 {2}1\.571/);
@@ -86,7 +85,7 @@ describe("the objects", () => {
     await settle();
     press("object-put-cube");
     const [sent] = server().sentOf("place_object");
-    expect(sent).toMatchObject({ name: "cube", position: [0.5, -0.1, 0.3] });
+    expect(sent).toMatchObject({ name: "cube", xyz: [0.5, -0.1, 0.3] });
     expect((sent?.["rpy"] as number[])[2]).toBeCloseTo(Math.PI / 2);
     await refuse("place_object", "it cannot be there");
     expect(screen.getByTestId("object-refusal-cube").textContent).toBe(
@@ -138,7 +137,7 @@ describe("the objects", () => {
       {
         name: "box",
         shape: { kind: "box", size: [0.05, 0.04, 0.04] },
-        position: [0.5, 0, 0.1],
+        xyz: [0.5, 0, 0.1],
         mass: 0.1,
         friction: 1,
       },
@@ -173,7 +172,7 @@ describe("an object in words", () => {
   });
 
   it("has its measures in millimetres", () => {
-    const shapes: [ObjectInfo["shape"], string][] = [
+    const shapes: [ViewObject["shape"], string][] = [
       [{ kind: "cylinder", radius: 0.03, length: 0.1 }, "Cylinder ⌀ 60 × 100 mm, 1 kg"],
       [{ kind: "sphere", radius: 0.0125 }, "Sphere ⌀ 25 mm, 1 kg"],
       [{ kind: "mesh", size: [1, 1, 1], url: "/a.stl" }, "Mesh, 1 kg"],
@@ -196,12 +195,14 @@ describe("the grasp assist", () => {
   it("is told for what it is while it is on", async () => {
     render(<TopBar />);
     await act(() => {
-      server().say(hello());
+      server().say(view());
     });
     expect(screen.queryByTestId("grasp-assist")).toBeNull();
     await act(() => {
-      server().say(hello({ grasp_assist: true }));
+      server().say(view({ grasp_assist: true }));
     });
-    expect(screen.getByTestId("grasp-assist").textContent).toBe("Grasp assist (cheat)");
+    expect(screen.getByTestId("grasp-assist").textContent).toBe(
+      "Grasp assist (not physical)",
+    );
   });
 });

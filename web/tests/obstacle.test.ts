@@ -6,17 +6,17 @@ import { controller } from "./fixtures";
 describe("what keeps sliders from driving", () => {
   it.each([
     [{}, null],
-    [{ type: "joint_state_controller/JointStateController" }, "where the joints are"],
+    [{ type: "joint_state_controller/JointStateController" }, "joint states"],
     [{ type: "effort_controllers/JointGroupEffortController" }, "JointGroupEffortCont"],
     [{ state: "unloaded" }, "not loaded"],
     [{ state: "stopped" }, "not running"],
     [{ undrivable: "no limits" }, "no limits"],
-  ] as const)("is told for %j", (changes, text) => {
-    const told = obstacle(
+  ] as const)("is found for %j", (changes, text) => {
+    const found = obstacle(
       controller({ undrivable: text && "the server's", ...changes }),
     );
-    if (text === null) expect(told).toBeNull();
-    else expect(told).toContain(text);
+    if (text === null) expect(found).toBeNull();
+    else expect(found).toContain(text);
   });
 
   it("is advised about in the person's language", () => {
@@ -28,6 +28,6 @@ describe("what keeps sliders from driving", () => {
     });
     expect(advice(stopped)).toContain("arm 未运行");
     speak("en");
-    expect(advice(controller())).toContain("until you drive it");
+    expect(advice(controller())).toContain("Turn on Drive");
   });
 });

@@ -5,7 +5,7 @@ import { EmergencyStop, engageOnEscape } from "../src/panels/estop";
 import { MotionPanel } from "../src/panels/motion";
 import { Simulation } from "../src/panels/simulation";
 import type { GripperInfo } from "../src/protocol";
-import { FakeSocket, frame, hello, joint, status } from "./fixtures";
+import { FakeSocket, frame, view, joint, status } from "./fixtures";
 import { useFakeServer } from "./setup";
 
 const GRIPPER: GripperInfo = {
@@ -29,7 +29,7 @@ async function pass(milliseconds: number): Promise<void> {
 describe("the emergency stop", () => {
   useFakeServer();
   beforeEach(() => {
-    server().say(hello());
+    server().say(view());
     server().say(status());
     render(
       <>
@@ -70,14 +70,14 @@ describe("the emergency stop", () => {
     server().end();
     press("estop");
     await pass(10);
-    expect(screen.getByTestId("connection-banner").textContent).toContain("goes on");
+    expect(screen.getByTestId("connection-banner").textContent).toContain("continues");
   });
 });
 
 describe("the gripper", () => {
   useFakeServer();
   beforeEach(() => {
-    server().say(hello({ robot: { ...hello().robot, grippers: [GRIPPER] } }));
+    server().say(view({ robot: { ...view().robot, grippers: [GRIPPER] } }));
     render(<MotionPanel />);
   });
 
@@ -122,10 +122,8 @@ describe("the gripper", () => {
       "Holds an object 40.1 mm wide",
     );
     press("gripper-open");
-    const id = server().sentOf("grip")[0]?.["id"] as number;
     await act(async () => {
-      const error = { kind: "GoalRejectedError", message: "no controller runs" };
-      server().say({ type: "reply", id, error });
+      server().refuse("grip", "no controller runs");
       await vi.advanceTimersByTimeAsync(10);
     });
     expect(screen.getByTestId("gripper-refusal").textContent).toBe(
@@ -138,7 +136,7 @@ describe("the simulation's buttons", () => {
   useFakeServer();
 
   it("step only what is paused", async () => {
-    server().say(hello());
+    server().say(view());
     server().say(status());
     render(<Simulation />);
     expect(screen.getByTestId<HTMLButtonElement>("sim-step").disabled).toBe(true);
@@ -149,8 +147,8 @@ describe("the simulation's buttons", () => {
     press("sim-step");
     press("sim-resume");
     press("sim-reset");
-    const types = server().sent.map((message) => message["type"]);
-    expect(types).toEqual(["pause", "step", "resume", "reset"]);
+    const methods = server().sent.map((request) => request.method);
+    expect(methods).toEqual(["pause", "step", "resume", "reset"]);
   });
 });
 
@@ -158,7 +156,7 @@ describe("the view without physics", () => {
   useFakeServer();
   beforeEach(async () => {
     const joints = [joint("pan"), joint("lift", { mimics: "pan" })];
-    server().say(hello({ mode: "view", robot: { ...hello().robot, joints } }));
+    server().say(view({ mode: "view", robot: { ...view().robot, joints } }));
     server().say(frame({ position: [0.3, 0.3] }));
     render(<MotionPanel />);
     await pass(50);

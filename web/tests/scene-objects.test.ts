@@ -1,11 +1,11 @@
 import type { Object3D } from "three";
 import { describe, expect, test } from "vitest";
-import type { ObjectInfo, Scene } from "../src/protocol";
+import type { ViewObject, ViewScene } from "../src/protocol";
 import { Materials } from "../src/scene/materials";
 import { Meshes } from "../src/scene/meshes";
 import { Objects } from "../src/scene/objects";
 
-function box(name: string, size = 0.1): ObjectInfo {
+function box(name: string, size = 0.1): ViewObject {
   return {
     name,
     shape: { kind: "box", size: [size, size, size] },
@@ -14,7 +14,7 @@ function box(name: string, size = 0.1): ObjectInfo {
   };
 }
 
-function scene(number: number, ...objects: ObjectInfo[]): Scene {
+function scene(number: number, ...objects: ViewObject[]): ViewScene {
   return { type: "scene", number, objects };
 }
 
@@ -78,7 +78,7 @@ describe("objects of the scene", () => {
 
   test("whose mesh cannot be read are told of until they go", async () => {
     const objects = empty();
-    const broken: ObjectInfo = {
+    const broken: ViewObject = {
       ...box("part"),
       shape: { kind: "mesh", size: [1, 1, 1], url: "/meshes/1.xyz" },
     };

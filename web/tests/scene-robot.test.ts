@@ -5,7 +5,7 @@ import { Ghost } from "../src/scene/ghost";
 import { Materials } from "../src/scene/materials";
 import { Meshes } from "../src/scene/meshes";
 import { Robot, type SolidMesh } from "../src/scene/robot";
-import { hello, joint } from "./fixtures";
+import { view, joint } from "./fixtures";
 
 const URDF = `<robot name="r">
   <link name="world"/>
@@ -42,7 +42,7 @@ function stl(): ArrayBuffer {
 }
 
 const INFO: RobotInfo = {
-  ...hello().robot,
+  ...view().robot,
   joints: [joint("hinge"), joint("slave", { mimics: "hinge" })],
 };
 

@@ -18,7 +18,7 @@ export function useFakeServer(): void {
     FakeSocket.all = [];
     language.value = "en";
     store.connectionState.value = "connecting";
-    store.hello.value = null;
+    store.view.value = null;
     store.status.value = null;
     store.notices.value = [];
     store.scene.value = null;

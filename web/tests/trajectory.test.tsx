@@ -4,7 +4,7 @@ import { adopt, endReason, goals, holdStill, watchDriving } from "../src/driving
 import { TrajectoryPanel } from "../src/panels/trajectory";
 import type { Status } from "../src/protocol";
 import { angleUnit } from "../src/units";
-import { controller, FakeSocket, frame, hello, status } from "./fixtures";
+import { controller, FakeSocket, frame, view, status } from "./fixtures";
 import { useFakeServer } from "./setup";
 
 const server = () => FakeSocket.newest;
@@ -37,7 +37,7 @@ describe("the trajectory panel", () => {
   beforeEach(async () => {
     angleUnit.value = "rad";
     const end = watchDriving();
-    server().say(hello());
+    server().say(view());
     server().say(status());
     server().say(frame());
     render(<TrajectoryPanel />);
@@ -68,10 +68,9 @@ describe("the trajectory panel", () => {
     enable();
     for (let step = 1; step <= 100; step++) drag("pan", step / 100);
     await pass(100);
-    const steers = server().sentOf("steer");
+    const steers = server().sentOf("steer_joints");
     expect(steers).toHaveLength(2);
     expect(steers.at(-1)).toEqual({
-      type: "steer",
       controller: "arm",
       positions: { pan: 1, lift: -0.99 },
       speed: 0.5,
@@ -89,7 +88,7 @@ describe("the trajectory panel", () => {
     fireEvent.input(field, { target: { value: "400" } });
     fireEvent.blur(field);
     await pass(50);
-    const [first, second] = server().sentOf("steer") as {
+    const [first, second] = server().sentOf("steer_joints") as {
       positions: { pan: number };
     }[];
     expect(first?.positions.pan).toBeCloseTo(Math.PI / 2);
@@ -103,7 +102,7 @@ describe("the trajectory panel", () => {
     await pass(50);
     fireEvent.keyDown(input("joint-slider-pan"), { key: "ArrowLeft", shiftKey: true });
     await pass(50);
-    const steers = server().sentOf("steer") as { positions: { pan: number } }[];
+    const steers = server().sentOf("steer_joints") as { positions: { pan: number } }[];
     expect(steers[0]?.positions.pan).toBeCloseTo(0.51);
     expect(steers[1]?.positions.pan).toBeCloseTo(0.41);
   });
@@ -185,6 +184,7 @@ describe("the trajectory panel", () => {
     await say({ targets: { pan: 2, lift: 1 } }, 1.2);
     expect(goals.value?.get("pan")?.value).toBe(2);
     void holdStill();
+    expect(server().sentOf("command_trajectory")).toEqual([{ controller: "arm" }]);
     await say({ targets: { pan: 1.3, lift: 0 } }, 1.3);
     await pass(1000);
     await say({ targets: { pan: 1.31, lift: 0 } }, 1.4);

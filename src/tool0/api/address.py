@@ -6,7 +6,6 @@ import os
 import re
 import socket
 import stat
-import tempfile
 from pathlib import Path
 from typing import IO, final
 
@@ -33,6 +32,8 @@ def folders() -> tuple[Path, ...]:
     ``XDG_RUNTIME_DIR`` is private to the person and emptied at logout; where it is
     missing (a container, cron, su) a folder of mode 0700 stands in.
     """
+    import tempfile
+
     runtime = os.environ.get("XDG_RUNTIME_DIR", "")
     fallback = Path(tempfile.gettempdir()) / f"tool0-{os.getuid()}"
     if runtime and Path(runtime).is_absolute():

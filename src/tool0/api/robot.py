@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, final
 
 from tool0.api.channel import Channel, LocalChannel
@@ -69,7 +69,7 @@ class JointValues:
 
 
 @final
-class Robot:
+class Robot(AbstractContextManager["Robot"]):
     """A robot in simulation.  Close it, or use it as a context manager.
 
     ``tool0.bringup`` returns one in this process, which ends with it;
@@ -414,13 +414,5 @@ class Robot:
         """End the simulation, or the connection to it; closing twice is allowed."""
         self.channel.close()
 
-    def __enter__(self) -> Robot:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

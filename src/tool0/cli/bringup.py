@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from tool0.cli.stop_signal import StopSignal
     from tool0.interfaces.panel.address import Endpoint
     from tool0.interfaces.server.server import Server
+    from tool0.interfaces.server.service import Service
 
 _POLL_PERIOD: Final = 0.1
 """Longest time between checks of the clock and the signals [wall s]."""
@@ -123,7 +124,7 @@ def _robot(options: BringupOptions) -> Robot:
 def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Server:
     """Serve the robot to other processes and to pages."""
     from tool0.interfaces.server.backend import SimulationBackend
-    from tool0.interfaces.server.server import Server, Service
+    from tool0.interfaces.server.server import Server
 
     services: list[Service] = []
     if claim is not None:
@@ -146,10 +147,10 @@ def _in_ros(
     if not options.run.ros1:
         yield None
         return
-    from tool0.interfaces.ros1.edge import Ros1
+    from tool0.interfaces.ros1.bridge import Ros1Bridge
 
-    with Ros1(robot, options.ros, when_killed=stop.request) as edge:
-        yield f"ROS 1: node {options.ros.node} under {edge.node.master.uri}"
+    with Ros1Bridge(robot, options.ros, on_shutdown=stop.request) as bridge:
+        yield f"ROS 1: node {options.ros.node} under {bridge.node.master.uri}"
 
 
 def _run(

@@ -134,7 +134,7 @@ class RobotHardware:
             self._limiter.set_drive_limits(self.index[name], None)
             self._select_servo(name, state.position[self.index[name]])
 
-    def emergency_stop(self, engaged: bool, state: JointState) -> None:
+    def set_stopped(self, engaged: bool, state: JointState) -> None:
         """Brake every joint whoever claims it, or give the joints back."""
         self._is_stopped = engaged
         self.restart(state)

@@ -9,7 +9,7 @@ the controller do not add up over many motions.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Generic
 
 from msgspec import Meta, Struct, field
 
@@ -20,7 +20,7 @@ from tool0.errors import ControlError
 from tool0.kinematics.inverse import Branch, Solution
 from tool0.requests.fields import JointPositions, SpeedScale
 from tool0.requests.motion import GoalStarted, follow, started
-from tool0.requests.table import Request, handles
+from tool0.requests.table import Request, Response, handles
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -54,16 +54,23 @@ class ListArms(Request[tuple[ArmInfo, ...]], frozen=True):
     """Every arm of the robot."""
 
 
-class ReadToolPose(Request[Transform], frozen=True):
-    """The measured pose of the tool."""
+class _OfTool(Request[Response], Generic[Response], frozen=True):
+    """What every request about a tool has."""
 
-    unchecked = ("tool",)
+    unchecked = ("pose", "tool")
 
     arm: str | None = None
     """The robot's only one, if left out."""
     tip: str | None = None
+    """A link that is fixed to the flange; the flange, if left out."""
     tool: AnyPose | None = None
+    """The tool's pose in that link."""
     relative_to: str | None = None
+    """The link in whose frame poses are; the robot's root, if left out."""
+
+
+class ReadToolPose(_OfTool[Transform], frozen=True):
+    """The measured pose of the tool."""
 
 
 class ReadBranch(Request[Branch], frozen=True):
@@ -72,53 +79,38 @@ class ReadBranch(Request[Branch], frozen=True):
     arm: str | None = None
 
 
-class SolveInverseKinematics(Request[tuple[Solution, ...]], frozen=True):
+class SolveInverseKinematics(_OfTool[tuple[Solution, ...]], frozen=True, kw_only=True):
     """The postures that put the tool at a pose, the nearest first.
 
     One for each branch, with the whole turns that bring every joint nearest to
     ``near`` within its limits.  Collisions are not considered.
     """
 
-    unchecked = ("pose", "tool")
-
     pose: AnyPose
-    arm: str | None = None
-    tip: str | None = None
-    """A link that is fixed to the flange."""
-    tool: AnyPose | None = None
-    relative_to: str | None = None
     near: JointPositions = field(default_factory=dict)
     """Joint → position [rad]; others count as they stand."""
     branch: Branch | None = None
     """Only postures of this kind."""
 
 
-class MoveTo(Request[GoalStarted], frozen=True):
+class MoveTo(_OfTool[GoalStarted], frozen=True, kw_only=True):
     """Move the tool to a pose, the joints as fast as their limits allow.
 
     The tool's path is a curve; the nearest posture is taken.
     """
 
-    unchecked = ("pose", "tool")
-
     pose: AnyPose
     speed: SpeedScale = 0.5
-    arm: str | None = None
-    tip: str | None = None
-    tool: AnyPose | None = None
-    relative_to: str | None = None
     near: JointPositions = field(default_factory=dict)
     branch: Branch | None = None
 
 
-class MoveLinear(Request[GoalStarted], frozen=True):
+class MoveLinear(_OfTool[GoalStarted], frozen=True, kw_only=True):
     """Move the tool to a pose along a straight line, from rest.
 
     It rotates about one axis meanwhile, and slows down where a joint would exceed its
     velocity or acceleration.  The whole line is checked before anything moves.
     """
-
-    unchecked = ("pose", "tool")
 
     pose: AnyPose
     speed: Annotated[float, Meta(gt=0.0)] = 0.25
@@ -127,10 +119,6 @@ class MoveLinear(Request[GoalStarted], frozen=True):
     """Of the tool [m/s²]; the rotation gets a ramp of the same duration."""
     angular_speed: Annotated[float, Meta(gt=0.0)] = 1.0
     """Of the tool [rad/s]."""
-    arm: str | None = None
-    tip: str | None = None
-    tool: AnyPose | None = None
-    relative_to: str | None = None
 
 
 @handles(ListArms)

@@ -115,39 +115,15 @@ def error_of(info: ErrorInfo) -> Tool0Error:
 
 def outcome_of(result: Result) -> Outcome:
     """Return a goal's result as it is sent."""
-    if isinstance(result, GoalResult):
-        return Outcome(
-            status=result.status.value,
-            error_code=result.error_code,
-            error_string=result.error_string,
-        )
-    return Outcome(
-        status=result.status.value,
-        position=result.position,
-        effort=result.effort,
-        stalled=result.stalled,
-        reached_goal=result.reached_goal,
-    )
+    return msgspec.convert(msgspec.to_builtins(result), Outcome)
 
 
 def result_of(outcome: Outcome) -> Result:
     """Return the result that was sent."""
-    from tool0.control.goal import GoalStatus
-
-    status = GoalStatus(outcome.status)
+    plain_outcome = msgspec.to_builtins(outcome)
     if outcome.position is None:
-        return GoalResult(
-            status=status,
-            error_code=outcome.error_code,
-            error_string=outcome.error_string,
-        )
-    return GripperResult(
-        status=status,
-        position=outcome.position,
-        effort=outcome.effort or 0.0,
-        stalled=bool(outcome.stalled),
-        reached_goal=bool(outcome.reached_goal),
-    )
+        return msgspec.convert(plain_outcome, GoalResult)
+    return msgspec.convert(plain_outcome, GripperResult)
 
 
 # ---- snapshots -----------------------------------------------------------------------
@@ -185,57 +161,43 @@ class SnapshotMessage(Struct, frozen=True, kw_only=True, tag="snapshot"):
     """In a stream: snapshots before this one that a slow reader has lost."""
 
 
+_COPIED: Final = (
+    *("time", "tick", "joint_names", "position", "velocity", "effort", "objects"),
+    *("is_paused", "is_stopped", "real_time_factor", "overruns", "fault", "speed"),
+)
+"""Fields that a snapshot and its message have alike."""
+
+
 def snapshot_message(
     snapshot: Snapshot, before: Snapshot | None = None, missed: int = 0
 ) -> SnapshotMessage:
     """Return a snapshot as it is sent, after ``before`` in a stream."""
+    changes: dict[str, Any] = {}
+    if before is None or before.controllers is not snapshot.controllers:
+        changes["controllers"] = snapshot.controllers
+    if before is None or before.scene is not snapshot.scene:
+        changes["scene"] = tuple(map(info_of, snapshot.scene))
     return SnapshotMessage(
-        time=snapshot.time,
-        tick=snapshot.tick,
-        joint_names=snapshot.joint_names,
-        position=snapshot.position,
-        velocity=snapshot.velocity,
-        effort=snapshot.effort,
+        **{name: getattr(snapshot, name) for name in _COPIED},
+        **changes,
         setpoints=snapshot.setpoints(),
-        objects=snapshot.objects,
-        is_paused=snapshot.is_paused,
-        is_stopped=snapshot.is_stopped,
-        real_time_factor=snapshot.real_time_factor,
-        overruns=snapshot.overruns,
-        fault=snapshot.fault,
-        speed=snapshot.speed,
-        controllers=UNSET
-        if before is not None and before.controllers is snapshot.controllers
-        else snapshot.controllers,
-        scene=UNSET
-        if before is not None and before.scene is snapshot.scene
-        else tuple(map(info_of, snapshot.scene)),
         missed=missed,
     )
 
 
 def snapshot_of(message: SnapshotMessage, before: Snapshot | None = None) -> Snapshot:
     """Return the snapshot that was sent, after ``before`` in a stream."""
-    controllers, scene = message.controllers, message.scene
-    old_controllers = () if before is None else before.controllers
-    old_scene = () if before is None else before.scene
+    controllers = () if before is None else before.controllers
+    if not isinstance(message.controllers, UnsetType):
+        controllers = message.controllers
+    scene = () if before is None else before.scene
+    if not isinstance(message.scene, UnsetType):
+        scene = tuple(map(object_of, message.scene))
     return Snapshot(
-        time=message.time,
-        tick=message.tick,
-        joint_names=message.joint_names,
-        position=message.position,
-        velocity=message.velocity,
-        effort=message.effort,
-        controllers=old_controllers if controllers is UNSET else controllers,
-        is_paused=message.is_paused,
-        is_stopped=message.is_stopped,
-        real_time_factor=message.real_time_factor,
-        overruns=message.overruns,
-        fault=message.fault,
-        speed=message.speed,
+        **{name: getattr(message, name) for name in _COPIED},
         received_setpoints=message.setpoints,
-        scene=old_scene if scene is UNSET else tuple(map(object_of, scene)),
-        objects=message.objects,
+        controllers=controllers,
+        scene=scene,
     )
 
 

@@ -9,6 +9,7 @@ from msgspec import Meta, Struct, field
 from tool0.control.goal import Goal, GoalStatus
 from tool0.control.tolerances import ToleranceOverride
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.errors import ControlError
 from tool0.hardware.drive_limits import DriveLimits
 from tool0.requests.fields import JointPositions, Name, SpeedScale
 from tool0.requests.table import Request, handles
@@ -93,6 +94,12 @@ class SteerJoints(Request[None], frozen=True):
     controller: Name
     positions: JointPositions
     speed: SpeedScale = 0.5
+
+
+class PoseJoints(Request[None], frozen=True):
+    """Set joints directly; only in ``tool0 view``, which has no physics."""
+
+    positions: JointPositions
 
 
 class CommandGripper(Request[GoalStarted], frozen=True):
@@ -187,6 +194,14 @@ def _steer(simulation: Simulation, request: SteerJoints) -> None:
     core = simulation.core
     simulation.loop.call(
         lambda: core.steer(request.controller, request.positions, request.speed)
+    )
+
+
+@handles(PoseJoints)
+def _pose(simulation: Simulation, request: PoseJoints) -> None:
+    raise ControlError(
+        "joints are set directly in `tool0 view` only; in a simulation, steer a "
+        "trajectory controller"
     )
 
 

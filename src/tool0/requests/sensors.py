@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import zlib
-from typing import Annotated
+from typing import Annotated, Generic
 
 from msgspec import Meta, Struct
 
@@ -12,7 +12,7 @@ from tool0.description.camera import Camera
 from tool0.description.transform import Transform
 from tool0.errors import ControlError
 from tool0.requests.fields import Name, Vector3
-from tool0.requests.table import Request, handles
+from tool0.requests.table import Request, Response, handles
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.cameras import CameraImage
 from tool0.sensing.force_torque import DEFAULT_CUTOFF
@@ -31,11 +31,16 @@ class TakePicture(Request[CameraImage], frozen=True):
     camera: Name
 
 
-class StartForceTorque(Request[float], frozen=True):
-    """Start to sample the wrench at a link; the response is the rate [Hz]."""
+class _OfLink(Request[Response], Generic[Response], frozen=True):
+    """What every request about a force-torque sensor has."""
 
     link: Name | None = None
-    """The robot's only ``tool0``, if left out."""
+    """The link that carries the tool; the robot's only ``tool0``, if left out."""
+
+
+class StartForceTorque(_OfLink[float], frozen=True):
+    """Start to sample the wrench at a link; the response is the rate [Hz]."""
+
     rate: float | None = None
     """Samples per simulated second [Hz], 50 … 1000 and a divisor of the control rate;
     125 or the next divisor below, if left out."""
@@ -43,34 +48,25 @@ class StartForceTorque(Request[float], frozen=True):
     """Of the low-pass filter [Hz]."""
 
 
-class StopForceTorque(Request[None], frozen=True):
+class StopForceTorque(_OfLink[None], frozen=True):
     """Stop to sample, and forget the tare."""
 
-    link: Name | None = None
 
-
-class ReadForceTorqueRate(Request[float], frozen=True):
+class ReadForceTorqueRate(_OfLink[float], frozen=True):
     """Samples per simulated second [Hz]; 0 while the sensor is not started."""
 
-    link: Name | None = None
 
-
-class TareForceTorque(Request[None], frozen=True):
+class TareForceTorque(_OfLink[None], frozen=True):
     """Make the present reading zero, as UR's ``zero_ftsensor`` does."""
 
-    link: Name | None = None
 
-
-class ReadForceTorque(Request[WrenchReading], frozen=True):
+class ReadForceTorque(_OfLink[WrenchReading], frozen=True):
     """The newest sample; the first one starts the sensor."""
 
-    link: Name | None = None
 
-
-class ReadForceTorqueSamples(Request[tuple[WrenchReading, ...]], frozen=True):
+class ReadForceTorqueSamples(_OfLink[tuple[WrenchReading, ...]], frozen=True):
     """All samples after one, oldest first; the last 4096 are kept."""
 
-    link: Name | None = None
     since: Annotated[int, Meta(ge=-1)] = -1
     """Number of the last sample that is known already."""
     timeout: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0

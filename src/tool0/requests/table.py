@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import re
 import typing
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from numbers import Integral, Real
@@ -205,15 +205,13 @@ def _field_types(kind: type[Request[Any]]) -> Mapping[str, Any]:
 
 @cache
 def _response_type(kind: type[Request[Any]]) -> Any:
-    for base in _generic_bases(kind):
-        if typing.get_origin(base) is Request:
-            return typing.get_args(base)[0]
-    raise TypeError(f"{kind.__name__} does not say what its response is")
-
-
-def _generic_bases(kind: type) -> Iterator[Any]:
     for parent in kind.__mro__:
-        yield from parent.__dict__.get("__orig_bases__", ())
+        for base in parent.__dict__.get("__orig_bases__", ()):
+            if isinstance(argument := (*typing.get_args(base), None)[0], TypeVar):
+                continue
+            if issubclass(typing.get_origin(base) or object, Request):
+                return argument
+    raise TypeError(f"{kind.__name__} does not say what its response is")
 
 
 # ---- answering -----------------------------------------------------------------------

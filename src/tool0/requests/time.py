@@ -94,4 +94,4 @@ def _reset(simulation: Simulation, request: Reset) -> None:
 
 @handles(EmergencyStop, in_tick=True, urgent=True)
 def _stop(simulation: Simulation, request: EmergencyStop) -> None:
-    simulation.core.engage_emergency_stop(request.engaged)
+    simulation.core.set_stopped(request.engaged)

@@ -263,11 +263,11 @@ class Core:
         for sensor in self._sensors:
             sensor.restart(self._before, self.state, self.engine.world.contacts)
 
-    def engage_emergency_stop(self, engaged: bool) -> None:
+    def set_stopped(self, engaged: bool) -> None:
         """Brake every joint, or release the brakes; controllers then hold still."""
         if engaged == self.hardware.is_stopped:
             return
-        self.hardware.emergency_stop(engaged, self.state)
+        self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
 
     def drift(self) -> float:

@@ -18,7 +18,7 @@ from served import use_folder
 from tool0.cli import FAILED, OK, main
 from tool0.cli.options import PanelOptions
 from tool0.cli.panel import show
-from tool0.interfaces.panel.address import Door, open_door
+from tool0.interfaces.panel.address import Endpoint, open_endpoint
 
 pytestmark = pytest.mark.slow
 
@@ -29,8 +29,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def taken() -> Iterator[Door]:
-    door = open_door()
+def taken() -> Iterator[Endpoint]:
+    door = open_endpoint()
     yield door
     door.listener.close()
 
@@ -51,8 +51,10 @@ def running(*words: str) -> Iterator[tuple["subprocess.Popen[str]", str]]:
                 url = line.split()[1]
             if line.startswith("Ctrl-C"):
                 break
-        yield program, url
-        program.kill()
+        try:
+            yield program, url
+        finally:
+            program.kill()
 
 
 def end(program: "subprocess.Popen[str]") -> str:
@@ -67,7 +69,7 @@ def test_bringup_serves_the_panel_where_it_says() -> None:
     with running("bringup") as (program, url):
         assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", url)
         with page_at(url) as page:
-            assert page.ask("pause") is None
+            assert page.request("pause") is None
             error = end(program)
             assert page.close_code() == 1001
         assert "Traceback" not in error
@@ -76,8 +78,8 @@ def test_bringup_serves_the_panel_where_it_says() -> None:
 def test_view_serves_a_robot_to_be_posed() -> None:
     with running("view", "--gripper", "none") as (program, url):
         with page_at(url) as page:
-            assert page.hello["robot"]["title"] == "ur5"
-            assert page.hello["robot"]["ground"] == -0.1
+            assert page.view["robot"]["title"] == "ur5"
+            assert page.view["robot"]["ground"] == -0.1
             page.send("pose_joints", positions={"elbow_joint": 1.0})
             page.wait_for_joint("elbow_joint", 1.0, within=1e-6)
         assert "Traceback" not in end(program)
@@ -87,7 +89,7 @@ def test_a_chosen_port_is_warned_of_and_needs_the_token() -> None:
     with running("view", "--panel-port", "0") as (program, url):
         assert "?token=" in url
         with page_at(url) as page:
-            assert page.ask("reset") is None
+            assert page.request("reset") is None
         assert "whoever knows its address with the token" in end(program)
 
 
@@ -116,7 +118,7 @@ def test_with_a_json_summary_the_address_goes_to_standard_error(
 
 
 def test_a_port_that_is_taken_is_told_before_anything_starts(
-    taken: Door, capsys: pytest.CaptureFixture[str]
+    taken: Endpoint, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["bringup", "--panel-port", str(taken.port)]) == FAILED
     out, error = capsys.readouterr()
@@ -125,7 +127,7 @@ def test_a_port_that_is_taken_is_told_before_anything_starts(
     assert error.count("\n") == 1
 
 
-def test_another_port_is_found_if_the_usual_one_is_taken(taken: Door) -> None:
+def test_another_port_is_found_if_the_usual_one_is_taken(taken: Endpoint) -> None:
     with running("view") as (program, url):
         assert f":{taken.port}/" not in url
         with urlopen(url) as response:
@@ -176,7 +178,7 @@ def test_a_demo_waits_for_a_page_and_stays_for_it() -> None:
             assert "in the bin after" in program.stdout.readline()
             assert program.stdout.readline().startswith("1 of 1 in the bin; ")
             assert program.stderr.readline() == "The panel stays; Ctrl-C ends it.\n"
-            assert page.ask("pause") is None
+            assert page.request("pause") is None
             program.send_signal(signal.SIGINT)
             assert page.close_code() == 1001
         assert program.wait(30.0) == OK

@@ -77,7 +77,7 @@ def test_a_velocity_interface_turns_at_its_command() -> None:
 def test_the_emergency_stop_holds_claimed_joints_too(skew_model: RobotModel) -> None:
     engine, hardware, state = rig(skew_model, POSES[1])
     hardware.claim(["lift", "bend", "slide"], state)
-    hardware.emergency_stop(True, state)
+    hardware.set_stopped(True, state)
     hardware.command[0] = 100.0
     state = step(engine, hardware, 2000)
     np.testing.assert_allclose(state.position[:3], POSES[1][:3], atol=1e-3)

@@ -89,7 +89,7 @@ def test_only_finite_states_can_be_placed(state: ObjectState) -> None:
     core = build_core()
     core.scene.spawn(cube())
     before = core.engine.world.object_states()
-    with pytest.raises(ControlError, match="object 'cube' needs a finite position"):
+    with pytest.raises(ControlError, match=r"'cube'"):
         core.scene.place(state)
     assert core.engine.world.object_states() == before
 

@@ -103,7 +103,7 @@ export const zh: Texts = {
   "gripper.holding_inside": "已夹住物体，宽 {width} mm",
   "gripper.holding_outside": "向外撑住物体，间距 {width} mm",
 
-  "assist.badge": "抓取辅助（作弊）",
+  "assist.badge": "抓取辅助（非物理）",
   "assist.explain": "被夹住的物体会直接固定在夹爪上，真实的夹爪做不到这一点。",
 
   "objects.title": "机器人周围的物体",

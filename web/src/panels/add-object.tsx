@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import { connection } from "../connection";
 import { t } from "../i18n";
-import type { AddedShape, Problem } from "../protocol";
+import type { AddObject as AddObjectParams, ErrorInfo } from "../protocol";
 import { scene } from "../store";
 import { Button } from "../ui/button";
 import { Segmented } from "../ui/choice";
@@ -13,6 +13,7 @@ import { MILLIMETRES } from "../units";
 import type { Vector } from "../urdf";
 import { PoseFields } from "./pose-fields";
 
+type AddedShape = Exclude<AddObjectParams["shape"], { kind: "mesh" }>;
 type Kind = AddedShape["kind"];
 const KINDS: readonly Kind[] = ["box", "cylinder", "sphere"];
 /** What the server takes [m]. */
@@ -39,7 +40,7 @@ export function AddObject() {
   const [isMovable, setMovable] = useState(true);
   const [mass, setMass] = useState(0.1);
   const [friction, setFriction] = useState(1);
-  const [problem, setProblem] = useState<Problem | null>(null);
+  const [problem, setProblem] = useState<ErrorInfo | null>(null);
   const suggested = freeName(
     kind,
     new Set(scene.value?.objects.map((object) => object.name)),
@@ -50,11 +51,10 @@ export function AddObject() {
     return kind === "sphere" ? { kind, radius } : { kind, radius, length };
   };
   const add = async () => {
-    const refusal = await connection.request({
-      type: "add_object",
+    const refusal = await connection.request("add_object", {
       name: name.trim() || suggested,
       shape: shape(),
-      position: [...target.position],
+      xyz: [...target.position],
       rpy: [...target.rpy],
       mass: isMovable ? mass : null,
       friction,

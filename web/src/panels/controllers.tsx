@@ -4,8 +4,8 @@ import { useState } from "preact/hooks";
 import { conflicting } from "../conflicts";
 import { connection } from "../connection";
 import { t } from "../i18n";
-import type { RequestMessage } from "../messages";
-import type { ControllerInfo, Problem } from "../protocol";
+import type { Method, Params } from "../messages";
+import type { ControllerInfo, ErrorInfo } from "../protocol";
 import { status } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
@@ -45,21 +45,22 @@ interface RowProps {
 }
 
 function ControllerRow({ controller, all }: RowProps) {
-  const [problem, setProblem] = useState<Problem | null>(null);
+  const [problem, setProblem] = useState<ErrorInfo | null>(null);
   const { name, state } = controller;
   const inTheWay = state === "running" ? [] : conflicting(controller, all);
-  const send = (message: RequestMessage) => {
-    void connection.request(message).then(setProblem);
+  const send = <M extends Method>(method: M, ...params: Params<M>) => {
+    void connection.request(method, ...params).then(setProblem);
   };
-  const action = (
+  const action = <M extends Method>(
     key: "load" | "unload" | "start" | "stop",
-    message: RequestMessage,
+    method: M,
+    ...params: Params<M>
   ) => (
     <Button
       aria-label={t("controllers.action", { action: t(`controllers.${key}`), name })}
       data-testid={`controller-${key}-${name}`}
       onClick={() => {
-        send(message);
+        send(method, ...params);
       }}
     >
       {t(`controllers.${key}`)}
@@ -82,13 +83,12 @@ function ControllerRow({ controller, all }: RowProps) {
             </Fragment>
           ))}
         </span>
-        {state === "unloaded" && action("load", { type: "load_controller", name })}
-        {state === "running" &&
-          action("stop", { type: "switch_controllers", stop: [name] })}
+        {state === "unloaded" && action("load", "load_controller", { name })}
+        {state === "running" && action("stop", "switch_controllers", { stop: [name] })}
         {(state === "initialized" || state === "stopped") && (
           <>
-            {action("start", { type: "switch_controllers", start: [name] })}
-            {action("unload", { type: "unload_controller", name })}
+            {action("start", "switch_controllers", { start: [name] })}
+            {action("unload", "unload_controller", { name })}
           </>
         )}
       </div>
@@ -99,7 +99,7 @@ function ControllerRow({ controller, all }: RowProps) {
           class="switch"
           data-testid={`controller-switch-${name}`}
           onClick={() => {
-            send({ type: "switch_controllers", start: [name], stop: [...inTheWay] });
+            send("switch_controllers", { start: [name], stop: [...inTheWay] });
           }}
         >
           {t("controllers.switch", { stop: inTheWay.join(", "), start: name })}

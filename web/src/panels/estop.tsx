@@ -1,16 +1,16 @@
 /** The emergency stop: one button that is always in view, and Escape, which only engages. */
-import { ask } from "../connection";
+import { sendRequest } from "../connection";
 import { t } from "../i18n";
-import { hello, status } from "../store";
+import { view, status } from "../store";
 import { EmergencyIcon } from "../ui/icons";
 
 function hasEmergencyStop(): boolean {
-  return hello.value?.mode === "simulation";
+  return view.value?.mode === "simulation";
 }
 
 export function engageOnEscape(event: KeyboardEvent): void {
   if (event.key !== "Escape" || event.repeat || event.isComposing) return;
-  if (hasEmergencyStop()) void ask({ type: "emergency_stop", engaged: true });
+  if (hasEmergencyStop()) void sendRequest("emergency_stop", { engaged: true });
 }
 
 export function EmergencyStop() {
@@ -25,7 +25,7 @@ export function EmergencyStop() {
       title={long}
       data-testid="estop"
       data-engaged={engaged}
-      onClick={() => void ask({ type: "emergency_stop", engaged: !engaged })}
+      onClick={() => void sendRequest("emergency_stop", { engaged: !engaged })}
     >
       <EmergencyIcon />
       {t(engaged ? "estop.release" : "estop.engage")}

@@ -1,8 +1,8 @@
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { connection } from "../connection";
 import { t } from "../i18n";
-import type { GripperInfo, GripperState, Problem } from "../protocol";
-import { hello, status } from "../store";
+import type { GripperInfo, GripperState, ErrorInfo } from "../protocol";
+import { view, status } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
 import { Button } from "../ui/button";
@@ -36,7 +36,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
   const [sent, setSent] = useState<number | null>(null);
   const [speed, setSpeed] = useState(gripper.max_speed);
   const [force, setForce] = useState(gripper.max_force);
-  const [problem, setProblem] = useState<Problem | null>(null);
+  const [problem, setProblem] = useState<ErrorInfo | null>(null);
   const marker = useRef<HTMLDivElement | null>(null);
   useLayoutEffect(() => {
     marker.current?.style.setProperty("--actual-at", String(share(actual, 0, largest)));
@@ -50,16 +50,15 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
     setDragged(null);
     setSent(opening);
     void connection
-      .request({
-        type: "grip",
+      .request("grip", {
         gripper: gripper.name,
         opening: opening / 1000,
         ...(isReal && { speed, force }),
       })
       .then(setProblem);
   };
-  const isReal = hello.value?.mode === "simulation";
-  const isOneOfSeveral = (hello.value?.robot.grippers.length ?? 0) > 1;
+  const isReal = view.value?.mode === "simulation";
+  const isOneOfSeveral = (view.value?.robot.grippers.length ?? 0) > 1;
   const opening = dragged ?? sent ?? actual;
   const named = (label: string) => `${gripper.name}: ${label}`;
 
@@ -170,7 +169,7 @@ interface SettingProps {
   onChange: (value: number) => void;
 }
 
-/** What the drive is told with the next motion; nothing, if there is no choice. */
+/** A setting of the drive for the next motion; nothing, if there is no choice. */
 function Setting({ caption, testId, onChange, ...props }: SettingProps) {
   const { label, unit, min, max, value } = props;
   if (max <= min) return null;

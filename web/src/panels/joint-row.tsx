@@ -5,7 +5,7 @@ import { frames } from "../frames";
 import { language, t } from "../i18n";
 import { useLive } from "../live";
 import type { JointInfo } from "../protocol";
-import { hello, jointIndex } from "../store";
+import { view, jointIndex } from "../store";
 import { fixed, NumberField } from "../ui/number-field";
 import { placeThumb, share, Slider } from "../ui/slider";
 import { angleUnit, spanOf, unitOf } from "../units";
@@ -31,7 +31,7 @@ export function JointRow({ joint, goal, editable = false, onChange }: JointRowPr
   const max = upper * unit.factor;
   const position = () => frames.latest?.position[index] ?? 0;
   const shown = (goal === null ? position() : goal.value) * unit.factor;
-  const name = hello.value?.robot.part_names[joint.name]?.[language.value];
+  const name = view.value?.robot.part_names[joint.name]?.[language.value];
   const say = (value: number) => `${fixed(value, unit.digits)} ${unit.symbol}`;
 
   useLive((frame) => {

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import { t } from "../i18n";
-import { tell } from "../notices";
+import { report } from "../notices";
 import type { Notice } from "../protocol";
 import { notices } from "../store";
 import { IconButton } from "../ui/button";
@@ -54,9 +54,9 @@ export function LogPanel() {
   const copy = async () => {
     try {
       await navigator.clipboard.writeText(shown.map(asLine).join("\n"));
-      tell("info", t("app.copied"));
+      report("info", t("app.copied"));
     } catch (reason) {
-      tell("error", String(reason));
+      report("error", String(reason));
     }
   };
   return (

@@ -1,11 +1,11 @@
-import { hello } from "../store";
+import { view } from "../store";
 import { GripperPanel } from "./gripper";
 import { PosesPanel } from "./poses";
 import { TrajectoryPanel } from "./trajectory";
 import { ViewPanel } from "./view";
 
 export function MotionPanel() {
-  const now = hello.value;
+  const now = view.value;
   if (now === null) return null;
   return (
     <>

@@ -1,13 +1,13 @@
 /** What is around the robot: where it is, and what puts it elsewhere or takes it away. */
 import { useEffect, useRef } from "preact/hooks";
-import { ask } from "../connection";
+import { sendRequest } from "../connection";
 import { frames } from "../frames";
 import { t } from "../i18n";
 import { fromQuaternion, toRpy } from "../kinematics";
 import { useLive } from "../live";
 import { aimAt, begin, moving, putThere } from "../moving";
 import type { Target } from "../moving";
-import type { Frame, ObjectInfo } from "../protocol";
+import type { Frame, ViewObject } from "../protocol";
 import { scene } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { TrashIcon } from "../ui/icons";
@@ -47,9 +47,9 @@ export function ObjectsPanel() {
  * floor and walls of a bin are called `bin.floor`, `bin.left` and so on.
  */
 export function grouped(
-  objects: readonly ObjectInfo[],
-): (readonly [whole: string | null, parts: readonly ObjectInfo[]])[] {
-  const wholes = new Map<string, ObjectInfo[]>();
+  objects: readonly ViewObject[],
+): (readonly [whole: string | null, parts: readonly ViewObject[]])[] {
+  const wholes = new Map<string, ViewObject[]>();
   for (const object of objects) {
     const dot = object.name.lastIndexOf(".");
     const isPart = object.mass === null && dot > 0;
@@ -62,7 +62,7 @@ export function grouped(
   ]);
 }
 
-function Parts({ whole, parts }: { whole: string; parts: readonly ObjectInfo[] }) {
+function Parts({ whole, parts }: { whole: string; parts: readonly ViewObject[] }) {
   return (
     <li>
       <details data-testid={`object-parts-${whole}`}>
@@ -73,7 +73,7 @@ function Parts({ whole, parts }: { whole: string; parts: readonly ObjectInfo[] }
         <Button
           data-testid={`object-remove-${whole}`}
           onClick={() => {
-            for (const { name } of parts) void ask({ type: "remove_object", name });
+            for (const { name } of parts) void sendRequest("remove_object", { name });
           }}
         >
           <TrashIcon />
@@ -90,7 +90,7 @@ function Parts({ whole, parts }: { whole: string; parts: readonly ObjectInfo[] }
 }
 
 /** Return what an object is, in words: `Box 40 × 40 × 40 mm, 0.1 kg`. */
-export function describeObject({ shape, mass }: ObjectInfo): string {
+export function describeObject({ shape, mass }: ViewObject): string {
   const sizes = {
     box: shape.size ?? [],
     cylinder: [2 * (shape.radius ?? 0), shape.length ?? 0],
@@ -113,7 +113,7 @@ function targetIn(frame: Frame | undefined, name: string): Target | undefined {
   return pose && { position: pose[0], rpy: toRpy(fromQuaternion(pose[1])) };
 }
 
-function ObjectRow({ object }: { object: ObjectInfo }) {
+function ObjectRow({ object }: { object: ViewObject }) {
   const { name, rgba } = object;
   const move = moving.value?.name === name ? moving.value : null;
   const [red, green, blue] = rgba.map((part) => String(Math.round(255 * part)));
@@ -144,7 +144,7 @@ function ObjectRow({ object }: { object: ObjectInfo }) {
         <IconButton
           label={t("objects.remove", { name })}
           data-testid={`object-remove-${name}`}
-          onClick={() => void ask({ type: "remove_object", name })}
+          onClick={() => void sendRequest("remove_object", { name })}
         >
           <TrashIcon />
         </IconButton>

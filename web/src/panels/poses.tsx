@@ -1,8 +1,8 @@
 import { useState } from "preact/hooks";
-import { ask } from "../connection";
+import { sendRequest } from "../connection";
 import { adopt, speedScale } from "../driving";
 import { t } from "../i18n";
-import { tell } from "../notices";
+import { report } from "../notices";
 import type { PoseInfo } from "../protocol";
 import { status } from "../store";
 import { Button, IconButton } from "../ui/button";
@@ -10,7 +10,7 @@ import { TrashIcon } from "../ui/icons";
 
 async function go(pose: PoseInfo): Promise<void> {
   const speed = speedScale.value;
-  const problem = await ask({ type: "go_to_pose", name: pose.name, speed });
+  const problem = await sendRequest("go_to_pose", { name: pose.name, speed });
   if (problem === null) adopt(pose.positions);
 }
 
@@ -30,7 +30,7 @@ export function PosesPanel() {
               <IconButton
                 label={t("poses.delete", { name: pose.name })}
                 data-testid={`pose-delete-${pose.name}`}
-                onClick={() => void ask({ type: "delete_pose", name: pose.name })}
+                onClick={() => void sendRequest("delete_pose", { name: pose.name })}
               >
                 <TrashIcon />
               </IconButton>
@@ -55,9 +55,9 @@ function SavePose() {
   const save = async () => {
     const chosen = name.trim();
     if (chosen === "") return;
-    const problem = await ask({ type: "save_pose", name: chosen });
+    const problem = await sendRequest("save_pose", { name: chosen });
     if (problem !== null) return;
-    tell("info", t("poses.saved", { name: chosen }));
+    report("info", t("poses.saved", { name: chosen }));
     setName("");
   };
   return (

@@ -1,10 +1,10 @@
 /** Time: run, pause, step, reset, how fast, and how well it keeps up. */
 import { signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { ask } from "../connection";
+import { sendRequest } from "../connection";
 import { t } from "../i18n";
 import { useLive } from "../live";
-import { hello, status } from "../store";
+import { view, status } from "../store";
 import { IconButton } from "../ui/button";
 import { PauseIcon, PlayIcon, ResetIcon, StepIcon } from "../ui/icons";
 import { Select } from "../ui/select";
@@ -25,7 +25,7 @@ export function Simulation() {
           <IconButton
             label={t("simulation.resume")}
             data-testid="sim-resume"
-            onClick={() => void ask({ type: "resume" })}
+            onClick={() => void sendRequest("resume")}
           >
             <PlayIcon />
           </IconButton>
@@ -33,7 +33,7 @@ export function Simulation() {
           <IconButton
             label={t("simulation.pause")}
             data-testid="sim-pause"
-            onClick={() => void ask({ type: "pause" })}
+            onClick={() => void sendRequest("pause")}
           >
             <PauseIcon />
           </IconButton>
@@ -42,7 +42,7 @@ export function Simulation() {
           label={t("simulation.step")}
           data-testid="sim-step"
           disabled={!paused}
-          onClick={() => void ask({ type: "step", ticks: ticks.value })}
+          onClick={() => void sendRequest("step", { ticks: ticks.value })}
         >
           <StepIcon />
         </IconButton>
@@ -50,7 +50,7 @@ export function Simulation() {
         <IconButton
           label={t("simulation.reset")}
           data-testid="sim-reset"
-          onClick={() => void ask({ type: "reset" })}
+          onClick={() => void sendRequest("reset")}
         >
           <ResetIcon />
         </IconButton>
@@ -71,7 +71,7 @@ export function Simulation() {
 }
 
 function StepLength() {
-  const period = hello.value?.control_period ?? 0.001;
+  const period = view.value?.control_period ?? 0.001;
   return (
     <Select
       label={t("simulation.stepBy")}
@@ -107,7 +107,7 @@ function Speed({ factor }: { factor: number | null }) {
             ]
           : options
       }
-      onChange={(value) => void ask({ type: "set_speed", factor: Number(value) })}
+      onChange={(value) => void sendRequest("set_speed", { factor: Number(value) })}
     />
   );
 }

@@ -1,5 +1,5 @@
 import { language, speak, t } from "../i18n";
-import { connectionState, hello, status } from "../store";
+import { connectionState, view, status } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
 import { Segmented } from "../ui/choice";
@@ -17,7 +17,7 @@ const TONES: Record<typeof connectionState.value, Tone> = {
 };
 
 export function TopBar() {
-  const robot = hello.value?.robot;
+  const robot = view.value?.robot;
   return (
     <header class="bar">
       <div class="brand">
@@ -27,9 +27,9 @@ export function TopBar() {
           {robot && <span class="muted">{robot.title}</span>}
         </h1>
       </div>
-      {hello.value?.mode === "simulation" && <Simulation />}
+      {view.value?.mode === "simulation" && <Simulation />}
       <div class="settings">
-        {hello.value?.grasp_assist === true && (
+        {view.value?.grasp_assist === true && (
           <span title={t("assist.explain")}>
             <Badge tone="warning" data-testid="grasp-assist">
               {t("assist.badge")}

@@ -12,7 +12,7 @@ import {
   speedScale,
 } from "../driving";
 import { t } from "../i18n";
-import { tell } from "../notices";
+import { report } from "../notices";
 import type { ControllerInfo } from "../protocol";
 import { joints, status } from "../store";
 import { Button } from "../ui/button";
@@ -138,7 +138,7 @@ function SpeedRow() {
         data-testid="hold-still"
         onClick={() => {
           void holdStill().then((problem) => {
-            if (problem !== null) tell("error", problem.message);
+            if (problem !== null) report("error", problem.message);
           });
         }}
       >

@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals";
 import { language, t } from "../i18n";
 import { model, modelFailure } from "../model";
-import { hello, hoveredLink, shownFrames } from "../store";
+import { view, hoveredLink, shownFrames } from "../store";
 import { IconButton } from "../ui/button";
 import { AxesIcon, ChevronDownIcon, ChevronRightIcon } from "../ui/icons";
 import type { UrdfModel } from "../urdf";
@@ -91,7 +91,7 @@ function Tree({ tree }: { tree: UrdfModel }) {
 
 function Row({ row, isReachable }: { row: TreeRow; isReachable: boolean }) {
   const { link, joint } = row;
-  const names = hello.value?.robot.part_names;
+  const names = view.value?.robot.part_names;
   const isFolded = folded.value.has(link);
   const hover = () => {
     hoveredLink.value = link;

@@ -23,7 +23,7 @@ function pose(positionOf: (joint: JointInfo) => number): void {
       return [joint.name, Math.min(upper, Math.max(lower, positionOf(joint)))];
     }),
   );
-  connection.stream({ type: "pose_joints", positions });
+  connection.stream("pose_joints", { positions });
 }
 
 /** Return the middle of the limits; zero where there are none. */
@@ -55,7 +55,7 @@ function PosedJoint({ joint }: { joint: JointInfo }) {
     timer.current = setTimeout(() => {
       setMoved(false);
     }, FOLLOW_AFTER_MS);
-    connection.stream({ type: "pose_joints", positions: { [joint.name]: position } });
+    connection.stream("pose_joints", { positions: { [joint.name]: position } });
   };
   return (
     <JointRow

@@ -2,7 +2,7 @@
 import { useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { type Key, t } from "../i18n";
-import { hello } from "../store";
+import { view } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { Segmented } from "../ui/choice";
 import { DownloadIcon } from "../ui/icons";
@@ -25,7 +25,7 @@ const NAMES: Record<Plotted, Key> = {
 };
 
 function title(): string {
-  const robot = hello.value?.robot.title ?? "tool0";
+  const robot = view.value?.robot.title ?? "tool0";
   return `${robot} – ${t(NAMES[plotted.value])}`;
 }
 

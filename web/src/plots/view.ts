@@ -22,7 +22,7 @@ export class View {
   private cursor: number | null = null;
   private request = 0;
   private drawnAt = -Infinity;
-  private toldAt = -Infinity;
+  private labelledAt = -Infinity;
   private readonly ends: (() => void)[];
 
   /**
@@ -77,7 +77,7 @@ export class View {
     const setup = { ...this.setup, frozen: this.setup.frozen !== null };
     return new Chart(this.host, setup, (index) => {
       this.cursor = index;
-      this.tell();
+      this.report();
     });
   }
 
@@ -93,27 +93,27 @@ export class View {
 
   private draw(): void {
     this.chart.update(this.setup.frozen ?? this.setup.recording);
-    this.tell();
+    this.report();
   }
 
   /** Write the values under the cursor, or the newest, beside the names. */
-  private tell(): void {
+  private report(): void {
     const { lines } = this.setup;
     const values = this.chart.valuesAt(this.cursor ?? this.chart.length - 1);
-    const told: string[] = [];
+    const parts: string[] = [];
     lines.forEach(({ joint, scale }, i) => {
       const value = values[i]?.at(-1);
       const text =
         value == null ? "–" : `${fixed(value, scale.digits)} ${scale.symbol}`;
-      told.push(`${joint.name} ${text}`);
+      parts.push(`${joint.name} ${text}`);
       const output = this.list.querySelector(
         `[data-joint="${CSS.escape(joint.name)}"]`,
       );
       if (output && output.textContent !== text) output.textContent = text;
     });
     const now = performance.now();
-    if (now - this.toldAt < TEXT_MS) return;
-    this.toldAt = now;
-    this.host.setAttribute("aria-label", `${this.setup.title}: ${told.join(", ")}`);
+    if (now - this.labelledAt < TEXT_MS) return;
+    this.labelledAt = now;
+    this.host.setAttribute("aria-label", `${this.setup.title}: ${parts.join(", ")}`);
   }
 }

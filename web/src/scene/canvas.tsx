@@ -4,7 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { frames } from "../frames";
 import { t } from "../i18n";
 import { moving } from "../moving";
-import type { Hello } from "../protocol";
+import type { ViewInfo } from "../protocol";
 import {
   hoveredLink,
   scene,
@@ -21,7 +21,7 @@ import { Viewer } from "./viewer";
 import type { View } from "./framing";
 
 interface CanvasProps {
-  hello: Hello;
+  view: ViewInfo;
   urdf: string;
   quality: Quality;
   onReady: (viewer: Viewer | null) => void;
@@ -61,14 +61,14 @@ function onKey(viewer: Viewer, event: KeyboardEvent): void {
   event.preventDefault();
 }
 
-/** Tell the viewer what the page knows, as it changes; the answer ends it. */
+/** Update the viewer when the store changes; the result ends that. */
 function follow(
   viewer: Viewer,
-  tell: (failures: readonly string[]) => void,
+  report: (failures: readonly string[]) => void,
 ): () => void {
   const ends = [
     effect(() => {
-      if (scene.value) void viewer.surround(scene.value).then(tell);
+      if (scene.value) void viewer.surround(scene.value).then(report);
     }),
     effect(() => {
       viewer.paint(coloursOf(shownTheme.value));
@@ -101,7 +101,7 @@ function start(host: HTMLDivElement, props: CanvasProps): () => void {
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "application");
   canvas.setAttribute("aria-label", t("scene.canvas"));
-  const viewer = new Viewer(canvas, props.hello, props.urdf, props.quality);
+  const viewer = new Viewer(canvas, props.view, props.urdf, props.quality);
   host.append(canvas, viewer.labels);
   const ends: (() => void)[] = [];
 
@@ -126,7 +126,7 @@ function start(host: HTMLDivElement, props: CanvasProps): () => void {
   }, 500);
 
   let over = false;
-  const tell = (failures: readonly string[]) => {
+  const report = (failures: readonly string[]) => {
     if (over) return;
     const reason = failures.join("; ");
     props.onProblem(reason ? t("scene.meshesFailed", { reason }) : null);
@@ -134,10 +134,10 @@ function start(host: HTMLDivElement, props: CanvasProps): () => void {
   viewer.load(scene.peek()).then(
     (failures) => {
       if (over) return;
-      ends.push(follow(viewer, tell));
+      ends.push(follow(viewer, report));
       host.dataset.ready = "true";
       props.onReady(viewer);
-      tell(failures);
+      report(failures);
     },
     (error: unknown) => {
       const reason = error instanceof Error ? error.message : String(error);

@@ -3,7 +3,7 @@ import { computed, useSignal } from "@preact/signals";
 import { useCallback } from "preact/hooks";
 import { t } from "../i18n";
 import { model, modelFailure, urdfText } from "../model";
-import { connectionState, hello, status } from "../store";
+import { connectionState, view, status } from "../store";
 import { Canvas } from "./canvas";
 import { quality } from "./quality";
 import "./scene.css";
@@ -15,13 +15,13 @@ function failureText(): string | null {
   return reason === null ? null : t("scene.failed", { reason });
 }
 
-/** What is to be shown; the key says when it is something else than before. */
+/** What is shown; the key changes with it. */
 const source = computed(() => {
-  const greeting = hello.peek();
-  // read anew after every hello, and only then do both belong together
-  if (!model.value || !greeting) return null;
+  const info = view.peek();
+  // the model is read again for each view; only then do both belong together
+  if (!model.value || !info) return null;
   const urdf = urdfText.peek();
-  return { hello: greeting, urdf, key: JSON.stringify([greeting.robot, urdf]) };
+  return { view: info, urdf, key: JSON.stringify([info.robot, urdf]) };
 });
 
 export default function SceneView() {
@@ -52,7 +52,7 @@ export default function SceneView() {
         <Canvas
           // another robot, another quality or a lost context: all anew
           key={`${generation.value} ${chosen} ${shown.key}`}
-          hello={shown.hello}
+          view={shown.view}
           urdf={shown.urdf}
           quality={chosen}
           onReady={(ready) => {

@@ -1,4 +1,4 @@
-/** Draw on demand: a display frame is asked for only while something moves. */
+/** Draw on demand: a display frame is requested only while something moves. */
 
 export interface Scenery {
   /** Bring everything to `now` [ms]; return whether it will go on moving by itself. */

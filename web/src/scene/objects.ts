@@ -8,13 +8,13 @@ import {
   MeshPhongMaterial,
   SphereGeometry,
 } from "three";
-import type { ObjectInfo, Scene } from "../protocol";
+import type { ViewObject, ViewScene } from "../protocol";
 import type { Pose } from "./interpolation";
 import { MODEL_LAYER } from "./layers";
 import type { Materials } from "./materials";
 import type { Meshes } from "./meshes";
 
-function primitive(shape: ObjectInfo["shape"]): BufferGeometry {
+function primitive(shape: ViewObject["shape"]): BufferGeometry {
   const radius = shape.radius ?? 0;
   if (shape.kind === "sphere") return new SphereGeometry(radius, 48, 24);
   if (shape.kind === "cylinder") {
@@ -52,7 +52,7 @@ export class Objects {
   }
 
   /** Have these objects and no others; those that were here stay as they are. */
-  async show(scene: Scene): Promise<void> {
+  async show(scene: ViewScene): Promise<void> {
     const before = new Map(this.shown.map((one) => [one.key, one]));
     this.shown = scene.objects.map((info) => {
       const key = JSON.stringify(info);
@@ -82,7 +82,7 @@ export class Objects {
     });
   }
 
-  private add(info: ObjectInfo, key: string): Shown {
+  private add(info: ViewObject, key: string): Shown {
     const holder = new Group();
     holder.name = info.name;
     // until a frame says where it is
@@ -95,7 +95,7 @@ export class Objects {
     return shown;
   }
 
-  private async fill(holder: Group, { name, shape, rgba }: ObjectInfo): Promise<void> {
+  private async fill(holder: Group, { name, shape, rgba }: ViewObject): Promise<void> {
     if (shape.kind === "mesh") {
       if (shape.size) holder.scale.set(...shape.size);
       const look = new MeshPhongMaterial({ opacity: rgba[3] });

@@ -1,13 +1,13 @@
 /** What happens when the pointer is over the picture: a name, a glow, a double click. */
 import { language } from "../i18n";
-import { hello, hoveredLink } from "../store";
+import { view, hoveredLink } from "../store";
 import type { Hit } from "./picker";
 import type { Viewer } from "./viewer";
 
 /** What a person calls what was hit. */
 function nameOf(hit: Hit): string {
   const link = hit.link ?? "";
-  const part = hello.value?.robot.part_names[link]?.[language.value];
+  const part = view.value?.robot.part_names[link]?.[language.value];
   return hit.object ?? (part === undefined ? link : `${part} · ${link}`);
 }
 

@@ -70,9 +70,9 @@ export class Robot {
         mesh.layers.enable(MODEL_LAYER);
       }
     }
-    const told = new Set(info.joints.map((joint) => joint.name));
+    const known = new Set(info.joints.map((joint) => joint.name));
     for (const joint of Object.values(root.joints)) {
-      joint.mimicJoints = joint.mimicJoints.filter((one) => !told.has(one.name));
+      joint.mimicJoints = joint.mimicJoints.filter((one) => !known.has(one.name));
     }
   }
 

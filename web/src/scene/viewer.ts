@@ -2,7 +2,7 @@
 import { type Box3, type Mesh, type Object3D, Vector3 } from "three";
 import { aimAt, moving, putThere } from "../moving";
 import type { Target } from "../moving";
-import type { Frame, Hello, Scene } from "../protocol";
+import type { Frame, ViewInfo, ViewScene } from "../protocol";
 import { CollisionLook } from "./collision";
 import { directionOf, toolDirection, type View } from "./framing";
 import { Ghost } from "./ghost";
@@ -49,12 +49,12 @@ export class Viewer {
 
   constructor(
     canvas: HTMLCanvasElement,
-    private readonly hello: Hello,
+    private readonly view: ViewInfo,
     private readonly urdf: string,
     quality: Quality,
   ) {
     this.loop = new Loop(this, quality === "high" ? 0 : SLOW_INTERVAL_MS);
-    this.stage = new Stage(canvas, hello.robot.ground, quality, () => {
+    this.stage = new Stage(canvas, view.robot.ground, quality, () => {
       this.loop.invalidate();
     });
     this.materials = new Materials(quality);
@@ -87,10 +87,10 @@ export class Viewer {
   }
 
   /** Read the robot and the objects; return what could not be read. */
-  async load(scene: Scene | null): Promise<readonly string[]> {
+  async load(scene: ViewScene | null): Promise<readonly string[]> {
     const objects = new Objects(this.meshes, this.materials);
     const [robot] = await Promise.all([
-      Robot.load(this.hello.robot, this.urdf, this.meshes, this.materials),
+      Robot.load(this.view.robot, this.urdf, this.meshes, this.materials),
       scene && objects.show(scene),
     ]);
     const ghost = new Ghost(robot);
@@ -106,7 +106,7 @@ export class Viewer {
   // ---- what the page tells ----------------------------------------------------------
 
   /** Have these objects around the robot; return what could not be read. */
-  async surround(scene: Scene): Promise<readonly string[]> {
+  async surround(scene: ViewScene): Promise<readonly string[]> {
     if (!this.loaded) return [];
     const { robot, objects } = this.loaded;
     const shown = objects.show(scene);
@@ -219,12 +219,12 @@ export class Viewer {
   private everything({ robot, objects }: Loaded): Box3 {
     const box = robot.boxOf(robot.root);
     // the ground that it stands on gives it its place in the picture
-    box.min.z = Math.min(box.min.z, this.hello.robot.ground ?? box.min.z);
+    box.min.z = Math.min(box.min.z, this.view.robot.ground ?? box.min.z);
     return box.union(robot.boxOf(objects.root));
   }
 
   private lookAtTool(robot: Robot, fly: boolean): void {
-    const { grippers } = this.hello.robot;
+    const { grippers } = this.view.robot;
     const finger = robot.root.joints[grippers[0]?.joint ?? ""];
     const hand = finger?.parent ?? robot.link(this.toolLink);
     if (!hand) return;
@@ -249,7 +249,7 @@ export class Viewer {
   /** Frames that a person often wants: world, base and tool0, by their names here. */
   get usualFrames(): string[] {
     const links = Object.keys(this.loaded?.robot.root.links ?? {});
-    const base = links.find((name) => /(^|_)base$/.test(name)) ?? this.hello.robot.root;
+    const base = links.find((name) => /(^|_)base$/.test(name)) ?? this.view.robot.root;
     return ["world", base, this.toolLink];
   }
 
@@ -277,7 +277,7 @@ export class Viewer {
     this.shown = values.slice();
     this.isChanged = false;
     robot.pose(values);
-    objects.pose(this.pose, this.hello.robot.joints.length);
+    objects.pose(this.pose, this.view.robot.joints.length);
     this.updateGhost();
     this.stage.castAnew();
     // before the first frame nobody knew where anything is
@@ -286,7 +286,7 @@ export class Viewer {
 
   private updateGhost(): void {
     if (!this.loaded) return;
-    const { joints } = this.hello.robot;
+    const { joints } = this.view.robot;
     const goal = this.targets && goalOf(joints, this.shown, this.targets);
     if (this.loaded.ghost.show(goal)) this.loop.invalidate();
   }

@@ -1,4 +1,4 @@
-"""Where the panel is: the address that it listens at, and who may come in by it."""
+"""The panel's address: its listening socket, its token and its names."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ DEFAULT_PORT: Final = 8085
 TOKEN_VARIABLE: Final = "TOOL0_PANEL_TOKEN"
 _LOOPBACK_NAMES: Final = frozenset({"127.0.0.1", "localhost", "::1"})
 _SEND_BUFFER: Final = 65536
-"""Bytes that the system keeps for a page which is slow: two seconds of frames.  Its own
-choice, megabytes, would show such a page the robot as it was half a minute ago."""
+"""Bytes that the system buffers for a slow page: two seconds of frames.  Its default,
+megabytes, would show such a page the robot as it was half a minute ago."""
 _RECEIVE_BUFFER: Final = 32768
 """Bytes of a flooding page that are read at once."""
 
@@ -31,10 +31,10 @@ class Endpoint:
 
     listener: socket.socket
     host: str
-    """As asked for, without brackets."""
+    """As requested, without brackets."""
     port: int
     token: str | None
-    """What ``/ws``, the URDF and the meshes ask for; None at the default address."""
+    """Required by ``/ws``, the URDF and the meshes; None at the default address."""
 
     @property
     def url(self) -> str:
@@ -68,10 +68,10 @@ def open_endpoint(
     """Listen, and return where.
 
     Args:
-        host: A name or address of this machine; only itself can come in if left out.
-        port: The default one, or if that is taken a free one, if left out.
-        token: A host or port of one's own needs a token: this one, that of the
-            environment, or a new one.
+        host: A name or address of this machine; the loopback if left out.
+        port: If left out the default one, or a free one if that is taken.
+        token: Required from clients.  With a host or a port and without a token,
+            the one of the environment or a new one is required.
 
     Raises:
         TransportError: If the address is taken or is not this machine's.

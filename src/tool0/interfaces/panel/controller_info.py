@@ -1,4 +1,4 @@
-"""The controllers of the YAML as a page lists them, and why one cannot be driven."""
+"""The controllers of the YAML as a page lists them, and which sliders can drive."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from tool0.control.manager import ControllerStatus
 from tool0.description.model import Joint, JointType
 from tool0.interfaces.panel.protocol import ControllerInfo
 
-_DRIVABLE = "/JointTrajectoryController"
 _State = Literal["unloaded", "initialized", "running", "stopped"]
 
 
@@ -23,61 +22,45 @@ def controller_infos(
 
     Args:
         defined: Name → type, loaded or not.
-        loaded: What the manager says of those that are.
+        loaded: The manager's status of those that are.
         joints: Each joint with its limits.
     """
     status_of = {status.name: status for status in loaded}
     return [
-        _unloaded(name, kind)
-        if name not in status_of
-        else _loaded(status_of[name], joints)
-        for name, kind in defined.items()
+        _info(name, kind, status_of.get(name), joints) for name, kind in defined.items()
     ]
 
 
-def _unloaded(name: str, kind: str) -> ControllerInfo:
+def _info(
+    name: str, kind: str, status: ControllerStatus | None, joints: Mapping[str, Joint]
+) -> ControllerInfo:
+    claims = () if status is None else status.claimed
+    claimed = [joint for _, names in claims for joint in names]
+    state = "unloaded" if status is None else cast(_State, status.state)
     return ControllerInfo(
         name=name,
         type=kind,
-        state="unloaded",
-        interface=None,
-        joints=[],
-        undrivable=_wrong_type(kind) or "It is not loaded: load and start it.",
-    )
-
-
-def _loaded(status: ControllerStatus, joints: Mapping[str, Joint]) -> ControllerInfo:
-    claimed = [joint for _, joints in status.claimed for joint in joints]
-    return ControllerInfo(
-        name=status.name,
-        type=status.type,
-        state=cast(_State, status.state),  # the manager's words are these
-        interface=status.claimed[0][0] if status.claimed else None,
+        state=state,
+        interface=claims[0][0] if claims else None,
         joints=claimed,
-        undrivable=_wrong_type(status.type)
-        or _not_running(status.state)
-        or _unlimited([joints[name] for name in claimed]),
+        undrivable=_obstacle(kind, state, [joints[joint] for joint in claimed]),
     )
 
 
-def _wrong_type(kind: str) -> str | None:
-    if kind.endswith(_DRIVABLE):
-        return None
+def _obstacle(kind: str, state: _State, joints: Sequence[Joint]) -> str | None:
+    """Return why sliders cannot drive a controller of these joints."""
     if kind.endswith("/JointStateController"):
-        return "It moves nothing: it only tells where the joints are."
-    name = kind.rpartition("/")[2]
-    return f"Sliders drive a JointTrajectoryController; this is a {name}."
-
-
-def _not_running(state: str) -> str | None:
-    return None if state == "running" else f"It is {state}, not running: start it."
-
-
-def _unlimited(joints: Sequence[Joint]) -> str | None:
+        return "It moves nothing: it only publishes joint states."
+    if not kind.endswith("/JointTrajectoryController"):
+        name = kind.rpartition("/")[2]
+        return f"Sliders drive a JointTrajectoryController; this is a {name}."
+    if state == "unloaded":
+        return "It is not loaded: load and start it."
+    if state != "running":
+        return f"It is {state}, not running: start it."
     for joint in joints:
-        if joint.type is JointType.CONTINUOUS:
-            continue
-        if not math.isfinite(joint.limits.upper - joint.limits.lower):
+        is_limited = math.isfinite(joint.limits.upper - joint.limits.lower)
+        if joint.type is not JointType.CONTINUOUS and not is_limited:
             return (
                 f"Joint '{joint.name}' has no position limits, so a slider has no ends."
             )

@@ -1,7 +1,7 @@
-"""Who may come in: pages of our own and programs, never a page of another origin.
+"""Access control: our own pages and programs, but no pages of other origins.
 
 Browsers let any page open a WebSocket to any address, this machine's included.  They
-always say where the page came from (``Origin``) and what it called us (``Host``).
+always send the page's origin (``Origin``) and the name it used for us (``Host``).
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _READING: Final = frozenset({"GET", "HEAD"})
 
 @final
 class Guard:
-    """Lets a request through to ``app``, or refuses it with a short text."""
+    """Passes a request to ``app``, or refuses it with a short text."""
 
     def __init__(self, app: ASGIApp, endpoint: Endpoint) -> None:
         self._app = app

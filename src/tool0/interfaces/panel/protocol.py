@@ -12,6 +12,8 @@ from typing import Literal
 
 from msgspec import Struct
 
+from tool0.description.catalogue import DisplayName
+from tool0.requests.fields import RGBA, Quaternion, Vector3
 from tool0.requests.messages import Mode
 
 Severity = Literal["info", "warning", "error"]
@@ -28,10 +30,6 @@ NoticeCode = Literal[
     "refused",
     "log",
 ]
-Vector3 = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
-"""w, x, y, z."""
-RGBA = tuple[float, float, float, float]
 
 # ---- what messages are made of ------------------------------------------------------
 
@@ -63,28 +61,21 @@ class GripperInfo(Struct, frozen=True, kw_only=True):
     """At each pad [N]."""
 
 
-class PartName(Struct, frozen=True, kw_only=True):
-    """What a person calls a link or a joint."""
-
-    en: str
-    zh: str
-
-
 class RobotInfo(Struct, frozen=True, kw_only=True):
     name: str
     title: str
-    """For people, as in ``ur5 + 2f85``."""
+    """For the title bar: ``ur5 + 2f85``."""
     root: str
-    """The link that stands still; every pose here is in its frame."""
+    """The fixed link; every pose here is in its frame."""
     urdf: str
-    """Where the URDF is, as a path on this server; its meshes are by such paths too."""
+    """Path of the URDF on this server; it names its meshes by such paths."""
     ground: float | None
     """Height of the ground [m]; null for none."""
     joints: list[JointInfo]
     """In the order of every array of a ``frame``."""
     grippers: list[GripperInfo]
-    part_names: dict[str, PartName]
-    """Link or joint → what a person calls it, where it has such a name."""
+    part_names: dict[str, DisplayName]
+    """Link or joint → its name in English and Chinese, where it has one."""
 
 
 class ShapeInfo(Struct, frozen=True, kw_only=True):
@@ -96,17 +87,17 @@ class ShapeInfo(Struct, frozen=True, kw_only=True):
     radius: float | None = None
     length: float | None = None
     url: str | None = None
-    """Where a mesh is, as a path on this server."""
+    """Path of a mesh on this server."""
 
 
-class ObjectInfo(Struct, frozen=True, kw_only=True):
+class ViewObject(Struct, frozen=True, kw_only=True):
     """An object of the scene."""
 
     name: str
     shape: ShapeInfo
     rgba: RGBA
     mass: float | None
-    """[kg]; null for what stands still."""
+    """[kg]; null is fixed."""
 
 
 class ControllerInfo(Struct, frozen=True, kw_only=True):
@@ -140,7 +131,7 @@ class GripperState(Struct, frozen=True, kw_only=True):
 class PoseInfo(Struct, frozen=True, kw_only=True):
     name: str
     saved: bool
-    """Whether a person saved it; the others came with the robot."""
+    """Whether it was saved; the others belong to the robot."""
     positions: dict[str, float]
 
 
@@ -148,7 +139,7 @@ class PoseInfo(Struct, frozen=True, kw_only=True):
 
 
 class Notice(Struct, frozen=True, kw_only=True, tag="notice"):
-    """Something that happened; the last ones are in ``view`` too."""
+    """An event in words, for the log; ``view`` holds the last ones."""
 
     number: int
     """Counts up from 1 for the life of the server."""
@@ -163,16 +154,16 @@ class Notice(Struct, frozen=True, kw_only=True, tag="notice"):
 
 
 class Status(Struct, frozen=True, kw_only=True, tag="status"):
-    """What changes seldom: sent at the start, and when something in it changed."""
+    """What changes seldom: sent first, and when something in it changed."""
 
     paused: bool
     stopped: bool
     """Whether the emergency stop is engaged."""
     fault: str | None
     speed: float | None
-    """Simulated per wall second, as asked for; null: as fast as possible."""
+    """Requested simulated seconds per wall second; null: as fast as possible."""
     real_time_factor: float
-    """As measured over about the last second."""
+    """Measured over about the last second."""
     overruns: int
     clients: int
     """Pages that are connected."""
@@ -180,7 +171,7 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     grippers: list[GripperState]
     poses: list[PoseInfo]
     targets: dict[str, float]
-    """Joint → where its controller is taking it; for the ghost."""
+    """Joint → the end of its controller's motion; the page draws it as a ghost."""
 
 
 class Frame(Struct, frozen=True, kw_only=True, tag="frame"):
@@ -195,23 +186,23 @@ class Frame(Struct, frozen=True, kw_only=True, tag="frame"):
     velocity: list[float]
     effort: list[float]
     desired: list[float | None]
-    """Where controllers want the joints at this instant; null for joints that none
-    moves by position."""
+    """Setpoints at this instant; null for joints that no controller moves by
+    position."""
     objects: list[tuple[Vector3, Quaternion]]
     """Poses in the order of the objects of the ``scene`` with this number."""
     scene: int
     """Number of the ``scene`` that these objects are of."""
 
 
-class Scene(Struct, frozen=True, kw_only=True, tag="scene"):
-    """What is around the robot: sent at the start, and when an object comes or goes.
+class ViewScene(Struct, frozen=True, kw_only=True, tag="scene"):
+    """The objects around the robot: sent first, and when one is added or removed.
 
     A frame says by number which scene its objects are of.
     """
 
     number: int
     """Counts up from 0 for the life of the server."""
-    objects: list[ObjectInfo]
+    objects: list[ViewObject]
 
 
 class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
@@ -223,9 +214,9 @@ class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
     control_period: float | None
     """Simulated time of a tick [s]; null in ``view``."""
     grasp_assist: bool
-    """Whether what is grasped is fixed to the gripper, which no hand does."""
+    """Whether grasped objects are fixed to the gripper, which is not physical."""
     robot: RobotInfo
     notices: list[Notice]
 
 
-ViewMessage = ViewInfo | Scene | Status | Frame | Notice
+ViewMessage = ViewInfo | ViewScene | Status | Frame | Notice

@@ -1,26 +1,93 @@
-"""What a page is told of the robot at the start, from its description."""
+"""The robot as a page needs it: its description, its URDF and its meshes."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal, cast
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, cast, final
 
 from tool0.description.catalogue import RobotDescription, part_names
 from tool0.description.model import Joint, JointLimits, JointType, RobotModel
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.xml_source import parse_text, to_text
 from tool0.interfaces.panel.protocol import (
     GripperInfo,
     JointInfo,
-    ObjectInfo,
-    PartName,
     RobotInfo,
     ShapeInfo,
+    ViewObject,
 )
-from tool0.interfaces.panel.robot_files import URDF_PATH, RobotFiles
 
+if TYPE_CHECKING:
+    from xml.dom.minidom import Document, Element
+
+URDF_PATH = "/robot.urdf"
 ONE_AXIS = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC})
+
+
+@final
+class RobotFiles:
+    """The URDF and the meshes that a page can fetch.
+
+    Only files that the model and the scene name are served.
+    """
+
+    def __init__(self, description: RobotDescription) -> None:
+        self._description = description
+        geometries: list[Geometry] = []
+        for link in description.model.links:
+            geometries += [shape.geometry for shape in link.visuals]
+            geometries += [shape.geometry for shape in link.collisions]
+        meshes = [item for item in geometries if isinstance(item, Mesh)]
+        self._numbers = itertools.count()
+        self._url_of = self._urls(meshes, {})
+        self._url_of_uri = {mesh.uri: self._url_of[mesh.path] for mesh in meshes}
+        self._url_of_object: Mapping[Path, str] = {}
+
+    def set_objects(self, objects: Sequence[SceneObject]) -> None:
+        """Serve the meshes of these objects, and of no other objects.
+
+        A mesh that is removed and added again gets another path, since its file may
+        have changed.
+        """
+        geometries = [item.geometry for item in objects]
+        meshes = [item for item in geometries if isinstance(item, Mesh)]
+        self._url_of_object = self._urls(meshes, self._url_of_object)
+
+    @property
+    def meshes(self) -> Mapping[str, Path]:
+        """Path on the server → file."""
+        both = (self._url_of, self._url_of_object)
+        return {url: file for urls in both for file, url in urls.items()}
+
+    def url(self, mesh: Mesh) -> str:
+        """Return the path of an object's mesh on the server."""
+        return self._url_of_object[mesh.path]
+
+    def _urls(
+        self, meshes: Sequence[Mesh], known: Mapping[Path, str]
+    ) -> Mapping[Path, str]:
+        return {
+            file: known.get(file)
+            or f"/meshes/{next(self._numbers)}{file.suffix.lower()}"
+            for file in dict.fromkeys(mesh.path for mesh in meshes)
+        }
+
+    @cached_property
+    def urdf(self) -> bytes:
+        """The URDF, with paths on the server instead of files."""
+        document: Document = parse_text(self._description.urdf)
+        for element in document.getElementsByTagName("mesh"):
+            uri = element.getAttribute("filename")
+            element.setAttribute("filename", self._url_of_uri.get(uri, ""))
+        for element in list(document.getElementsByTagName("texture")):
+            # Textures are not served.
+            cast("Element", element.parentNode).removeChild(element)
+        return to_text(document).encode()
 
 
 def robot_info(
@@ -60,16 +127,13 @@ def robot_info(
             )
             for gripper in model.grippers
         ],
-        part_names={
-            part: PartName(en=name.en, zh=name.zh)
-            for part, name in part_names(description).items()
-        },
+        part_names=dict(part_names(description)),
     )
 
 
-def object_info(item: SceneObject, files: RobotFiles) -> ObjectInfo:
+def object_info(item: SceneObject, files: RobotFiles) -> ViewObject:
     """Return what a page needs to draw an object of the scene."""
-    return ObjectInfo(
+    return ViewObject(
         name=item.name,
         shape=_shape_info(item.geometry, files),
         rgba=item.rgba,

@@ -17,14 +17,14 @@ from tool0.api.robot import Robot
 from tool0.interfaces.panel.address import Endpoint, open_endpoint
 from tool0.interfaces.server.backend import Backend, SimulationBackend
 from tool0.interfaces.server.server import Server
+from tool0.requests.motion import PoseJoints
 from tool0.requests.table import Request
 
 if TYPE_CHECKING:
     import uvicorn
 
-    from tool0.interfaces.panel.source import ViewSource
     from tool0.interfaces.panel.view import RobotView
-    from tool0.interfaces.panel.view_feed import ViewFeed
+    from tool0.interfaces.panel.view_feed import ViewFeed, ViewSource
     from tool0.interfaces.server.hub import Hub
 
 logger = logging.getLogger(__name__)
@@ -36,7 +36,7 @@ MAX_PAGES: Final = 64
 GOING_AWAY: Final = 1001
 FULL: Final = 503
 _MAX_MESSAGE: Final = 1 << 16
-"""Bytes of a message from which the connection ends."""
+"""Longest message of a page [bytes]; a longer one ends the connection."""
 _PING_PERIOD: Final = 20.0
 """Wall time between checks whether a silent page is still there [s]."""
 
@@ -47,9 +47,9 @@ def is_page_built() -> bool:
 
 
 def load() -> None:
-    """Import what the server needs: 0.1 s in which a control loop would be late.
+    """Import what the server needs, before a control loop runs.
 
-    The server's thread does it otherwise, so that a panel can be had at once.
+    Otherwise the server's thread does it: 0.1 s in which ticks would be late.
     """
     import uvicorn.protocols.http.h11_impl
     import uvicorn.protocols.websockets.websockets_sansio_impl  # noqa: F401
@@ -63,8 +63,10 @@ def load() -> None:
 class WebService:
     """Serves a hub's robot as a web page; see ``server.Service``.
 
-    The address can be used at once; the page comes as soon as the server is loaded.
+    The address can be used at once; the page is served as soon as the server is loaded.
     """
+
+    starts_at_once: Final = True
 
     def __init__(
         self,
@@ -81,6 +83,7 @@ class WebService:
         """
         self._make_source = source
         self._endpoint = endpoint
+        self.listener = endpoint.listener
         self._setpoint_requests = setpoint_requests
         self._shown = threading.Event()
         self._feed: ViewFeed | None = None
@@ -101,7 +104,7 @@ class WebService:
         return self._shown.wait(timeout)
 
     async def start(self, hub: Hub) -> None:
-        """Take pages."""
+        """Accept pages."""
         import uvicorn
 
         from tool0.interfaces.panel.app import build_app
@@ -110,7 +113,7 @@ class WebService:
         source = self._make_source()
         hub.setpoint_requests += self._setpoint_requests
         self._feed = ViewFeed(source, hub)
-        app = build_app(source, self._serve_page(hub), self._endpoint, STATIC)
+        app = build_app(source.files, self._serve_page(hub), self._endpoint, STATIC)
         self._server = uvicorn.Server(
             uvicorn.Config(
                 app,
@@ -130,20 +133,24 @@ class WebService:
                 timeout_graceful_shutdown=1,
             )
         )
-        logging.getLogger("uvicorn.error").addFilter(_is_news)
+        logging.getLogger("uvicorn.error").addFilter(_is_problem)
         serving = self._server.serve(sockets=[self._endpoint.listener])
         self._serving = asyncio.create_task(serving)
 
     async def stop(self) -> None:
-        """Take no more pages."""
+        """Stop to show the robot."""
         if self._feed is not None:
             self._feed.close()
-        if self._server is not None:
+
+    async def end(self) -> None:
+        """End the web server."""
+        if self._server is not None and self._serving is not None:
             self._server.should_exit = True
+            await asyncio.wait([self._serving])
 
     def release(self) -> None:
         """Close the listening socket."""
-        self._endpoint.listener.close()
+        self.listener.close()
 
     def _serve_page(self, hub: Hub) -> Callable[[WebSocket], Awaitable[None]]:
         n_pages = 0
@@ -195,8 +202,9 @@ class _PageTransport:
         event = await self._socket.receive()
         if event["type"] == "websocket.disconnect":
             return None
-        text: str | bytes = event.get("text") or event["bytes"]
-        return text
+        text: str | None = event.get("text")
+        data: bytes | None = event.get("bytes")
+        return data if text is None else text
 
     async def close(self) -> None:
         await self._socket.close(GOING_AWAY, "the server ends")
@@ -222,10 +230,9 @@ class Panel:
 
         Args:
             robot: A robot of this process, or one without physics.
-            host: The name or address to listen at; only this machine's own programs
-                can come in if left out.
+            host: The name or address to listen at; the loopback if left out.
             port: 8085 if left out, or a free one if that is taken.
-            token: What pages must show; a new one, if host or port is given without.
+            token: Required from pages; see ``open_endpoint``.
             endpoint: A listening socket, instead of host, port and token.
 
         Raises:
@@ -250,7 +257,7 @@ class Panel:
         return self._service.await_page(timeout)
 
     def close(self) -> None:
-        """Say goodbye to every page and end; closing twice is allowed."""
+        """Close every connection and end; closing twice is allowed."""
         self._server.close()
 
     def __enter__(self) -> Panel:
@@ -278,11 +285,9 @@ def panel_service(
             return SimulationView(simulation)
 
         return SimulationBackend(simulation), WebService(view, endpoint)
-    from tool0.interfaces.panel.view import PoseJoints
-
     return robot, WebService(lambda: robot, endpoint, (PoseJoints,))
 
 
-def _is_news(record: logging.LogRecord) -> bool:
-    """Return False for what uvicorn says of every refused page: nothing went wrong."""
+def _is_problem(record: logging.LogRecord) -> bool:
+    """Return False for uvicorn's line about a refused page, which is no problem."""
     return "without completing handshake" not in record.getMessage()

@@ -8,11 +8,16 @@ from typing import TYPE_CHECKING, final
 
 from tool0.errors import ConfigError
 from tool0.interfaces.panel.controller_info import controller_infos
-from tool0.interfaces.panel.event_watcher import EventWatcher
-from tool0.interfaces.panel.protocol import Frame, GripperState, PoseInfo, Scene, Status
-from tool0.interfaces.panel.robot_files import RobotFiles
-from tool0.interfaces.panel.robot_info import object_info, robot_info
-from tool0.interfaces.panel.source import Facts, Notification
+from tool0.interfaces.panel.notices import EventWatcher, Notification
+from tool0.interfaces.panel.protocol import (
+    Frame,
+    GripperState,
+    PoseInfo,
+    Status,
+    ViewInfo,
+    ViewScene,
+)
+from tool0.interfaces.panel.robot_info import RobotFiles, object_info, robot_info
 from tool0.sensing.grasp import GraspDetector
 
 if TYPE_CHECKING:
@@ -21,26 +26,26 @@ if TYPE_CHECKING:
     from tool0.sensing.snapshot import Snapshot
 
 _DIGITS = 6
-"""Of positions and the like: micrometres.  What rests is then the same every time."""
+"""Decimals of positions and the like: a resting robot then gives equal frames."""
 
 
 @final
 class SimulationView:
-    """Makes frames and statuses of snapshots."""
+    """Derives frames and statuses from snapshots; see ``view_feed.ViewSource``."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         description = simulation.description
-        self._files = RobotFiles(description)
+        self.files = RobotFiles(description)
         first = simulation.snapshot
         limits = simulation.joint_limits
-        self._facts = Facts(
+        self.info = ViewInfo(
             mode="simulation",
             engine=simulation.engine.name,
             control_period=simulation.loop.control_period,
             grasp_assist=simulation.grasp_assist,
             robot=robot_info(description, first.joint_names, simulation.ground, limits),
-            files=self._files,
+            notices=[],
         )
         self._joints = {
             name: replace(joint, limits=limits.get(name, joint.limits))
@@ -57,11 +62,7 @@ class SimulationView:
         }
         self._grippers: list[GripperState] = []
 
-    @property
-    def facts(self) -> Facts:
-        return self._facts
-
-    def scene(self) -> Scene:
+    def scene(self) -> ViewScene:
         return self._scene
 
     def frame(self) -> Frame:
@@ -81,7 +82,7 @@ class SimulationView:
         return self._frame
 
     def status(self, clients: int) -> Status:
-        self.frame()  # what the grippers do is told by every snapshot
+        self.frame()  # updates the grippers' states
         snapshot = self._simulation.snapshot
         return Status(
             paused=snapshot.is_paused,
@@ -110,10 +111,10 @@ class SimulationView:
     def close(self) -> None:
         self._watcher.close()
 
-    def _scene_of(self, number: int, objects: Sequence[SceneObject]) -> Scene:
-        self._files.have(objects)
-        infos = [object_info(item, self._files) for item in objects]
-        return Scene(number=number, objects=infos)
+    def _scene_of(self, number: int, objects: Sequence[SceneObject]) -> ViewScene:
+        self.files.set_objects(objects)
+        infos = [object_info(item, self.files) for item in objects]
+        return ViewScene(number=number, objects=infos)
 
     def _poses(self) -> list[PoseInfo]:
         book = self._simulation.poses

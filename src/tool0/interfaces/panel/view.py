@@ -1,4 +1,4 @@
-"""A robot without physics, as the pages of ``tool0 view`` see and pose it."""
+"""A robot without physics, for ``tool0 view``: its pages show and pose it."""
 
 from __future__ import annotations
 
@@ -9,29 +9,27 @@ from typing import Any, Final, final
 from tool0.description.catalogue import RobotDescription
 from tool0.description.model import Joint, JointType, RobotModel
 from tool0.errors import ConfigError, ControlError, ModelError
-from tool0.interfaces.panel.protocol import Frame, GripperState, PoseInfo, Scene, Status
-from tool0.interfaces.panel.robot_files import RobotFiles
-from tool0.interfaces.panel.robot_info import ONE_AXIS, robot_info
-from tool0.interfaces.panel.source import Facts, Notification
-from tool0.requests.fields import JointPositions
+from tool0.interfaces.panel.notices import Notification
+from tool0.interfaces.panel.protocol import (
+    Frame,
+    GripperState,
+    PoseInfo,
+    Status,
+    ViewInfo,
+    ViewScene,
+)
+from tool0.interfaces.panel.robot_info import ONE_AXIS, RobotFiles, robot_info
 from tool0.requests.gripper import Grip
+from tool0.requests.motion import PoseJoints
 from tool0.requests.poses import DeletePose, GoToPose, SavePose
-from tool0.requests.table import Request, handles, method_name
+from tool0.requests.table import Request, method_name
 from tool0.requests.time import Reset
 from tool0.runtime.poses import PoseBook
-from tool0.runtime.simulation import Simulation
-
-
-class PoseJoints(Request[None], frozen=True):
-    """Set joints directly, in ``tool0 view``: there is no physics."""
-
-    positions: JointPositions
-
 
 FIRST_POSE: Final = "home"
 _ROUNDING: Final = 1e-6
-"""How far beyond a limit a position may be that was meant to be at it [rad | m]."""
-_NOTHING: Final = Scene(number=0, objects=[])
+"""Distance beyond a limit that still counts as the limit [rad | m]."""
+_NO_OBJECTS: Final = ViewScene(number=0, objects=[])
 
 
 @final
@@ -65,21 +63,18 @@ class RobotView:
         self._frame = self._frame_now()
         self._problem: str | None = None
         self._notifications: list[Notification] = []
-        self._facts = Facts(
+        self.files = RobotFiles(description)
+        self.info = ViewInfo(
             mode="view",
             engine=None,
             control_period=None,
             grasp_assist=False,
             robot=robot_info(description, self._names, ground, {}),
-            files=RobotFiles(description),
+            notices=[],
         )
 
-    @property
-    def facts(self) -> Facts:
-        return self._facts
-
-    def scene(self) -> Scene:
-        return _NOTHING
+    def scene(self) -> ViewScene:
+        return _NO_OBJECTS
 
     def frame(self) -> Frame:
         return self._frame
@@ -179,7 +174,7 @@ class RobotView:
             effort=[0.0] * n_joints,
             desired=[None] * n_joints,
             objects=[],
-            scene=_NOTHING.number,
+            scene=_NO_OBJECTS.number,
         )
 
     def _poses(self) -> list[PoseInfo]:
@@ -201,10 +196,12 @@ class RobotView:
 def _checked(joint: Joint, position: float) -> float:
     if joint.mimic is not None:
         raise ModelError(
-            f"joint '{joint.name}' follows '{joint.mimic.joint}'; pose that one"
+            f"joint '{joint.name}' mimics '{joint.mimic.joint}'; pose that one"
         )
     if joint.type not in ONE_AXIS:
-        raise ModelError(f"joint '{joint.name}' is {joint.type.value} and stands still")
+        raise ModelError(
+            f"joint '{joint.name}' is {joint.type.value} and cannot be posed"
+        )
     if joint.type is JointType.CONTINUOUS:
         return position
     limits = joint.limits
@@ -219,7 +216,7 @@ def _checked(joint: Joint, position: float) -> float:
 def _with_mimics(
     model: RobotModel, positions: Mapping[str, float]
 ) -> Mapping[str, float]:
-    """Return ``positions`` with every mimic joint where its joint takes it."""
+    """Return ``positions`` with every mimic joint where the joint it mimics puts it."""
     found = dict(positions)
     for name in positions:
         mimic = model.joint(name).mimic
@@ -233,12 +230,4 @@ def _no_physics(request: Request[Any]) -> ControlError:
     return ControlError(
         f"`tool0 view` has no physics and no controllers, so it cannot do '{name}'; "
         "bring the robot up with `tool0 bringup`"
-    )
-
-
-@handles(PoseJoints)
-def _pose_joints(simulation: Simulation, request: PoseJoints) -> None:
-    raise ControlError(
-        "joints are set directly in `tool0 view` only; in a simulation, steer a "
-        "trajectory controller"
     )

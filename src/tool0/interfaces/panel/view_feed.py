@@ -1,14 +1,17 @@
-"""Shows a robot to every page: the newest frame, what changes seldom, and notices."""
+"""Sends pages what they show of a robot: frames, status, scene and notices."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from typing import Final, final
+from collections.abc import Sequence
+from typing import Final, Protocol, final
 
-from tool0.interfaces.panel.notices import NoticeBook
-from tool0.interfaces.panel.protocol import Status, ViewInfo
-from tool0.interfaces.panel.source import Notification, ViewSource
+import msgspec
+
+from tool0.interfaces.panel.notices import NoticeBook, Notification
+from tool0.interfaces.panel.protocol import Frame, Status, ViewInfo, ViewScene
+from tool0.interfaces.panel.robot_info import RobotFiles
 from tool0.interfaces.server.hub import Hub
 from tool0.interfaces.server.session import Session
 from tool0.requests.codec import encode
@@ -18,7 +21,36 @@ logger = logging.getLogger(__name__)
 FRAME_PERIOD: Final = 1 / 60
 """[wall s]"""
 STATUS_PERIOD: Final = 0.1
-"""[wall s]; also between looks at what happened."""
+"""[wall s]; also between checks for notifications."""
+
+
+class ViewSource(Protocol):
+    """A robot as pages see it, read by the server's thread alone."""
+
+    @property
+    def info(self) -> ViewInfo:
+        """What does not change while the server runs; without notices."""
+
+    @property
+    def files(self) -> RobotFiles: ...
+
+    def scene(self) -> ViewScene:
+        """Return the objects of the newest frame that was returned.
+
+        The same object until an object is added or removed.
+        """
+
+    def frame(self) -> Frame:
+        """Return where everything is: the same object while nothing changes."""
+
+    def status(self, clients: int) -> Status:
+        """Return what changes seldom, with the number of pages."""
+
+    def notifications(self) -> Sequence[Notification]:
+        """Return what happened since the last call."""
+
+    def close(self) -> None:
+        """Stop reading the robot."""
 
 
 @final
@@ -26,7 +58,7 @@ class ViewFeed:
     """Feeds the sessions that subscribed to the view.  It lives in the event loop."""
 
     def __init__(self, source: ViewSource, hub: Hub) -> None:
-        """Start to look."""
+        """Start to read the source."""
         self._source = source
         self._hub = hub
         self._sessions: set[Session] = set()
@@ -38,36 +70,29 @@ class ViewFeed:
         self._status: Status | None = None
         self._status_text = b""
         hub.attach_view = self.attach
-        hub.when_refused = self._tell_refusal
-        self._task = asyncio.create_task(self._look())
+        hub.when_refused = self._notify_refusal
+        self._task = asyncio.create_task(self._run())
 
     def attach(self, session: Session) -> None:
-        """Let a session receive the view from now on."""
+        """Send a session the view from now on."""
+        notices = list(self._book.kept)
+        session.send(
+            encode(msgspec.structs.replace(self._source.info, notices=notices))
+        )
+        self._update_frame()
+        session.send_latest("scene", self._scene_text)
         self._sessions.add(session)
         self._update_status()
-        session.tell(encode(self._view_info()))
-        session.show("scene", self._scene_text)
-        session.show("status", self._status_text)
-        session.show("frame", self._frame_text)
+        session.send_latest("status", self._status_text)
+        session.send_latest("frame", self._frame_text)
 
     def close(self) -> None:
-        """Look no more."""
+        """Stop."""
         self._task.cancel()
         self._source.close()
 
-    def _view_info(self) -> ViewInfo:
-        facts = self._source.facts
-        return ViewInfo(
-            mode=facts.mode,
-            engine=facts.engine,
-            control_period=facts.control_period,
-            grasp_assist=facts.grasp_assist,
-            robot=facts.robot,
-            notices=list(self._book.kept),
-        )
-
-    async def _look(self) -> None:
-        """Show what is new, at the pace of the wall clock."""
+    async def _run(self) -> None:
+        """Send what is new, at the pace of the wall clock."""
         loop = asyncio.get_running_loop()
         next_status = loop.time()
         while True:
@@ -77,18 +102,17 @@ class ViewFeed:
                 if start >= next_status:
                     next_status = start + STATUS_PERIOD
                     for notification in self._source.notifications():
-                        self._tell(notification)
-                    self._hub.drop_stuck()
+                        self._notify(notification)
                     if self._sessions:
                         self._update_status()
                 if self._sessions:
-                    self._show_frame()
-            except Exception:  # one page's trouble, or ours, is not the end of all
+                    self._update_frame()
+            except Exception:  # one failure must not end the view
                 logger.exception("the panel could not show the robot")
             pause = FRAME_PERIOD if self._sessions else STATUS_PERIOD
             await asyncio.sleep(max(0.001, start + pause - loop.time()))
 
-    def _show_frame(self) -> None:
+    def _update_frame(self) -> None:
         frame = self._source.frame()
         if frame is self._frame:
             return
@@ -99,8 +123,8 @@ class ViewFeed:
             self._scene, self._scene_text = scene, encode(scene)
         for session in self._sessions:
             if is_new:
-                session.show("scene", self._scene_text)
-            session.show("frame", self._frame_text)
+                session.send_latest("scene", self._scene_text)
+            session.send_latest("frame", self._frame_text)
 
     def _update_status(self) -> None:
         status = self._source.status(len(self._sessions))
@@ -108,18 +132,18 @@ class ViewFeed:
             return
         self._status, self._status_text = status, encode(status)
         for session in self._sessions:
-            session.show("status", self._status_text)
+            session.send_latest("status", self._status_text)
 
-    def _tell(self, notification: Notification) -> None:
+    def _notify(self, notification: Notification) -> None:
         notice = self._book.note(notification)
         if notice is None:
             return
         text = encode(notice)
         for session in list(self._sessions):
-            session.tell(text)
+            session.send(text)
 
-    def _tell_refusal(self, message: str) -> None:
-        self._tell(
+    def _notify_refusal(self, message: str) -> None:
+        self._notify(
             Notification(
                 severity="warning",
                 code="refused",

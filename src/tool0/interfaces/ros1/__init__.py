@@ -1,1 +1,1 @@
-"""The ROS 1 edge: what ros_control and gazebo_ros present, over one running robot."""
+"""ROS 1: the interfaces of ros_control and gazebo_ros over one running robot."""

@@ -1,96 +1,239 @@
-"""The topics, actions and services of the controllers that are loaded."""
+"""What each type of controller presents in ROS: its topics, actions and services."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable
 from typing import final
 
-from tool0.api.robot import Robot
+from control_msgs import msg, srv
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64, Float64MultiArray
+from trajectory_msgs.msg import JointTrajectory
+
+from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.control.forward_command import ForwardCommandSpec
+from tool0.control.goal import GoalResult, GripperResult
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_state import JointStateSpec
 from tool0.control.joint_trajectory import JointTrajectorySpec
-from tool0.errors import ControlError
-from tool0.interfaces.ros1.forward_edge import ForwardEdge
-from tool0.interfaces.ros1.gripper_edge import GripperEdge
-from tool0.interfaces.ros1.joint_state_edge import JointStateEdge
-from tool0.interfaces.ros1.node import Part, RosNode, Worker
-from tool0.interfaces.ros1.trajectory_edge import TrajectoryEdge
+from tool0.control.publish_rate import PublishRate
+from tool0.control.trajectory import TrajectoryState
+from tool0.errors import ControlError, GoalRejectedError, Tool0Error
+from tool0.interfaces.ros1.action_server import ControllerActionServer
+from tool0.interfaces.ros1.messages import (
+    Message,
+    point_message,
+    to_points,
+    to_tolerances,
+)
+from tool0.interfaces.ros1.node import RosNode
 from tool0.sensing.snapshot import Snapshot
-
-_PATIENCE = 10.0
-"""For one controller's names at a busy master [wall s]; one that is gone refuses at
-once."""
-_EDGES: dict[type, Callable[..., Part]] = {
-    JointStateSpec: JointStateEdge,
-    JointTrajectorySpec: TrajectoryEdge,
-    GripperActionSpec: GripperEdge,
-    ForwardCommandSpec: ForwardEdge,
-}
-"""What presents a controller, by the class of its parameters."""
 
 
 @final
-class ControllerEdges:
-    """Follows what is loaded, whoever loads it: ROS, the panel, the command line.
+class JointTrajectoryBridge:
+    """``command``, ``state``, ``follow_joint_trajectory`` and ``query_state``."""
 
-    As in ROS, a controller's names are there from its loading to its unloading.
-    """
-
-    def __init__(self, node: RosNode, robot: Robot) -> None:
+    def __init__(
+        self, node: RosNode, spec: JointTrajectorySpec, controller: ControllerHandle
+    ) -> None:
         self._node = node
-        self._robot = robot
-        self._edges: dict[str, tuple[object, Part]] = {}  # by name, with the spec
-        self._seen: tuple[str, ...] = ()
-        self._changing = threading.Lock()
-        self._is_closing = False
-        # Who registers waits for the master, which those who publish must not.
-        self._registrar = Worker("tool0 ros1 registrar")
-        self.follow()
+        self._name = name = spec.name
+        self._joints = spec.joints
+        self._controller = controller
+        self._rate = PublishRate(spec.state_publish_rate)
+        self._publisher = node.publisher(
+            f"{name}/state", msg.JointTrajectoryControllerState, queue_size=10
+        )
+        self._action = ControllerActionServer(
+            node,
+            f"{name}/follow_joint_trajectory",
+            msg.FollowJointTrajectoryAction,
+            start=self._start,
+            rejection=self._rejection,
+            result=self._result,
+            monitor_rate=spec.action_monitor_rate,
+        )
+        self._subscriber = node.subscriber(
+            f"{name}/command", JointTrajectory, self._command
+        )
+        self._service = node.service(
+            f"{name}/query_state", srv.QueryTrajectoryState, self._query
+        )
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish what running controllers tell; see whether others are loaded."""
-        loaded = tuple(status.name for status in snapshot.controllers)
-        if loaded != self._seen:
-            self._seen = loaded
-            self._registrar.defer(self.follow)
-        edges = self._edges  # as they are now: they may be replaced meanwhile
-        for status in snapshot.controllers:
-            if status.state == "running" and status.name in edges:
-                edges[status.name][1].publish(snapshot)
-
-    def follow(self) -> None:
-        """Present the controllers that are loaded now, and no others."""
-        with self._changing:
-            specs = {}
-            for status in self._robot.controllers():
-                try:
-                    specs[status.name] = self._robot.controller(status.name).spec
-                except ControlError:
-                    continue  # it has just been unloaded
-            before = self._edges
-            edges = {n: e for n, e in before.items() if specs.get(n) is e[0]}
-            self._edges = dict(edges)  # published no longer; then it may close
-            for name, (_, edge) in before.items():
-                if name not in edges:
-                    edge.close()
-            for name, spec in specs.items():
-                if name not in edges and not self._is_closing:
-                    make = _EDGES[type(spec)]
-                    controller = self._robot.controller(name)
-                    edges[name] = spec, make(self._node, spec, controller)
-            self._edges = edges
-
-    def restart(self) -> None:
-        """Forget times: simulated time has gone back to zero."""
-        for _, edge in self._edges.values():
-            edge.restart()
+        """Publish the state, if the controller runs and it is due."""
+        setpoint = snapshot.controller_setpoints.get(self._name)
+        if setpoint is None:
+            return
+        if self._rate.is_due(snapshot.time):
+            message = msg.JointTrajectoryControllerState()
+            self._publisher.publish(self._filled(message, setpoint.state()))
+        self._action.publish(
+            snapshot.time,
+            lambda: self._filled(msg.FollowJointTrajectoryFeedback(), setpoint.state()),
+        )
 
     def close(self) -> None:
-        """Stop following; the node unregisters everything by itself.
+        """Unregister its topics and services."""
+        self._action.close()
+        self._publisher.unregister()
+        self._subscriber.unregister()
+        self._service.shutdown(f"controller '{self._name}' was unloaded")
 
-        What is being registered is waited for: after the node it would stay behind.
+    def _filled(self, message: Message, state: TrajectoryState) -> Message:
+        """Fill a state or feedback message.
+
+        As in ROS, only the desired motion has accelerations.
         """
-        self._is_closing = True
-        self._registrar.close(_PATIENCE)
+        message.header.stamp = self._node.clock.to_ros(state.time)
+        message.joint_names = state.joint_names
+        message.desired = point_message(state.desired)
+        message.actual = point_message(state.actual)
+        message.error = point_message(state.error)
+        return message
+
+    def _command(self, trajectory: Message) -> None:
+        self._controller.command_trajectory(
+            to_points(trajectory.points),
+            # No points stop the motion, whatever joints the message names.
+            joint_names=trajectory.joint_names if trajectory.points else None,
+            stamp=self._node.clock.from_ros(trajectory.header.stamp),
+        )
+
+    def _start(self, goal: Message) -> GoalHandle:
+        return self._controller.follow(
+            to_points(goal.trajectory.points),
+            joint_names=goal.trajectory.joint_names,
+            stamp=self._node.clock.from_ros(goal.trajectory.header.stamp),
+            path_tolerance=to_tolerances(goal.path_tolerance),
+            goal_tolerance=to_tolerances(goal.goal_tolerance),
+            goal_time_tolerance=goal.goal_time_tolerance.to_sec(),
+        )
+
+    def _rejection(self, error: Tool0Error) -> Message:
+        code = error.code if isinstance(error, GoalRejectedError) else None
+        return msg.FollowJointTrajectoryResult(
+            error_code=GoalRejectedError.INVALID_GOAL if code is None else code,
+            error_string=str(error),
+        )
+
+    def _result(self, outcome: GoalResult) -> Message:
+        return msg.FollowJointTrajectoryResult(
+            error_code=outcome.error_code, error_string=outcome.error_string
+        )
+
+    def _query(self, request: Message) -> Message:
+        time = self._node.clock.from_ros(request.time)
+        if time is None:
+            raise ControlError("query_state needs a time above 0 s")
+        point = self._controller.query_state(time)
+        return srv.QueryTrajectoryStateResponse(
+            name=self._joints,
+            position=point.positions,
+            velocity=point.velocities or (),
+            acceleration=point.accelerations or (),
+        )
+
+
+@final
+class JointStatePublisher:
+    """``joint_states`` of a JointStateController."""
+
+    def __init__(
+        self, node: RosNode, spec: JointStateSpec, controller: ControllerHandle
+    ) -> None:
+        del controller  # it takes no commands
+        self._node, self._spec = node, spec
+        self._rate = PublishRate(spec.publish_rate)
+        self._publisher = node.publisher("joint_states", JointState, queue_size=100)
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """Publish the joints, if it is due."""
+        if not self._rate.is_due(snapshot.time):
+            return
+        joints = self._spec.message(
+            snapshot.joint_names, snapshot.position, snapshot.velocity, snapshot.effort
+        )
+        self._publisher.publish(
+            header=self._node.header(snapshot.time),
+            name=joints.names,
+            position=joints.position,
+            velocity=joints.velocity,
+            effort=joints.effort,
+        )
+
+    def close(self) -> None:
+        """Unregister its topic."""
+        self._publisher.unregister()
+
+
+@final
+class ForwardCommandBridge:
+    """``command`` of a forwarding controller: Float64, or Float64MultiArray."""
+
+    def __init__(
+        self, node: RosNode, spec: ForwardCommandSpec, controller: ControllerHandle
+    ) -> None:
+        self._subscriber = node.subscriber(
+            f"{spec.name}/command",
+            Float64MultiArray if "JointGroup" in spec.type else Float64,
+            lambda message: controller.command(message.data),
+        )
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """Publish nothing: such a controller has no state topic here."""
+
+    def close(self) -> None:
+        """Unregister its topic."""
+        self._subscriber.unregister()
+
+
+@final
+class GripperActionBridge:
+    """``gripper_cmd`` of a GripperActionController."""
+
+    def __init__(
+        self, node: RosNode, spec: GripperActionSpec, controller: ControllerHandle
+    ) -> None:
+        self._joint = spec.joint.name
+        self._controller = controller
+        self._position = 0.0
+        self._action = ControllerActionServer(
+            node,
+            f"{spec.name}/gripper_cmd",
+            msg.GripperCommandAction,
+            start=self._start,
+            rejection=self._rejection,
+            result=self._result,
+            monitor_rate=spec.action_monitor_rate,
+        )
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """Publish status and feedback, if they are due."""
+        index = snapshot.joint_names.index(self._joint)
+        self._position = position = snapshot.position[index]
+        effort = snapshot.effort[index]
+        self._action.publish(
+            snapshot.time,
+            lambda: msg.GripperCommandFeedback(position=position, effort=effort),
+        )
+
+    def close(self) -> None:
+        """Accept no more goals."""
+        self._action.close()
+
+    def _start(self, goal: Message) -> GoalHandle:
+        command = goal.command
+        return self._controller.command_gripper(command.position, command.max_effort)
+
+    def _rejection(self, error: Tool0Error) -> Message:
+        del error  # actionlib carries its text beside the result
+        return msg.GripperCommandResult(position=self._position)
+
+    def _result(self, outcome: GripperResult) -> Message:
+        return msg.GripperCommandResult(
+            position=outcome.position,
+            effort=outcome.effort,
+            stalled=outcome.stalled,
+            reached_goal=outcome.reached_goal,
+        )

@@ -1,4 +1,4 @@
-"""The ROS node of a bring-up: its name, its time, its threads, its complaints."""
+"""The ROS node of a bring-up: its name, its clock, its topics and services, its log."""
 
 from __future__ import annotations
 
@@ -10,48 +10,55 @@ import time
 from collections.abc import Callable
 from importlib import resources
 from typing import Any, Protocol, final
+from xmlrpc.client import ServerProxy
+
+import rospy
+from rospy import Publisher, Service, ServiceException, Subscriber, core, names
+from rospy.impl.registration import get_service_manager, get_topic_manager
+from std_msgs.msg import Header
 
 from tool0.errors import RosUnavailableError, Tool0Error
 from tool0.installation.ros1.master import Master
+from tool0.interfaces.ros1.clock import RosClock
 from tool0.interfaces.ros1.options import NODE_NAME, Ros1Options
-from tool0.interfaces.ros1.ros_time import RosTime
 from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 
-_REPEAT = 1.0  # [s] before the same complaint is made again
+_REPEAT_PERIOD = 1.0
+"""Time before the same error is logged again [wall s]."""
 
 
-class Part(Protocol):
-    """Something that the node presents.  One thread calls it."""
+class SnapshotPublisher(Protocol):
+    """Publishes something of every snapshot.  One thread calls it."""
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Tell what there is to tell of ``snapshot``."""
-
-    def restart(self) -> None:
-        """Forget times: simulated time has gone back to zero."""
+        """Publish what is due.  Simulated time may have gone back to zero."""
 
     def close(self) -> None:
-        """Present it no longer."""
+        """Unregister its topics and services."""
 
 
 @final
-class Worker:
-    """A thread that calls what it is given, in order."""
+class WorkerThread:
+    """A thread that runs tasks in order."""
 
     def __init__(self, name: str) -> None:
         self._tasks: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
-    def defer(self, task: Callable[[], None]) -> None:
-        """Have ``task`` called soon; never waits."""
+    def submit(self, task: Callable[[], None]) -> None:
+        """Queue ``task``; never waits."""
         self._tasks.put(task)
 
-    def close(self, patience: float = 1.0) -> None:
-        """Finish what was deferred, as far as it goes within ``patience`` [wall s]."""
+    def close(self, timeout: float = 1.0) -> None:
+        """Finish the queued tasks, but wait no longer than ``timeout`` [wall s].
+
+        Closing twice is allowed.
+        """
         self._tasks.put(None)
-        self._thread.join(patience)
+        self._thread.join(timeout)
 
     def _run(self) -> None:
         while (task := self._tasks.get()) is not None:
@@ -62,19 +69,33 @@ class Worker:
 
 
 @final
+class RosoutHandler(logging.Handler):
+    """Passes warnings and errors on to rospy, which publishes them on /rosout.
+
+    A program without logging handlers still sees them on standard error.
+    """
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Publish the record; print it if the program has no handler."""
+        log = rospy.logerr if record.levelno >= logging.ERROR else rospy.logwarn
+        if not rospy.is_shutdown():
+            log("%s", record.getMessage())
+        if not logging.getLogger().handlers and logging.lastResort is not None:
+            logging.lastResort.handle(record)
+
+
+@final
 class RosNode:
-    """What every part needs of ROS."""
+    """The process's node.  rospy allows one in a process, and none after it."""
 
     def __init__(
         self, options: Ros1Options, master: Master, tf_prefix: str = ""
     ) -> None:
-        """Register with the master; and that once in a process.
+        """Register with the master.
 
         Raises:
             RosUnavailableError: If the name is taken, or the process is a node already.
         """
-        from rospy import core
-
         if core.is_initialized() or core.is_shutdown():
             raise RosUnavailableError(
                 "this process is or was a ROS node, and rospy allows one in a process: "
@@ -86,93 +107,94 @@ class RosNode:
                 "or give this robot a namespace with --ns"
             )
         self.options = options
-        self.frame_prefix = tf_prefix.strip("/")
-        """Prefix of every frame, without slashes around it."""
         self.master = master
-        others = self.clocks_of_others()
-        _register(options.root)
-        self.time = RosTime(is_ours=not others)
-        self._complaint = ("", -_REPEAT)
-        self._results = Worker("tool0 ros1 results")
-        self.defer = self._results.defer
+        self.tf_prefix = tf_prefix.strip("/")
+        """Prefix of every frame, without slashes around it."""
+        other_clocks = self.other_clock_publishers()
+        _init_node(options.root)
+        self.clock = RosClock(publish=not other_clocks)
+        self._last_error = ("", -_REPEAT_PERIOD)
+        self._results = WorkerThread("tool0 ros1 results")
+        self.submit = self._results.submit
+        self._rosout = RosoutHandler(logging.WARNING)
+        logging.getLogger("tool0").addHandler(self._rosout)
 
     @property
     def uri(self) -> str:
-        """Where other nodes and the master reach us."""
-        from rospy import core
-
+        """Address at which other nodes and the master reach us."""
         return str(core.get_node_uri())
 
-    def clocks_of_others(self) -> tuple[str, ...]:
-        """Return the nodes that live and publish /clock, but for us."""
+    def name(self, relative: str) -> str:
+        """Return a name in our namespace; one that begins with a slash is absolute."""
+        return relative if relative[:1] == "/" else f"{self.options.root}/{relative}"
+
+    def frame(self, link: str) -> str:
+        """Return the name of a link's frame."""
+        return f"{self.tf_prefix}/{link}" if self.tf_prefix else link
+
+    def header(self, time: float, frame_id: str = "") -> Any:
+        """Return a std_msgs/Header with simulated ``time`` [s]."""
+        return Header(stamp=self.clock.to_ros(time), frame_id=frame_id)
+
+    def publisher(
+        self, name: str, kind: Any, *, queue_size: int = 1, latch: bool = False
+    ) -> Any:
+        """Return a rospy.Publisher; a slow subscriber does not delay the others."""
+        return Publisher(self.name(name), kind, queue_size=queue_size, latch=latch)
+
+    def subscriber(self, name: str, kind: Any, callback: Callable[[Any], None]) -> Any:
+        """Return a rospy.Subscriber; a Tool0Error of ``callback`` is logged."""
+        full = self.name(name)
+
+        def receive(message: Any) -> None:
+            try:
+                callback(message)
+            except Tool0Error as error:
+                self.log_error(f"{full}: {error}")
+
+        return Subscriber(full, kind, receive, queue_size=1)
+
+    def service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> Any:
+        """Return a rospy.Service; a Tool0Error is logged and makes the call fail."""
+        full = self.name(name)
+
+        def answer(request: Any) -> Any:
+            try:
+                return handler(request)
+            except Tool0Error as error:
+                self.log_error(f"{full}: {error}")
+                raise ServiceException(str(error)) from None
+
+        return Service(full, kind, answer)
+
+    def log_error(self, text: str) -> None:
+        """Log an error, also on /rosout; the same one at most once a second."""
+        last, when = self._last_error
+        now = time.monotonic()
+        if text != last or now - when >= _REPEAT_PERIOD:
+            self._last_error = (text, now)
+            logger.error("%s", text)
+
+    def other_clock_publishers(self) -> tuple[str, ...]:
+        """Return the other nodes that publish /clock and are alive."""
         return tuple(
             name
             for name in self.master.publishers_of("/clock")
             if name != self.options.node and self.master.uri_of(name)
         )
 
-    def name(self, relative: str) -> str:
-        """Return a name in our namespace; one that begins with a slash stays."""
-        return relative if relative[:1] == "/" else f"{self.options.root}/{relative}"
-
-    def header(self, time: float) -> Any:
-        """Return a std_msgs/Header with simulated ``time`` [s]."""
-        from std_msgs.msg import Header
-
-        return Header(stamp=self.time.to_ros(time))
-
-    def publisher(
-        self, name: str, kind: Any, *, queue_size: int = 1, latch: bool = False
-    ) -> Any:
-        """Return a rospy.Publisher; a subscriber that stalls delays nobody else."""
-        from rospy import Publisher
-
-        return Publisher(self.name(name), kind, queue_size=queue_size, latch=latch)
-
-    def subscriber(self, name: str, kind: Any, handle: Callable[[Any], None]) -> Any:
-        """Return a rospy.Subscriber whose refusals are told and change nothing."""
-        from rospy import Subscriber
-
-        full = self.name(name)
-
-        def receive(message: Any) -> None:
-            try:
-                handle(message)
-            except Tool0Error as error:
-                self.complain(f"{full}: {error}")
-
-        return Subscriber(full, kind, receive, queue_size=1)
-
-    def service(self, name: str, kind: Any, handle: Callable[[Any], Any]) -> Any:
-        """Return a rospy.Service; who asks is told what ``handle`` raises."""
-        from rospy import Service, ServiceException
-
-        full = self.name(name)
-
-        def answer(request: Any) -> Any:
-            try:
-                return handle(request)
-            except Tool0Error as error:
-                self.complain(f"{full}: {error}")
-                raise ServiceException(str(error)) from None
-
-        return Service(full, kind, answer)
-
-    def complain(self, text: str) -> None:
-        """Log an error, here and on /rosout, but not ten times a second."""
-        last, when = self._complaint
-        now = time.monotonic()
-        if text != last or now - when >= _REPEAT:
-            self._complaint = (text, now)
-            logger.error("%s", text)
+    def arbitrate_clock(self) -> None:
+        """Publish /clock if nobody does; of two publishers the later name gives way."""
+        others = self.other_clock_publishers()
+        if not self.clock.is_publisher and not others:
+            self.clock.start_publishing()
+            logger.warning("publishing /clock now: no other node does")
+        elif self.clock.is_publisher and any(n < self.options.node for n in others):
+            self.clock.follow_other()
+            logger.warning("%s publishes /clock, too: following it now", min(others))
 
     def register_again(self) -> None:
-        """Tell a master that does not know us of all that we present."""
-        from rospy.impl.registration import (
-            get_service_manager,
-            get_topic_manager,
-        )
-
+        """Register all topics and services with a master that does not know us."""
         topics, services = get_topic_manager(), get_service_manager()
         for topic, kind in topics.get_publications():
             self.master.call("registerPublisher", topic, kind, self.uri)
@@ -180,29 +202,18 @@ class RosNode:
             self.master.call("registerService", service, address, self.uri)
         for topic, kind in topics.get_subscriptions():
             found = self.master.call("registerSubscriber", topic, kind, self.uri)
-            _connect(self.uri, topic, found, self.master)
+            with ServerProxy(self.uri) as ourselves:  # the call that a master makes
+                ourselves.publisherUpdate("/master", topic, found)
 
     def close(self) -> None:
         """Unregister everything; no second node can follow in this process."""
-        from rospy import signal_shutdown
-
+        logging.getLogger("tool0").removeHandler(self._rosout)
         self._results.close()
-        signal_shutdown("the bring-up ended")
+        rospy.signal_shutdown("the bring-up ended")
 
 
-def _connect(uri: str, topic: str, publishers: list[str], master: Master) -> None:
-    """Have rospy connect to publishers, by the call that a master makes."""
-    from xmlrpc.client import ServerProxy
-
-    with ServerProxy(uri) as ourselves:
-        ourselves.publisherUpdate("/master", topic, publishers)
-
-
-def _register(root: str) -> None:
-    import rospy
-    from rospy import names
-
-    # As ROS_NAMESPACE would, which counts at the import alone.
+def _init_node(root: str) -> None:
+    # As ROS_NAMESPACE would, which rospy reads only at its import.
     names._set_caller_id(f"{root}/unnamed")
     before = os.environ.get("ROS_PYTHON_LOG_CONFIG_FILE")
     own = resources.files("tool0.interfaces.ros1") / "logging.yaml"

@@ -9,7 +9,7 @@ from typing import final
 from tool0.errors import ConfigError
 
 NODE_NAME = "gazebo"
-"""As in the launch files: clients wait for /gazebo/…, on every engine."""
+"""On every engine, since clients wait for /gazebo/…, as in the launch files."""
 
 _NAMESPACE = re.compile(r"(/?[A-Za-z]\w*)(/[A-Za-z]\w*)*/?|/?")
 
@@ -26,12 +26,12 @@ class Ros1Options:
     tf_pub_rate: float = 125.0
     """Transforms per second of simulated time [Hz]."""
     camera_rate: float = 10.0
-    """Most images of each camera per second of simulated time [Hz]."""
+    """Images of each camera per second of simulated time, at most [Hz]."""
 
     def __post_init__(self) -> None:
         if not _NAMESPACE.fullmatch(self.ns):
             raise ConfigError(
-                f"'{self.ns}' is no namespace of ROS: write letters, digits and '_' "
+                f"'{self.ns}' is not a ROS namespace: write letters, digits and '_' "
                 "between slashes, with a letter first in each part"
             )
         if not 0.0 < self.tf_pub_rate <= 1000.0:

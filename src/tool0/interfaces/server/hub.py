@@ -1,4 +1,4 @@
-"""All connections of one robot: each may read it, and may drive it."""
+"""All connections of one robot: each can read it and drive it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import logging
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any, Final, final
@@ -33,8 +33,8 @@ logger = logging.getLogger(__name__)
 
 WORKERS: Final = 16
 """Requests that are carried out at once; further ones wait."""
-_GOODBYE: Final = 0.5
-"""Longest wait for a peer to hear that the server ends [wall s]."""
+_CLOSE_TIMEOUT: Final = 0.5
+"""Longest wait for a peer to close its connection [wall s]."""
 
 
 @final
@@ -61,10 +61,10 @@ class Hub:
         """Requests that are streams of setpoints when they have no id."""
 
     async def serve(self, transport: Transport) -> None:
-        """Serve a peer until it goes."""
+        """Serve a peer until it disconnects."""
         session = Session(transport)
         self.sessions.add(session)
-        session.tell(encode(self._hello()))
+        session.send(encode(self._hello()))
         try:
             await session.serve(self._take_at_once, self._answer)
         finally:
@@ -73,12 +73,12 @@ class Hub:
                 self._snapshots.remove(session)
 
     async def close(self) -> None:
-        """Say goodbye to every peer; requests in progress are still carried out."""
+        """Close every connection; requests in progress are still carried out."""
         self._setpoints.close()
         if self._snapshots is not None:
             self._snapshots.close()
         sessions = list(self.sessions)
-        await asyncio.gather(*map(_part, sessions))
+        await asyncio.gather(*map(_close, sessions))
         self._workers.shutdown(wait=False, cancel_futures=True)
         self._urgent_worker.shutdown(wait=False)
 
@@ -108,13 +108,13 @@ class Hub:
             try:
                 self.backend.check_setpoint(request)
             except Exception as error:
-                session.tell(encode_error(None, _logged(error)))
+                session.send(encode_error(None, _logged(error)))
             else:
                 self._setpoints.submit(StreamedSetpoint(session, request))
             return True
         if not is_urgent(request):
             return False
-        self._setpoints.drop(self._superseded(request))
+        self._setpoints.drop(self.backend.superseded(request))
         answer = self._carry_out(session, ident, request, self._urgent_worker)
         task = asyncio.create_task(answer)
         self._urgent.add(task)
@@ -127,7 +127,7 @@ class Hub:
         if isinstance(request, Subscribe | Unsubscribe | SubscribeView):
             await self._change_streams(session, ident, request)
             return
-        await self._setpoints.settle(self._superseded(request))
+        await self._setpoints.settle(self.backend.superseded(request))
         await self._carry_out(session, ident, request, self._workers)
 
     async def _change_streams(
@@ -143,18 +143,15 @@ class Hub:
         elif self._snapshots is None:
             refusal = "a robot without physics has no snapshots"
         if refusal is not None:
-            session.tell(encode_error(ident, ControlError(refusal)))
+            session.send(encode_error(ident, ControlError(refusal)))
             return
         if self._snapshots is not None and not isinstance(request, SubscribeView):
             self._snapshots.remove(session)
             if isinstance(request, Subscribe):
                 await self._snapshots.add(session, request.rate)
-        session.tell(encode_reply(ident, request, None))
+        session.send(encode_reply(ident, request, None))
         if isinstance(request, SubscribeView) and self.attach_view is not None:
             self.attach_view(session)
-
-    def _superseded(self, request: Request[Any]) -> Collection[str]:
-        return self.backend.superseded(request)
 
     async def _carry_out(
         self,
@@ -169,12 +166,12 @@ class Hub:
                 workers, self._reply, ident, request
             )
         except Exception as error:
-            session.tell(encode_error(ident, _logged(error)))
+            session.send(encode_error(ident, _logged(error)))
             return
         if ident is not None:
-            session.tell(text)
+            session.send(text)
         for number, goal in goals:
-            goal.when_finished(partial(self._tell_end, loop, session, number))
+            goal.when_finished(partial(self._report_end, loop, session, number))
 
     def _reply(
         self, ident: Ident, request: Request[Any]
@@ -190,20 +187,20 @@ class Hub:
         ]
         return encode_reply(ident, request, response), goals
 
-    def _tell_end(
+    def _report_end(
         self,
         loop: asyncio.AbstractEventLoop,
         session: Session,
         number: int,
         goal: Goal,
     ) -> None:
-        """Tell the connection that started a goal how it ended, from any thread."""
+        """Report a goal to the connection that started it, from any thread."""
         assert goal.result is not None  # it has finished
         message = GoalEnded(
             goal=number, controller=goal.controller, outcome=outcome_of(goal.result)
         )
         with contextlib.suppress(RuntimeError):  # the server has ended
-            loop.call_soon_threadsafe(session.tell, encode(message))
+            loop.call_soon_threadsafe(session.send, encode(message))
 
     async def _carry_out_setpoint(self, setpoint: StreamedSetpoint) -> None:
         loop = asyncio.get_running_loop()
@@ -213,13 +210,13 @@ class Hub:
         except Exception as error:
             sender = setpoint.sender
             if isinstance(sender, Session) and sender in self.sessions:
-                sender.tell(encode_error(None, _logged(error)))
+                sender.send(encode_error(None, _logged(error)))
             self.when_refused(str(error))
 
 
-async def _part(session: Session) -> None:
+async def _close(session: Session) -> None:
     with contextlib.suppress(Exception):  # it may be gone, or stuck
-        await asyncio.wait_for(session.close(), _GOODBYE)
+        await asyncio.wait_for(session.close(), _CLOSE_TIMEOUT)
 
 
 def _logged(error: Exception) -> Exception:

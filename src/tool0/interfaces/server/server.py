@@ -1,40 +1,31 @@
-"""The server: a thread with an event loop, a hub, and the services that feed it."""
+"""The server: a thread that serves a robot to all connections.
+
+asyncio and what needs it are imported when the first peer connects: a bring-up that
+nobody talks to starts without them.
+"""
 
 from __future__ import annotations
 
-import asyncio
 import logging
+import selectors
+import socket
 import threading
 from collections.abc import Sequence
-from types import TracebackType
-from typing import Final, Protocol, final
+from contextlib import AbstractContextManager
+from typing import TYPE_CHECKING, Final, final
 
-from tool0.interfaces.server.backend import Backend
-from tool0.interfaces.server.hub import Hub
+if TYPE_CHECKING:
+    from tool0.interfaces.server.backend import Backend
+    from tool0.interfaces.server.service import Service
 
 logger = logging.getLogger(__name__)
 
 _CLOSES_WITHIN: Final = 5.0
 """[wall s]"""
-_CHECK_PERIOD: Final = 1.0
-"""Wall time between checks for connections that take nothing [s]."""
-
-
-class Service(Protocol):
-    """A way in: it listens from its construction on."""
-
-    async def start(self, hub: Hub) -> None:
-        """Take peers, in the server's event loop."""
-
-    async def stop(self) -> None:
-        """Take no more peers."""
-
-    def release(self) -> None:
-        """Give back what was listening; twice is allowed."""
 
 
 @final
-class Server:
+class Server(AbstractContextManager["Server"]):
     """Serves a robot from construction to ``close``."""
 
     def __init__(
@@ -44,65 +35,49 @@ class Server:
 
         Args:
             backend: What answers requests.
-            services: The ways in.
+            services: The addresses where it accepts connections.
             name: Of the bring-up.
         """
         self._backend = backend
         self._services = tuple(services)
         self._name = name
-        self._loop = asyncio.new_event_loop()
-        self._stop = asyncio.Event()
+        self._wake, self._waker = socket.socketpair()
         self._thread = threading.Thread(
             target=self._run, name="tool0-server", daemon=True
         )
         self._thread.start()
 
     def close(self) -> None:
-        """Say goodbye to every peer and end; closing twice is allowed."""
-        if self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._stop.set)
-            self._thread.join(_CLOSES_WITHIN)
+        """Close every connection and end; closing twice is allowed."""
+        if self._waker.fileno() < 0:
+            return
+        self._waker.send(b"x")
+        self._thread.join(_CLOSES_WITHIN)
+        self._waker.close()
 
-    def __enter__(self) -> Server:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _run(self) -> None:
         try:
-            self._loop.run_until_complete(self._serve())
+            if self._is_needed():
+                from tool0.interfaces.server.event_loop import run
+
+                run(self._backend, self._services, self._name, self._wake)
         except Exception:  # the robot runs on without its server
             logger.exception("the server failed")
         finally:
             for service in self._services:
                 service.release()
-            self._loop.run_until_complete(_end_tasks())
-            self._loop.run_until_complete(self._loop.shutdown_default_executor())
-            self._loop.close()
+            self._wake.close()
 
-    async def _serve(self) -> None:
-        hub = Hub(self._backend, self._name)
-        for service in self._services:
-            await service.start(hub)
-        while not self._stop.is_set():
-            try:
-                await asyncio.wait_for(self._stop.wait(), _CHECK_PERIOD)
-            except asyncio.TimeoutError:
-                hub.drop_stuck()
-        for service in self._services:
-            await service.stop()
-        await hub.close()
-
-
-async def _end_tasks() -> None:
-    """End what is left in the loop, such as a peer that never said goodbye."""
-    tasks = asyncio.all_tasks() - {asyncio.current_task()}
-    for task in tasks:
-        task.cancel()
-    await asyncio.gather(*tasks, return_exceptions=True)
+    def _is_needed(self) -> bool:
+        """Wait for the first peer; return False if the server is closed before."""
+        if any(service.starts_at_once for service in self._services):
+            return True
+        with selectors.DefaultSelector() as selector:
+            selector.register(self._wake, selectors.EVENT_READ)
+            for service in self._services:
+                selector.register(service.listener, selectors.EVENT_READ)
+            ready = [key.fileobj for key, _ in selector.select()]
+        return self._wake not in ready

@@ -1,4 +1,4 @@
-"""One connection: what waits to be sent to it, and how fast it may ask."""
+"""One connection: what waits to be sent to it, and how fast it may send."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ BURST: Final = 1000.0
 """Messages that it may send at once."""
 _CHUNK: Final = 4096
 """Bytes that count as one message."""
-_MAX_WAITING: Final = 64
-"""Requests of one connection that may wait for each other."""
+_MAX_WAITING: Final = 256
+"""Requests of one connection that may wait for each other; with more, nothing is read,
+not even an emergency stop."""
 
 Ident = int | str | None
 
@@ -44,25 +45,25 @@ class Transport(Protocol):
         """Whether the peer is a program of this user, which is not slowed down."""
 
     async def send(self, text: bytes) -> None:
-        """Send one message; ConnectionError if the peer has gone."""
+        """Send one message; ConnectionError if the peer has disconnected."""
 
     async def receive(self) -> bytes | str | None:
-        """Return the next message; None if the peer has gone.
+        """Return the next message; None if the peer has disconnected.
 
         Raises:
             MessageTooLongError: If it is too long to be read.
         """
 
     async def close(self) -> None:
-        """Say goodbye and end."""
+        """Close the connection in order."""
 
     def abort(self) -> None:
-        """End at once."""
+        """End the connection at once."""
 
 
 @final
 class Session:
-    """Sends the newest state at the reader's pace; nobody waits for it."""
+    """Sends at the reader's pace, so that no other connection waits for it."""
 
     def __init__(self, transport: Transport) -> None:
         self._transport = transport
@@ -87,7 +88,7 @@ class Session:
         since = self._sending_since
         return since is not None and self._loop.time() - since > STUCK_AFTER
 
-    def tell(self, text: bytes) -> None:
+    def send(self, text: bytes) -> None:
         """Send ``text`` after what waits; a page with too much waiting is dropped."""
         if len(self._queue) >= MAX_QUEUE and not self._transport.is_trusted:
             self.drop()
@@ -95,7 +96,7 @@ class Session:
         self._queue.append(text)
         self._wake.set()
 
-    def tell_snapshot(self, text: bytes) -> None:
+    def send_snapshot(self, text: bytes) -> None:
         """Send a snapshot of a stream; a slow reader loses the oldest ones."""
         if len(self._snapshots) >= MAX_SNAPSHOTS:
             self._snapshots.popleft()
@@ -103,7 +104,7 @@ class Session:
         self._snapshots.append(text)
         self._wake.set()
 
-    def show(self, kind: str, text: bytes) -> None:
+    def send_latest(self, kind: str, text: bytes) -> None:
         """Send ``text`` in place of an older one of its kind that was not sent yet."""
         self._latest[kind] = text
         self._wake.set()
@@ -119,7 +120,7 @@ class Session:
             task.cancel()
 
     async def close(self) -> None:
-        """Say goodbye and end."""
+        """Close the connection in order."""
         self.end()
         await self._transport.close()
 
@@ -136,7 +137,7 @@ class Session:
             in_turn: Carries out the other requests, one after the other.
         """
         worker = asyncio.create_task(self._work(in_turn))
-        parts = (self._send(), self._read(at_once))
+        parts = (self._write(), self._read(at_once))
         self._tasks = [worker, *map(asyncio.create_task, parts)]
         try:
             await asyncio.wait([worker])
@@ -147,7 +148,7 @@ class Session:
             if isinstance(end, Exception):
                 logger.error("a connection failed", exc_info=end)
 
-    async def _send(self) -> None:
+    async def _write(self) -> None:
         try:
             while True:
                 await self._wake.wait()
@@ -174,9 +175,9 @@ class Session:
         try:
             await self._read_all(at_once)
         except MessageTooLongError as error:
-            self.tell(encode_error(None, TransportError(str(error))))
+            self.send(encode_error(None, TransportError(str(error))))
         except ConnectionError:
-            pass  # there is nobody to answer
+            pass  # the peer has disconnected
         except Exception:
             logger.exception("a connection failed")
         self._is_gone = True
@@ -192,13 +193,13 @@ class Session:
             try:
                 ident, request = decode_request(text)
             except RequestReadError as error:
-                self.tell(encode_error(error.ident, error.error))
+                self.send(encode_error(error.ident, error.error))
                 continue
             if not at_once(self, ident, request):
                 await self._waiting.put((ident, request))
 
     async def _pace(self, cost: int) -> None:
-        """Wait until the page may have sent ``cost`` messages more."""
+        """Wait until the page may send ``cost`` more messages."""
         now = self._loop.time()
         gained = (now - self._allowance_at) * RATE
         self._allowance = min(BURST, self._allowance + gained) - cost

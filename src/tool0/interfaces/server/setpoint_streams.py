@@ -29,7 +29,7 @@ class StreamedSetpoint:
 class SetpointStreams:
     """Keeps the newest setpoint of each stream until it is its turn.
 
-    The last one is always carried out, also when its sender has gone meanwhile.
+    The last one is always carried out, also when its sender has disconnected.
     """
 
     def __init__(

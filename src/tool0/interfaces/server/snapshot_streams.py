@@ -24,7 +24,7 @@ POLL_PERIOD: Final = 0.004
 
 
 @final
-class _Reader:
+class _RateStream:
     """One rate's subscription and its sessions."""
 
     def __init__(self, subscription: Subscription, rate: float) -> None:
@@ -52,9 +52,9 @@ class _Reader:
                 missed, session.missed = session.missed, 0
                 text = encode(snapshot_message(snapshot, None, missed))
                 self.sessions[session] = True
-                session.tell_snapshot(text)
+                session.send_snapshot(text)
             else:
-                session.tell_snapshot(changes)
+                session.send_snapshot(changes)
 
 
 @final
@@ -63,56 +63,58 @@ class SnapshotStreams:
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._readers: dict[float, _Reader] = {}
+        self._streams: dict[float, _RateStream] = {}
         self._task: asyncio.Task[None] | None = None
 
     async def add(self, session: Session, rate: float) -> None:
         """Let ``session`` receive ``rate`` snapshots per simulated second [Hz]."""
-        if rate not in self._readers:
+        if rate not in self._streams:
             simulation = self._simulation
             subscription = await asyncio.to_thread(simulation.subscribe, rate)
             subscription.pending()  # the stream starts with the next one
-            self._readers.setdefault(rate, _Reader(subscription, rate))
-        self._readers[rate].sessions[session] = False
+            stream = _RateStream(subscription, rate)
+            if self._streams.setdefault(rate, stream) is not stream:
+                _close_in_background(stream)
+        self._streams[rate].sessions[session] = False
         if self._task is None:
             self._task = asyncio.create_task(self._poll())
 
     def remove(self, session: Session) -> None:
         """Send ``session`` no more."""
-        for rate, reader in list(self._readers.items()):
-            if reader.sessions.pop(session, None) is not None and not reader.sessions:
-                del self._readers[rate]
-                _close_in_background(reader)
+        for rate, stream in list(self._streams.items()):
+            if stream.sessions.pop(session, None) is not None and not stream.sessions:
+                del self._streams[rate]
+                _close_in_background(stream)
 
     def close(self) -> None:
         """End every stream."""
         if self._task is not None:
             self._task.cancel()
-        for reader in self._readers.values():
-            _close_in_background(reader)
-        self._readers.clear()
+        for stream in self._streams.values():
+            _close_in_background(stream)
+        self._streams.clear()
 
     async def _poll(self) -> None:
-        while self._readers:
-            for reader in list(self._readers.values()):
+        while self._streams:
+            for stream in list(self._streams.values()):
                 try:
-                    self._send_new(reader)
-                except Exception:  # one stream's trouble is not the end of all
+                    self._send_new(stream)
+                except Exception:  # one failure must not end all streams
                     logger.exception("a snapshot could not be sent")
             await asyncio.sleep(POLL_PERIOD)
         self._task = None
 
-    def _send_new(self, reader: _Reader) -> None:
-        for snapshot in reader.subscription.pending():
-            reader.send(snapshot)
-        events = reader.subscription.events
+    def _send_new(self, stream: _RateStream) -> None:
+        for snapshot in stream.subscription.pending():
+            stream.send(snapshot)
+        events = stream.subscription.events
         while events:
             text = encode(event_message(self._simulation, events.popleft()))
-            for session in reader.sessions:
-                session.tell(text)
+            for session in stream.sessions:
+                session.send(text)
 
 
-def _close_in_background(reader: _Reader) -> None:
+def _close_in_background(stream: _RateStream) -> None:
     """Close a subscription in a thread of its own: it waits for the tick."""
-    close = reader.subscription.close
+    close = stream.subscription.close
     asyncio.get_running_loop().run_in_executor(None, close)

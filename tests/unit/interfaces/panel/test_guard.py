@@ -11,7 +11,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 import tool0
-from tool0.interfaces.panel.address import TOKEN_VARIABLE, Door, open_door
+from tool0.interfaces.panel.address import TOKEN_VARIABLE, Endpoint, open_endpoint
 from tool0.interfaces.panel.server import Panel
 
 HTML = "<!doctype html><title>Panel</title>"
@@ -31,16 +31,16 @@ def panel(robot: tool0.Robot) -> Iterator[Panel]:
 
 
 @pytest.fixture
-def door() -> Iterator[Door]:
-    door = open_door()
-    yield door
-    door.listener.close()
+def endpoint() -> Iterator[Endpoint]:
+    endpoint = open_endpoint()
+    yield endpoint
+    endpoint.listener.close()
 
 
-def ask(
+def fetch(
     panel: Panel, path: str, method: str = "GET", **headers: str
 ) -> http.client.HTTPResponse:
-    """Ask the server with exactly these headers, and leave the answer readable."""
+    """Send a request with exactly these headers; ``body`` is what came."""
     parts = urlsplit(panel.url)
     assert parts.hostname is not None
     connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=10.0)
@@ -79,10 +79,10 @@ def test_a_page_on_another_origin_cannot_drive_the_robot(
         pytest.raises(InvalidStatus) as refused,
         connect(url, additional_headers=headers) as ws,
     ):
-        ws.send('{"type": "emergency_stop", "id": 1, "engaged": true}')
+        ws.send('{"id": 1, "method": "emergency_stop"}')
     assert refused.value.response.status_code == 403
     assert not robot.snapshot.is_stopped
-    assert ask(panel, "/ws", "POST", Origin=origin).status == 403
+    assert fetch(panel, "/ws", "POST", Origin=origin).status == 403
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,7 @@ def test_a_page_on_another_origin_cannot_drive_the_robot(
 def test_a_name_that_leads_here_but_is_not_ours_is_refused(
     panel: Panel, host: str
 ) -> None:
-    response = ask(panel, "/", Host=host)
+    response = fetch(panel, "/", Host=host)
     assert response.status == 421
     with socket.create_connection(
         (urlsplit(panel.url).hostname, urlsplit(panel.url).port), timeout=10.0
@@ -115,11 +115,11 @@ def test_a_name_that_leads_here_but_is_not_ours_is_refused(
 
 def test_our_own_page_and_programs_come_in(panel: Panel) -> None:
     with page_at(panel.url, origin=origin_of(panel)) as page:
-        assert page.ask("pause") is None
+        assert page.request("pause") is None
     with page_at(panel.url.replace("127.0.0.1", "localhost")) as page:
-        assert page.ask("resume") is None
+        assert page.request("resume") is None
     port = urlsplit(panel.url).port
-    assert ask(panel, "/", Host=f"[::1]:{port}").status == 200
+    assert fetch(panel, "/", Host=f"[::1]:{port}").status == 200
 
 
 def test_a_chosen_port_needs_the_token(robot: tool0.Robot) -> None:
@@ -127,7 +127,7 @@ def test_a_chosen_port_needs_the_token(robot: tool0.Robot) -> None:
         bare = origin_of(panel)
         assert panel.url == f"{bare}/?token=open%20sesame"
         with page_at(panel.url) as page:
-            assert page.ask("pause") is None
+            assert page.request("pause") is None
         for query in ("", "?token=", "?token=open", "?token=open%20sesame&token=x"):
             with (
                 pytest.raises(InvalidStatus) as refused,
@@ -136,10 +136,10 @@ def test_a_chosen_port_needs_the_token(robot: tool0.Robot) -> None:
                 pass
             assert refused.value.response.status_code == 401
             for path in ("/robot.urdf", "/meshes/0.stl"):
-                assert ask(panel, path + query).status == 401
+                assert fetch(panel, path + query).status == 401
         for path in ("/robot.urdf", "/meshes/0.stl"):
-            assert ask(panel, path + "?token=open+sesame").status == 200
-        assert ask(panel, "/").status == 200
+            assert fetch(panel, path + "?token=open+sesame").status == 200
+        assert fetch(panel, "/").status == 200
 
 
 def test_a_token_comes_from_the_environment_or_by_chance(
@@ -147,37 +147,37 @@ def test_a_token_comes_from_the_environment_or_by_chance(
 ) -> None:
     tokens = []
     for _ in range(2):
-        door = open_door(port=0)
-        tokens.append(door.token or "")
-        door.listener.close()
+        endpoint = open_endpoint(port=0)
+        tokens.append(endpoint.token or "")
+        endpoint.listener.close()
     assert tokens[0] != tokens[1]
     assert min(map(len, tokens)) >= 20
     monkeypatch.setenv(TOKEN_VARIABLE, "mine")
-    door = open_door("127.0.0.1")
-    door.listener.close()
-    assert door.token == "mine"
+    endpoint = open_endpoint("127.0.0.1")
+    endpoint.listener.close()
+    assert endpoint.token == "mine"
 
 
-def test_by_default_only_this_machine_comes_in(door: Door) -> None:
-    assert door.token is None
-    assert door.listener.getsockname()[0] == "127.0.0.1"
-    assert door.is_known_as(f"LocalHost:{door.port}")
-    assert not door.is_known_as(f"192.0.2.1:{door.port}")
+def test_by_default_only_this_machine_comes_in(endpoint: Endpoint) -> None:
+    assert endpoint.token is None
+    assert endpoint.listener.getsockname()[0] == "127.0.0.1"
+    assert endpoint.is_known_as(f"LocalHost:{endpoint.port}")
+    assert not endpoint.is_known_as(f"192.0.2.1:{endpoint.port}")
 
 
 def test_open_to_all_any_address_is_ours_but_no_foreign_name() -> None:
-    door = open_door("0.0.0.0", 0)
-    door.listener.close()
-    assert door.token is not None
-    assert socket.gethostname() in door.url
+    endpoint = open_endpoint("0.0.0.0", 0)
+    endpoint.listener.close()
+    assert endpoint.token is not None
+    assert socket.gethostname() in endpoint.url
     for name in ("192.0.2.1:80", "[2001:db8::1]:9", "localhost", socket.gethostname()):
-        assert door.is_known_as(name), name
+        assert endpoint.is_known_as(name), name
     for name in ("evil.example", "", "192.0.2.1.evil.example:80"):
-        assert not door.is_known_as(name), name
+        assert not endpoint.is_known_as(name), name
 
 
 def test_what_is_served_may_do_little(panel: Panel) -> None:
-    response = ask(panel, "/")
+    response = fetch(panel, "/")
     policy = response.headers["content-security-policy"]
     assert "default-src 'self'" in policy
     assert "unsafe" not in policy
@@ -205,13 +205,13 @@ def test_what_is_served_may_do_little(panel: Panel) -> None:
     ],
 )
 def test_no_path_leads_to_a_file_that_is_not_served(panel: Panel, path: str) -> None:
-    response = ask(panel, path)
+    response = fetch(panel, path)
     assert response.status in (307, 404), path
 
 
 def test_only_reading_is_served(panel: Panel) -> None:
     for method in ("POST", "PUT", "DELETE"):
-        assert ask(panel, "/robot.urdf", method).status == 405
+        assert fetch(panel, "/robot.urdf", method).status == 405
 
 
 def test_the_built_page_is_kept_by_browsers_and_its_index_is_not(
@@ -222,20 +222,20 @@ def test_the_built_page_is_kept_by_browsers_and_its_index_is_not(
     static = tmp_path_factory.mktemp("static")
     monkeypatch.setattr("tool0.interfaces.panel.server.STATIC", static)
     with Panel(robot) as panel:
-        response = ask(panel, "/")
+        response = fetch(panel, "/")
         assert response.headers["content-type"].startswith("text/plain")
         assert "make run" in response.body.decode()  # type: ignore[attr-defined]
     (static / "assets").mkdir()
     (static / "index.html").write_text(HTML)
     (static / "assets" / "index-1a2b.js").write_text("let x = 1;\n" * 500)
     with Panel(robot) as panel:
-        response = ask(panel, "/")
+        response = fetch(panel, "/")
         assert response.body.decode() == HTML  # type: ignore[attr-defined]
         assert response.headers["cache-control"] == "no-cache"
-        response = ask(panel, "/assets/index-1a2b.js", Accept_Encoding="gzip")
+        response = fetch(panel, "/assets/index-1a2b.js", Accept_Encoding="gzip")
         assert "immutable" in response.headers["cache-control"]
         assert response.headers["content-encoding"] == "gzip"
         assert "javascript" in response.headers["content-type"]
-        assert "immutable" not in ask(panel, "/assets/x.js").headers.get(
+        assert "immutable" not in fetch(panel, "/assets/x.js").headers.get(
             "cache-control", ""
         )

@@ -1,4 +1,4 @@
-"""The world by Gazebo's names, over a real robot, without ROS."""
+"""The world by Gazebo's names, with a real robot, without ROS."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
 from tool0.hardware.bodies import moving_bodies
 from tool0.interfaces.ros1.gazebo.changes import GazeboChanges
-from tool0.interfaces.ros1.gazebo.messages import FARTHEST, to_motion, to_transform
 from tool0.interfaces.ros1.gazebo.world import GazeboWorld, lumped_links
+from tool0.interfaces.ros1.messages import MAX_VALUE, to_motion, to_transform
 
 SPAWN_Z = 0.3
 TABLE = SceneObject(
@@ -73,7 +73,7 @@ def request(name: str, xml: str, at: SimpleNamespace) -> SimpleNamespace:
     )
 
 
-def test_the_root_stands_at_the_height_it_was_spawned_at(world: GazeboWorld) -> None:
+def test_models_are_in_the_world_at_the_spawn_height(world: GazeboWorld) -> None:
     models = world.now().models()
     assert list(models) == ["ground_plane", "robot", "table"]
     assert models["ground_plane"].pose == Transform()
@@ -98,13 +98,14 @@ def test_links_have_their_model_s_name_or_none(
 
 
 @pytest.mark.parametrize("name", ["", "world", "map", "/map"])
-def test_these_are_the_world(world: GazeboWorld, name: str) -> None:
+def test_names_of_the_world_s_frame(world: GazeboWorld, name: str) -> None:
     assert world.now().frame(name).pose == Transform()
 
 
 def test_an_unknown_frame_is_refused(world: GazeboWorld) -> None:
-    with pytest.raises(ControlError, match="'tool1' not found"):
+    with pytest.raises(ControlError) as error:
         world.now().frame("tool1")
+    assert "'tool1'" in str(error.value)
 
 
 def test_joints_are_found_with_their_model_s_name(world: GazeboWorld) -> None:
@@ -116,18 +117,18 @@ def test_joints_are_found_with_their_model_s_name(world: GazeboWorld) -> None:
         assert world.joint(name) is None
 
 
-def test_what_gazebo_keeps_are_the_base_and_what_moves() -> None:
+def test_gazebo_keeps_the_base_and_the_links_that_move() -> None:
     model = assemble().model
     links = lumped_links(model)
     assert links[0] == "base_link"
     assert links[1:] == tuple(body.joint.child for body in moving_bodies(model))
 
 
-def test_a_model_is_where_it_was_spawned_wherever_its_shape_is(
+def test_a_model_is_where_it_was_spawned_whatever_its_shape_s_offset(
     robot: tool0.Robot, world: GazeboWorld
 ) -> None:
     changes = GazeboChanges(robot, world)
-    changes.spawn(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
+    changes.spawn_model(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
     view = world.now()
     ball, link = view.model("ball"), view.link("ball::body")
     assert ball is not None
@@ -141,11 +142,11 @@ def test_a_model_is_where_it_was_spawned_wherever_its_shape_is(
     )
 
 
-def test_what_was_put_somewhere_is_there_and_moves_so(
+def test_set_model_state_sets_pose_and_velocity(
     robot: tool0.Robot, world: GazeboWorld
 ) -> None:
     changes = GazeboChanges(robot, world)
-    changes.spawn(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
+    changes.spawn_model(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
     changes.place(
         SimpleNamespace(
             model_name="ball",
@@ -162,11 +163,11 @@ def test_what_was_put_somewhere_is_there_and_moves_so(
     assert ball.angular == pytest.approx((4.0, 5.0, 6.0))
 
 
-def test_what_an_object_was_made_of_goes_with_it(
+def test_an_object_of_the_same_name_has_a_model_of_its_own(
     robot: tool0.Robot, world: GazeboWorld
 ) -> None:
     changes = GazeboChanges(robot, world)
-    changes.spawn(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
+    changes.spawn_model(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
     robot.scene.remove("ball")
     robot.scene.add(
         SceneObject(name="ball", geometry=TABLE.geometry)
@@ -178,34 +179,32 @@ def test_what_an_object_was_made_of_goes_with_it(
     assert ball.pose.position == pytest.approx((0.0, 0.0, SPAWN_Z))
 
 
-def test_a_quaternion_of_zeros_is_no_turn() -> None:
+def test_a_quaternion_of_zeros_is_no_rotation() -> None:
     assert to_transform(pose(1.0, 2.0, 3.0)) == Transform(position=(1.0, 2.0, 3.0))
 
 
-@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 2 * FARTHEST])
-def test_figures_beyond_all_bounds_are_refused(bad: float) -> None:
-    with pytest.raises(ControlError, match="position"):
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 2 * MAX_VALUE])
+def test_values_that_are_too_large_are_refused(bad: float) -> None:
+    with pytest.raises(ControlError) as error:
         to_transform(pose(0.0, bad, 0.0))
-    with pytest.raises(ControlError, match="linear velocity"):
-        to_motion(pose(), twist(linear=(0.0, 0.0, bad)))
-    with pytest.raises(ControlError, match="angular velocity"):
-        to_motion(pose(), twist(angular=(bad, 0.0, 0.0)))
+    assert str(bad) in str(error.value)
+    for velocity in (twist(linear=(0.0, 0.0, bad)), twist(angular=(bad, 0.0, 0.0))):
+        with pytest.raises(ControlError) as error:
+            to_motion(pose(), velocity)
+        assert str(bad) in str(error.value)
 
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf")])
 def test_an_orientation_that_is_not_finite_is_refused(bad: float) -> None:
-    with pytest.raises(ControlError, match="orientation"):
+    with pytest.raises(ControlError) as error:
         to_transform(pose(quat_xyzw=(0.0, bad, 0.0, 1.0)))
+    assert str(bad) in str(error.value)
 
 
-def test_the_robot_and_the_ground_stay(robot: tool0.Robot, world: GazeboWorld) -> None:
-    changes = GazeboChanges(robot, world)
-    for name, why in (
-        ("robot", "bolted to the world"),
-        ("ur5_robot", "bolted to the world"),
-        ("ground_plane", "the ground"),
-        ("nobody", "does not exist"),
-    ):
-        with pytest.raises(ControlError, match=why):
-            changes.delete(SimpleNamespace(model_name=name), None)
+@pytest.mark.parametrize("name", ["robot", "ur5_robot", "ground_plane", "nobody"])
+def test_only_objects_are_deleted(
+    robot: tool0.Robot, world: GazeboWorld, name: str
+) -> None:
+    with pytest.raises(ControlError):
+        GazeboChanges(robot, world).delete_model(SimpleNamespace(model_name=name), None)
     assert list(world.now().models()) == ["ground_plane", "robot", "table"]

@@ -1,83 +1,63 @@
-"""The services and topics of gazebo_ros that people call, on either engine."""
+"""The services and topics of gazebo_ros, on either engine."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, final
+
+from gazebo_msgs import msg, srv
+from geometry_msgs.msg import Vector3
+from std_srvs.srv import Empty, EmptyResponse
 
 from tool0.api.robot import Robot
-from tool0.errors import Tool0Error
-from tool0.interfaces.ros1.conversions import Message
+from tool0.description.forward_kinematics import FrameMotion
+from tool0.description.model import JointType
+from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.ros1.gazebo.changes import GazeboChanges
-from tool0.interfaces.ros1.gazebo.queries import GazeboQueries
-from tool0.interfaces.ros1.gazebo.topics import GazeboTopics
-from tool0.interfaces.ros1.gazebo.world import GazeboWorld
-from tool0.interfaces.ros1.node import Part, RosNode
+from tool0.interfaces.ros1.gazebo.world import GROUND, GazeboWorld, WorldState
+from tool0.interfaces.ros1.messages import Message, pose_message, twist_message
+from tool0.interfaces.ros1.node import RosNode
+from tool0.sensing.snapshot import Snapshot
 
-Answer = Callable[[Message, Message], str]
-"""Takes a request, fills the response, returns what status_message says."""
+Handler = Callable[[Message, Message], str]
+"""Takes a request, fills the response, returns the text of its status_message."""
+
+_JOINT_TYPES = {
+    JointType.REVOLUTE: 0,
+    JointType.CONTINUOUS: 1,
+    JointType.PRISMATIC: 2,
+    JointType.FIXED: 3,
+}
+"""gazebo_msgs/GetJointProperties; gazebo_ros itself calls every joint revolute."""
+_SUCCESS = "got properties"
 
 
-def present_gazebo(node: RosNode, robot: Robot) -> Part:
-    """Present the world under the node's name; return what publishes it."""
-    from gazebo_msgs import msg, srv
-
+def offer_gazebo_services(node: RosNode, robot: Robot) -> GazeboStatePublisher:
+    """Offer the services under the node's name; return what publishes the topics."""
     world = GazeboWorld(robot)
-    queries = GazeboQueries(node, robot, world)
-    changes = GazeboChanges(robot, world)
-    place = node.options.node
-    for name, kind, answer in (
-        ("get_world_properties", srv.GetWorldProperties, queries.world_properties),
-        (
-            "get_physics_properties",
-            srv.GetPhysicsProperties,
-            queries.physics_properties,
-        ),
-        ("get_model_properties", srv.GetModelProperties, queries.model_properties),
-        ("get_model_state", srv.GetModelState, queries.model_state),
-        ("get_link_state", srv.GetLinkState, queries.link_state),
-        ("get_joint_properties", srv.GetJointProperties, queries.joint_properties),
-        ("set_model_state", srv.SetModelState, changes.set_model_state),
-        (
-            "set_model_configuration",
-            srv.SetModelConfiguration,
+    queries, changes = GazeboQueries(node, robot, world), GazeboChanges(robot, world)
+    services = [
+        (name := handler.__name__, getattr(srv, name.title().replace("_", "")), handler)
+        for handler in (
+            queries.get_world_properties,
+            queries.get_physics_properties,
+            queries.get_model_properties,
+            queries.get_model_state,
+            queries.get_link_state,
+            queries.get_joint_properties,
+            changes.set_model_state,
             changes.set_model_configuration,
-        ),
-        ("spawn_urdf_model", srv.SpawnModel, changes.spawn),
-        ("spawn_sdf_model", srv.SpawnModel, changes.spawn),
-        ("delete_model", srv.DeleteModel, changes.delete),
-    ):
-        node.service(f"{place}/{name}", kind, _telling(kind, answer))
-    _present_time(node, robot)
-    node.subscriber(f"{place}/set_model_state", msg.ModelState, changes.place)
-    return GazeboTopics(node, world)
+            changes.delete_model,
+        )
+    ]
+    for name in ("spawn_urdf_model", "spawn_sdf_model"):
+        services.append((name, srv.SpawnModel, changes.spawn_model))
+    for name, kind, handler in services:
+        node.service(f"{node.options.node}/{name}", kind, _with_status(kind, handler))
 
-
-def _telling(kind: Any, answer: Answer) -> Callable[[Message], Message]:
-    """Return a handler whose response says by itself whether it went well."""
-    title = kind.__name__
-
-    def handle(request: Message) -> Message:
-        response = kind._response_class()
-        try:
-            text = answer(request, response)
-        except Tool0Error as error:
-            return kind._response_class(
-                success=False, status_message=f"{title}: {error}"
-            )
-        response.success = True
-        response.status_message = f"{title}: {text}"
-        return response
-
-    return handle
-
-
-def _present_time(node: RosNode, robot: Robot) -> None:
-    from std_srvs.srv import Empty, EmptyResponse
-
-    def offer(name: str, act: Callable[[], None]) -> None:
-        def handle(_: Message) -> Message:
-            act()
+    def offer(name: str, operation: Callable[[], None]) -> None:
+        def handle(request: Message) -> Message:
+            operation()
             return EmptyResponse()
 
         node.service(f"{node.options.node}/{name}", Empty, handle)
@@ -86,3 +66,143 @@ def _present_time(node: RosNode, robot: Robot) -> None:
     offer("unpause_physics", robot.resume)
     offer("reset_simulation", robot.reset)
     offer("reset_world", lambda: robot.reset(keep_time=True))
+    topic = f"{node.options.node}/set_model_state"
+    node.subscriber(topic, msg.ModelState, changes.place)
+    return GazeboStatePublisher(node, world)
+
+
+def _with_status(kind: Any, handler: Handler) -> Callable[[Message], Message]:
+    """Return a handler that sets ``success`` and ``status_message``."""
+
+    def handle(request: Message) -> Message:
+        response = kind._response_class()
+        try:
+            text = handler(request, response)
+            response.success = True
+        except Tool0Error as error:
+            response = kind._response_class(success=False)
+            text = str(error)
+        response.status_message = f"{kind.__name__}: {text}"
+        return response
+
+    return handle
+
+
+@final
+class GazeboQueries:
+    """The services that read the world; each raises ControlError for a refusal."""
+
+    def __init__(self, node: RosNode, robot: Robot, world: GazeboWorld) -> None:
+        self._node, self._robot, self._world = node, robot, world
+
+    def get_world_properties(self, request: Message, response: Message) -> str:
+        state = self._world.now()
+        response.sim_time = self._node.clock.to_ros(state.snapshot.time).to_sec()
+        response.model_names = list(state.models())
+        response.rendering_enabled = True
+        return _SUCCESS
+
+    def get_physics_properties(self, request: Message, response: Message) -> str:
+        """Fill step, rate and gravity; the parameters of ODE are left at zero."""
+        snapshot, dt = self._robot.snapshot, self._robot.engine.dt
+        response.time_step = dt
+        response.pause = snapshot.is_paused
+        response.max_update_rate = (
+            0.0 if snapshot.speed is None else snapshot.speed / dt
+        )
+        response.gravity = Vector3(*self._robot.engine.world.gravity)
+        return _SUCCESS
+
+    def get_model_properties(self, request: Message, response: Message) -> str:
+        name, state = request.model_name, self._world.now()
+        if self._world.is_robot(name):
+            model = self._world.model
+            response.body_names = list(self._world.robot_links)
+            response.geom_names = [
+                f"{link.name}_collision" for link in model.links if link.collisions
+            ]
+            response.joint_names = [joint.name for joint in model.movable_joints]
+        elif name in state.objects:
+            item, rigid, _ = state.objects[name]
+            response.body_names, response.geom_names = [rigid.link], [rigid.collision]
+            response.is_static = item.mass is None
+        elif name == GROUND and self._world.has_ground:
+            response.body_names, response.geom_names = ["link"], ["collision"]
+            response.is_static = True
+        else:
+            raise ControlError("model does not exist")
+        response.canonical_body_name = response.body_names[0]
+        return _SUCCESS
+
+    def get_model_state(self, request: Message, response: Message) -> str:
+        state, frame = self._world.now(), request.relative_entity_name
+        motion = state.model(request.model_name)
+        if motion is None:
+            raise ControlError("model does not exist")
+        self._fill(response, state, motion, frame)
+        response.header = self._node.header(state.snapshot.time, frame)
+        return _SUCCESS
+
+    def get_link_state(self, request: Message, response: Message) -> str:
+        state = self._world.now()
+        motion = state.link(request.link_name)
+        if motion is None:
+            raise ControlError(
+                "link not found, did you forget to scope the link by model name?"
+            )
+        self._fill(response.link_state, state, motion, request.reference_frame)
+        response.link_state.link_name = request.link_name
+        response.link_state.reference_frame = request.reference_frame
+        return "got state"
+
+    def get_joint_properties(self, request: Message, response: Message) -> str:
+        joint = self._world.joint(request.joint_name)
+        if joint is None or joint.type not in _JOINT_TYPES:
+            raise ControlError("joint not found")
+        response.type = _JOINT_TYPES[joint.type]
+        if joint.is_movable:
+            snapshot = self._robot.snapshot
+            i = snapshot.joint_names.index(joint.name)
+            response.damping = [joint.damping]
+            response.position = [snapshot.position[i]]
+            response.rate = [snapshot.velocity[i]]
+        return _SUCCESS
+
+    def _fill(
+        self, message: Message, state: WorldState, motion: FrameMotion, frame: str
+    ) -> None:
+        seen = motion.seen_from(state.frame(frame))
+        message.pose = pose_message(seen.pose)
+        message.twist = twist_message(seen)
+
+
+@final
+class GazeboStatePublisher:
+    """``model_states`` and ``link_states``: of every snapshot, if subscribed to."""
+
+    def __init__(self, node: RosNode, world: GazeboWorld) -> None:
+        self._world = world
+        self._models = node.publisher(
+            f"{node.options.node}/model_states", msg.ModelStates
+        )
+        self._links = node.publisher(f"{node.options.node}/link_states", msg.LinkStates)
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """Publish pose and velocity of models and links."""
+        state = WorldState(self._world, snapshot)
+        if self._models.get_num_connections():
+            self._publish(self._models, state.models())
+        if self._links.get_num_connections():
+            self._publish(self._links, state.links())
+
+    def close(self) -> None:
+        """Unregister the topics."""
+        self._models.unregister()
+        self._links.unregister()
+
+    def _publish(self, publisher: Any, motions: Mapping[str, FrameMotion]) -> None:
+        publisher.publish(
+            name=list(motions),
+            pose=[pose_message(motion.pose) for motion in motions.values()],
+            twist=[twist_message(motion) for motion in motions.values()],
+        )

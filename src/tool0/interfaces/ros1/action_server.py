@@ -6,22 +6,24 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, final
 
+from actionlib import ActionServer
+from rospy import Time
+
 from tool0.api.controller import GoalHandle
 from tool0.control.goal import GoalStatus, Result
 from tool0.control.publish_rate import PublishRate
 from tool0.errors import Tool0Error
+from tool0.interfaces.ros1.messages import Message
 from tool0.interfaces.ros1.node import RosNode
 
-Message = Any
-"""Of a class that ROS generates, which carries no types."""
-
 STATUS_RATE = 5.0
-"""[Hz] of simulated time, as actionlib's own timer has it, which dies of a reset."""
+"""Of the goals' status [Hz], as actionlib's own.  It is published here, in simulated
+time: actionlib's timer ends when time goes back."""
 
 
 @final
-class ActionEdge:
-    """Takes goals for one controller, tells how they go, and how they end."""
+class ControllerActionServer:
+    """Accepts goals for one controller, and publishes feedback, status and result."""
 
     def __init__(
         self,
@@ -30,30 +32,27 @@ class ActionEdge:
         kind: Any,
         *,
         start: Callable[[Message], GoalHandle],
-        refusal: Callable[[Tool0Error], Message],
-        outcome: Callable[[Result], Message],
+        rejection: Callable[[Tool0Error], Message],
+        result: Callable[[Any], Message],
         monitor_rate: float,
     ) -> None:
-        """Listen for goals.
+        """Start the action server.
 
         Args:
             node: The node.
-            name: The action's, in the node's namespace.
+            name: The action's name in the node's namespace.
             kind: The action's class, such as FollowJointTrajectoryAction.
-            start: Gives a goal to the controller, or raises Tool0Error.
-            refusal: Makes the result of a goal that was refused.
-            outcome: Makes the result of one that ended.
-            monitor_rate: How often feedback is due [Hz].
+            start: Sends a goal message to the controller, or raises Tool0Error.
+            rejection: Returns the result message of a goal that was rejected.
+            result: Returns the result message of a goal's outcome.
+            monitor_rate: Rate of the feedback [Hz].
         """
-        from actionlib import ActionServer
-        from rospy import Time
-
         self._node = node
-        self._start, self._refusal, self._outcome = start, refusal, outcome
+        self._start, self._rejection, self._result = start, rejection, result
         self._rate = PublishRate(monitor_rate)
         self._status_rate = PublishRate(STATUS_RATE)
+        self._time = 0.0
         self._active: dict[Message, GoalHandle] = {}
-        self._zero = Time()
         self._server = ActionServer(
             node.name(name), kind, self._accept, self._cancel, auto_start=False
         )
@@ -62,7 +61,12 @@ class ActionEdge:
             self._server.status_timer.shutdown()
 
     def publish(self, time: float, feedback: Callable[[], Message]) -> None:
-        """Tell how goals are and how they go, if it is time to [s]."""
+        """Publish status and feedback, if they are due at ``time`` [s]."""
+        if time < self._time:
+            # The last cancellation may lie in the future now: actionlib would recall
+            # every goal until then.
+            self._server.last_cancel = Time()
+        self._time = time
         if self._status_rate.is_due(time):
             self._server.publish_status()
         if self._rate.is_due(time) and self._active:
@@ -70,25 +74,21 @@ class ActionEdge:
             for goal in tuple(self._active):
                 goal.publish_feedback(message)
 
-    def restart(self) -> None:
-        """Forget when something was cancelled: it may lie in the future now."""
-        self._server.last_cancel = self._zero
-
     def close(self) -> None:
-        """Take no more goals."""
+        """Accept no more goals."""
         self._server.stop()
 
     def _accept(self, goal: Message) -> None:
         try:
             handle = self._start(goal.get_goal())
         except Tool0Error as error:
-            self._node.complain(f"{self._server.ns}: {error}")
-            goal.set_rejected(self._refusal(error), str(error))
+            self._node.log_error(f"{self._server.ns}: {error}")
+            goal.set_rejected(self._rejection(error), str(error))
             return
         goal.set_accepted()
         self._active = {**self._active, goal: handle}
         handle.when_finished(
-            lambda handle: self._node.defer(partial(self._finish, goal, handle))
+            lambda handle: self._node.submit(partial(self._finish, goal, handle))
         )
 
     def _cancel(self, goal: Message) -> None:
@@ -97,15 +97,13 @@ class ActionEdge:
             handle.cancel()
 
     def _finish(self, goal: Message, handle: GoalHandle) -> None:
-        result = handle.result
-        assert result is not None  # it is why we are called
-        with self._server.lock:  # which whoever accepted it holds until it is active
-            self._active = {
-                other: h for other, h in self._active.items() if other != goal
-            }
-        message = self._outcome(result)
-        text = getattr(result, "error_string", "")
-        match result.status:
+        outcome: Result | None = handle.result
+        assert outcome is not None  # the goal has ended
+        with self._server.lock:  # _accept holds it until the goal is in _active
+            self._active = {g: h for g, h in self._active.items() if g != goal}
+        message = self._result(outcome)
+        text = getattr(outcome, "error_string", "")
+        match outcome.status:
             case GoalStatus.SUCCEEDED:
                 goal.set_succeeded(message, text)
             case GoalStatus.ABORTED:

@@ -9,8 +9,7 @@ import tool0
 from tool0.description.catalogue import assemble, load_robot
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Mesh
-from tool0.interfaces.panel.robot_files import RobotFiles
-from tool0.interfaces.panel.robot_info import object_info
+from tool0.interfaces.panel.robot_info import RobotFiles, object_info
 from tool0.interfaces.panel.server import Panel
 
 
@@ -35,7 +34,7 @@ def test_every_mesh_of_the_urdf_is_served(panel: Panel, robot: tool0.Robot) -> N
     assert len(urdf) + sum(map(len, served)) < 2 << 20
 
 
-def test_but_for_the_meshes_the_urdf_is_the_robot_s() -> None:
+def test_only_the_paths_of_meshes_differ_from_the_robot_s_urdf() -> None:
     description = assemble()
     text = RobotFiles(description).urdf.decode()
     before = description.urdf.splitlines()
@@ -48,7 +47,7 @@ def test_but_for_the_meshes_the_urdf_is_the_robot_s() -> None:
     assert all("<mesh filename=" in line for pair in different for line in pair)
 
 
-def test_a_browser_that_has_it_is_not_sent_it_again(panel: Panel) -> None:
+def test_a_cached_file_is_not_sent_again(panel: Panel) -> None:
     for path in ("robot.urdf", "meshes/0.stl"):
         with urlopen(panel.url + path) as response:
             etag = response.headers["etag"]
@@ -60,7 +59,7 @@ def test_a_browser_that_has_it_is_not_sent_it_again(panel: Panel) -> None:
         answer.value.close()
 
 
-def test_a_person_s_robot_and_scene_are_served_too(tmp_path: Path) -> None:
+def test_meshes_of_another_robot_and_of_objects_are_served(tmp_path: Path) -> None:
     for name in ("a.STL", "b.obj", "scene.stl"):
         (tmp_path / name).write_bytes(b"x")
     file = tmp_path / "mine.urdf"
@@ -73,7 +72,7 @@ def test_a_person_s_robot_and_scene_are_served_too(tmp_path: Path) -> None:
     mesh = Mesh(uri="scene.stl", path=tmp_path / "scene.stl")
     thing = SceneObject(name="thing", geometry=mesh)
     files = RobotFiles(description)
-    files.have([thing])
+    files.set_objects([thing])
     assert {path: file.name for path, file in files.meshes.items()} == {
         "/meshes/0.stl": "a.STL",
         "/meshes/1.obj": "b.obj",
@@ -84,7 +83,9 @@ def test_a_person_s_robot_and_scene_are_served_too(tmp_path: Path) -> None:
     assert str(tmp_path) not in files.urdf.decode()
 
 
-def test_the_mesh_of_what_comes_again_is_fetched_again(tmp_path: Path) -> None:
+def test_the_mesh_of_an_object_added_again_has_another_path(
+    tmp_path: Path,
+) -> None:
     path = tmp_path / "part.stl"
     part = SceneObject(name="part", geometry=Mesh(uri="part.stl", path=path))
     twin = SceneObject(name="twin", geometry=Mesh(uri="part.stl", path=path))
@@ -93,12 +94,12 @@ def test_the_mesh_of_what_comes_again_is_fetched_again(tmp_path: Path) -> None:
     def url() -> str | None:
         return object_info(part, files).shape.url
 
-    files.have([part])
+    files.set_objects([part])
     first = url()
-    files.have([part, twin])
-    assert url() == first  # of what stays nothing changes
-    files.have([])
+    files.set_objects([part, twin])
+    assert url() == first
+    files.set_objects([])
     assert first not in files.meshes
-    files.have([part])  # from a file that may have been written anew
+    files.set_objects([part])  # its file may have changed
     assert url() != first
     assert files.meshes[url() or ""] == path

@@ -1,0 +1,154 @@
+"""The ROS 1 interface of a running robot, put together.
+
+The modules that it imports late need ROS; this one and ``options`` do not.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, final
+
+from tool0.api.robot import Robot
+from tool0.errors import RosUnavailableError
+from tool0.installation.ros1.library import keep_to_this_machine
+from tool0.installation.ros1.master import Master, MasterWatch, running_master
+from tool0.installation.ros1.messages import import_messages
+from tool0.interfaces.ros1.options import Ros1Options
+from tool0.interfaces.ros1.parameter_server import upload_parameters
+from tool0.sensing.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from tool0.interfaces.ros1.node import SnapshotPublisher
+
+logger = logging.getLogger(__name__)
+
+_MASTER_PERIOD = 1.0
+"""Between checks of the master [wall s]."""
+_SNAPSHOT_TIMEOUT = 0.2
+"""Longest wait for a snapshot before checking for the end [wall s]."""
+
+
+@final
+class Ros1Bridge:
+    """Presents one robot as ros_control and gazebo_ros do.  A context manager.
+
+    A process can have one bridge in its lifetime, since rospy allows one node.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        options: Ros1Options | None = None,
+        *,
+        on_shutdown: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Register with the master and present the robot.
+
+        Args:
+            robot: The robot, in this process.  The caller closes it, after this.
+            options: The namespace and rates.
+            on_shutdown: Called, by a thread of rospy's, when somebody ends the node:
+                ``rosnode kill``, or another node of the same name.
+
+        Raises:
+            RosUnavailableError: If there is no ROS or no master, or the name is taken.
+        """
+        options = options or Ros1Options()
+        keep_to_this_machine()
+        import_messages()
+        # These import ROS, which import_messages has just found.
+        import rospy
+
+        from tool0.interfaces.ros1.controller_manager import ControllerManagerBridge
+        from tool0.interfaces.ros1.gazebo.services import offer_gazebo_services
+        from tool0.interfaces.ros1.node import RosNode
+        from tool0.interfaces.ros1.sensors import sensor_publishers
+        from tool0.interfaces.ros1.transforms import RobotStatePublisher
+
+        self._robot = robot
+        self._on_shutdown = on_shutdown
+        self._is_closing = threading.Event()
+        with contextlib.ExitStack() as stack:
+            master = Master(options.node)
+            stack.enter_context(running_master(master, start=options.roscore))
+            self.node = node = RosNode(options, master, robot.description.tf_prefix)
+            stack.callback(node.close)
+            upload_parameters(node, robot)
+            controllers = ControllerManagerBridge(node, robot)
+            # After the action servers: actionlib's timers, which they stop, fail if
+            # time moves back, as it may before another robot's clock is known.
+            node.clock.advance(robot.snapshot.time)
+            self._publishers: list[SnapshotPublisher] = [
+                controllers,
+                offer_gazebo_services(node, robot),
+                *sensor_publishers(node, robot),
+            ]
+            self._transforms = RobotStatePublisher(node, robot)
+            self._publishers.append(self._transforms)
+            for publisher in self._publishers:
+                stack.callback(publisher.close)
+            self._stack = stack.pop_all()
+        self._threads = [
+            threading.Thread(target=target, name=name, daemon=True)
+            for target, name in (
+                (self._publish_all, "tool0 ros1 publisher"),
+                (self._watch_master, "tool0 ros1 watch"),
+            )
+        ]
+        for thread in self._threads:
+            thread.start()
+        rospy.on_shutdown(self._handle_shutdown)
+
+    def close(self) -> None:
+        """Unregister, and end what was started; closing twice is allowed."""
+        self._is_closing.set()
+        for thread in self._threads:
+            thread.join()
+        self._stack.close()
+
+    def __enter__(self) -> Ros1Bridge:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _publish_all(self) -> None:
+        """Pass every snapshot to every publisher."""
+        with contextlib.closing(self._robot.subscribe()) as subscription:
+            while not self._is_closing.is_set():
+                snapshot = subscription.following(_SNAPSHOT_TIMEOUT)
+                if snapshot is not None:
+                    self._publish(snapshot)
+
+    def _publish(self, snapshot: Snapshot) -> None:
+        self.node.clock.advance(snapshot.time)
+        for publisher in self._publishers:
+            try:
+                publisher.publish(snapshot)
+            except Exception as error:  # must not stop the other publishers
+                self.node.log_error(f"{type(publisher).__name__}: {error}")
+
+    def _watch_master(self) -> None:
+        """Check that the master knows us, and that one node publishes /clock."""
+        node = self.node
+
+        def register() -> None:
+            upload_parameters(node, self._robot)
+            node.register_again()
+            self._transforms.register_again()
+
+        watch = MasterWatch(node.master, node.options.node, node.uri, register)
+        while not self._is_closing.wait(_MASTER_PERIOD):
+            try:
+                watch.check()
+                node.arbitrate_clock()
+            except RosUnavailableError as error:
+                node.log_error(str(error))
+
+    def _handle_shutdown(self) -> None:
+        if not self._is_closing.is_set():
+            logger.warning("the ROS node was ended from outside")
+            self._on_shutdown()

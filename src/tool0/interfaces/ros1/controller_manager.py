@@ -1,0 +1,190 @@
+"""controller_manager: its six services, and the topics of what is loaded."""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Callable
+from typing import Any, final
+
+from controller_manager_msgs import msg, srv
+
+from tool0.api.robot import Robot
+from tool0.control.config import ControllerConfig
+from tool0.control.controller import ControllerSpec
+from tool0.control.forward_command import ForwardCommandSpec
+from tool0.control.gripper_action import GripperActionSpec
+from tool0.control.joint_state import JointStateSpec
+from tool0.control.joint_trajectory import JointTrajectorySpec
+from tool0.control.manager import ControllerStatus
+from tool0.errors import ControlError, Tool0Error
+from tool0.interfaces.ros1.controllers import (
+    ForwardCommandBridge,
+    GripperActionBridge,
+    JointStatePublisher,
+    JointTrajectoryBridge,
+)
+from tool0.interfaces.ros1.messages import Message
+from tool0.interfaces.ros1.node import RosNode, SnapshotPublisher, WorkerThread
+from tool0.interfaces.ros1.parameter_server import controller_yaml
+from tool0.sensing.snapshot import Snapshot
+
+STRICT = 2
+"""Of controller_manager_msgs/SwitchController; anything else is best effort."""
+_CLOSE_TIMEOUT = 10.0
+"""For the topics of one controller at a busy master [wall s]; one that is gone refuses
+at once."""
+_BRIDGES: dict[type, Callable[..., SnapshotPublisher]] = {
+    JointStateSpec: JointStatePublisher,
+    JointTrajectorySpec: JointTrajectoryBridge,
+    GripperActionSpec: GripperActionBridge,
+    ForwardCommandSpec: ForwardCommandBridge,
+}
+"""By the class of a controller's parameters."""
+
+
+@final
+class ControllerManagerBridge:
+    """Answers as ros_control's controller_manager, and presents what is loaded.
+
+    It follows whoever loads controllers: ROS, the panel, the command line.  As in ROS,
+    a controller has its topics from its loading to its unloading.
+    """
+
+    def __init__(self, node: RosNode, robot: Robot) -> None:
+        self._node = node
+        self._robot = robot
+        self._bridges: dict[str, tuple[ControllerSpec, SnapshotPublisher]] = {}
+        self._loaded: tuple[str, ...] = ()
+        self._lock = threading.Lock()
+        self._is_closing = False
+        # Registration waits for the master; the thread that publishes must not.
+        self._registrar = WorkerThread("tool0 ros1 registrar")
+        self._update()
+        self._offer("ListControllers", self._list)
+        self._offer("ListControllerTypes", self._list_types)
+        self._offer_operation("LoadController", self._load)
+        self._offer_operation("UnloadController", self._unload)
+        self._offer_operation("SwitchController", self._switch)
+        self._offer_operation("ReloadControllerLibraries", self._reload)
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """Publish for the running controllers; notice when others are loaded."""
+        loaded = tuple(status.name for status in snapshot.controllers)
+        if loaded != self._loaded:
+            self._loaded = loaded
+            self._registrar.submit(self._update)
+        bridges = self._bridges  # _update() may replace it meanwhile
+        for status in snapshot.controllers:
+            if status.state == "running" and status.name in bridges:
+                bridges[status.name][1].publish(snapshot)
+
+    def close(self) -> None:
+        """Stop following; the node unregisters everything by itself.
+
+        This waits for a registration in progress, which would outlive the node.
+        """
+        self._is_closing = True
+        self._registrar.close(_CLOSE_TIMEOUT)
+
+    def _update(self) -> None:
+        """Have bridges for the controllers that are loaded now, and for no others."""
+        with self._lock:
+            loaded = {}
+            for status in self._robot.controllers():
+                try:
+                    controller = self._robot.controller(status.name)
+                    loaded[status.name] = controller, controller.spec
+                except ControlError:
+                    continue  # it has just been unloaded
+            bridges, closed = {}, []
+            for name, (spec, bridge) in self._bridges.items():
+                if name in loaded and loaded[name][1] is spec:
+                    bridges[name] = spec, bridge
+                else:
+                    closed.append(bridge)
+            self._bridges = dict(bridges)  # publish() sees it before one is closed
+            for bridge in closed:
+                bridge.close()
+            for name, (controller, spec) in loaded.items():
+                if name not in bridges and not self._is_closing:
+                    bridge = _BRIDGES[type(spec)](self._node, spec, controller)
+                    bridges[name] = spec, bridge
+            self._bridges = bridges
+
+    def _offer(self, kind: str, handler: Callable[[Message], Message]) -> None:
+        name = re.sub("(?<=[a-z])(?=[A-Z])", "_", kind).lower()
+        self._node.service(f"controller_manager/{name}", getattr(srv, kind), handler)
+
+    def _offer_operation(self, kind: str, operation: Callable[[Message], None]) -> None:
+        """Offer a service whose response is whether it succeeded."""
+
+        def handle(request: Message) -> Message:
+            response: Any = getattr(srv, f"{kind}Response")()
+            try:
+                operation(request)
+                response.ok = True
+            except Tool0Error as error:
+                self._node.log_error(f"{kind}: {error}")
+            return response
+
+        self._offer(kind, handle)
+
+    def _list(self, request: Message) -> Message:
+        return srv.ListControllersResponse(list(map(_state, self._robot.controllers())))
+
+    def _list_types(self, request: Message) -> Message:
+        types = self._robot.controller_types()
+        return srv.ListControllerTypesResponse(
+            types=types,
+            base_classes=["controller_interface::ControllerBase"] * len(types),
+        )
+
+    def _load(self, request: Message) -> None:
+        """Load with the present parameters of the server, as the spawner expects."""
+        text = controller_yaml(self._node, request.name)
+        config = None if text is None else ControllerConfig.from_text(text)
+        self._robot.load(request.name, config)
+        self._update()
+
+    def _unload(self, request: Message) -> None:
+        self._robot.unload(request.name)
+        self._update()
+
+    def _switch(self, request: Message) -> None:
+        self._robot.switch(
+            request.start_controllers,
+            request.stop_controllers,
+            strict=request.strictness == STRICT,
+        )
+
+    def _reload(self, request: Message) -> None:
+        """Unload all controllers, if they may be killed; there are no libraries here.
+
+        As in ROS it is refused otherwise, unless none is loaded.
+        """
+        loaded = [status.name for status in self._robot.controllers()]
+        if loaded and not request.force_kill:
+            raise ControlError(
+                "Not reloading controller libraries because there are controllers "
+                f"still loaded: {', '.join(loaded)}; unload them or use force_kill"
+            )
+        self._robot.switch(stop=loaded, strict=False)
+        for name in loaded:
+            self._robot.unload(name)
+        self._update()
+
+
+def _state(status: ControllerStatus) -> Message:
+    return msg.ControllerState(
+        name=status.name,
+        state=status.state,
+        type=status.type,
+        claimed_resources=[
+            msg.HardwareInterfaceResources(
+                hardware_interface=interface.replace("/", "::"),
+                resources=sorted(joints),
+            )
+            for interface, joints in status.claimed
+        ],
+    )

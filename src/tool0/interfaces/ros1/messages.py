@@ -1,0 +1,117 @@
+"""ROS messages ↔ the values of tool0: poses, twists, trajectories.
+
+Functions import the generated classes when called: ``import_messages`` comes first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from tool0.control.tolerances import Tolerance
+from tool0.control.trajectory import JointsMotion, TrajectoryPoint
+from tool0.description.forward_kinematics import FrameMotion
+from tool0.description.transform import Transform, from_quaternion
+from tool0.errors import ControlError
+
+Message = Any
+"""Of a class that ROS generates, which carries no types."""
+
+MAX_VALUE = 1e6
+"""Largest coordinate or velocity that is accepted [m], [m/s], [rad/s]."""
+
+
+def pose_message(pose: Transform) -> Message:
+    """Return a geometry_msgs/Pose."""
+    from geometry_msgs.msg import Point, Pose, Quaternion
+
+    w, x, y, z = pose.quat_wxyz
+    return Pose(Point(*pose.position), Quaternion(x, y, z, w))
+
+
+def twist_message(motion: FrameMotion) -> Message:
+    """Return a geometry_msgs/Twist."""
+    from geometry_msgs.msg import Twist, Vector3
+
+    return Twist(Vector3(*motion.linear), Vector3(*motion.angular))
+
+
+def transform_message(header: Message, child_frame_id: str, pose: Transform) -> Message:
+    """Return a geometry_msgs/TransformStamped from the header's frame to the child."""
+    from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
+    from geometry_msgs.msg import Transform as TransformMessage
+
+    w, x, y, z = pose.quat_wxyz
+    transform = TransformMessage(Vector3(*pose.position), Quaternion(x, y, z, w))
+    return TransformStamped(header, child_frame_id, transform)
+
+
+def to_transform(pose: Message) -> Transform:
+    """Return a geometry_msgs/Pose; a quaternion of zeros is no rotation, as in Gazebo.
+
+    Raises:
+        ControlError: If a value is not finite, or too large.
+    """
+    point, quaternion = pose.position, pose.orientation
+    position = _checked("position", (point.x, point.y, point.z))
+    quat_wxyz = quaternion.w, quaternion.x, quaternion.y, quaternion.z
+    if not math.isfinite(math.hypot(*quat_wxyz)):
+        raise ControlError(f"the orientation must be finite, got wxyz {quat_wxyz}")
+    is_zero = not any(quat_wxyz)
+    return from_quaternion(position, (1.0, 0.0, 0.0, 0.0) if is_zero else quat_wxyz)
+
+
+def to_motion(pose: Message, twist: Message) -> FrameMotion:
+    """Return a pose and a geometry_msgs/Twist; raises ControlError as for a pose."""
+    linear, angular = twist.linear, twist.angular
+    return FrameMotion(
+        pose=to_transform(pose),
+        linear=_checked("linear velocity", (linear.x, linear.y, linear.z)),
+        angular=_checked("angular velocity", (angular.x, angular.y, angular.z)),
+    )
+
+
+def _checked(
+    what: str, values: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    if not all(abs(value) <= MAX_VALUE for value in values):
+        raise ControlError(
+            f"each part of the {what} must be finite and at most {MAX_VALUE:g}, "
+            f"got {values}"
+        )
+    return values
+
+
+def to_points(points: Sequence[Message]) -> tuple[TrajectoryPoint, ...]:
+    """Return trajectory_msgs/JointTrajectoryPoints."""
+    return tuple(
+        TrajectoryPoint(
+            positions=point.positions,
+            velocities=point.velocities or None,
+            accelerations=point.accelerations or None,
+            time_from_start=point.time_from_start.to_sec(),
+        )
+        for point in points
+    )
+
+
+def to_tolerances(tolerances: Sequence[Message]) -> dict[str, Tolerance]:
+    """Return control_msgs/JointTolerances by joint."""
+    return {
+        item.name: Tolerance(item.position, item.velocity, item.acceleration)
+        for item in tolerances
+    }
+
+
+def point_message(motion: JointsMotion) -> Message:
+    """Return a trajectory_msgs/JointTrajectoryPoint."""
+    from rospy import Duration
+    from trajectory_msgs.msg import JointTrajectoryPoint
+
+    return JointTrajectoryPoint(
+        positions=motion.positions,
+        velocities=motion.velocities,
+        accelerations=motion.accelerations,
+        time_from_start=Duration.from_sec(motion.time_from_start),
+    )
