@@ -37,3 +37,10 @@ def make_machine(
     (root / "etc/os-release").write_text(release)
     environ = {"PATH": str(root / "bin"), **variables}
     return Machine(root=root, environ=environ, system=system)
+
+
+def add_gazebo_header(root: Path, version: str) -> None:
+    """Write the header of Gazebo that states its version."""
+    header = root / "include/gazebo-11/gazebo/gazebo_config.h"
+    header.parent.mkdir(parents=True)
+    header.write_text(f'#define GAZEBO_VERSION_FULL "{version}"\n')

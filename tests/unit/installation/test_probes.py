@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from machine import add_program, make_machine
+from machine import add_gazebo_header, add_program, make_machine
 
 from tool0.errors import RosUnavailableError
 from tool0.installation.doctor import probes
@@ -41,9 +41,6 @@ def test_nvidia_cards_are_read_without_running_a_program(tmp_path: Path) -> None
 def test_nvidia_smi_is_run_where_there_are_no_files(tmp_path: Path) -> None:
     add_program(tmp_path / "bin/nvidia-smi", "echo 'NVIDIA H200, 550.54.15'")
     assert gpu(tmp_path).found == "NVIDIA H200, driver 550.54.15"
-
-
-def test_nvidia_smi_without_a_driver_is_no_gpu(tmp_path: Path) -> None:
     add_program(tmp_path / "bin/nvidia-smi", "echo NVIDIA-SMI has failed; exit 9")
     assert gpu(tmp_path).state == "missing"
 
@@ -77,8 +74,6 @@ def test_render_nodes_are_listed_with_their_vendor(
 
 # --- Gazebo ---
 
-CONFIG = '#define GAZEBO_VERSION_FULL "11.10.2"\n'
-
 
 @pytest.fixture
 def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -91,37 +86,22 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def add_gazebo(root: Path) -> None:
-    header = root / "include/gazebo-11/gazebo/gazebo_config.h"
-    header.parent.mkdir(parents=True)
-    header.write_text(CONFIG)
-    add_program(root / "bin/gzserver")
-
-
-def test_a_missing_gazebo_is_installed_by_tool0(root: Path) -> None:
-    (result,) = gazebo(Machine(system="linux"))
+def test_what_gazebo_lacks_has_a_remedy(root: Path) -> None:
+    examined = Machine(system="linux")
+    (result,) = gazebo(examined)
     assert (result.state, result.remedy) == ("missing", "tool0 gazebo install --gui")
-
-
-def test_a_missing_compiler_is_what_is_missing(root: Path) -> None:
-    add_gazebo(root)
-    (result,) = gazebo(Machine(system="linux"))
+    add_gazebo_header(root, "11.10.2")
+    add_program(root / "bin/gzserver")
+    (result,) = gazebo(examined)
     assert (result.state, result.remedy) == ("missing", "sudo apt install g++")
-
-
-def test_a_system_s_gazebo_is_reported_with_its_window(root: Path) -> None:
-    add_gazebo(root)
     add_program(root / "bin/g++")
-    engine, window = gazebo(Machine(system="linux"))
+    engine, window = gazebo(examined)
     assert engine.state == "ready"
     assert engine.found.startswith("11.10.2, the system's, ")
     assert window.remedy == "tool0 gazebo install --gui --private"
     add_program(root / "bin/gzclient")
-    engine, window = gazebo(Machine(system="linux"))
+    _, window = gazebo(examined)
     assert (window.state, window.found) == ("ready", str(root / "bin/gzclient"))
-
-
-def test_gazebo_is_supported_on_linux_alone() -> None:
     (result,) = gazebo(Machine(system="darwin"))
     assert result.state == "not supported"
 

@@ -1,10 +1,10 @@
 """The packages of a private Gazebo: what apt prints of them, and unpacking."""
 
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
+from debian_mirror import build_package
 from machine import add_program
 
 from tool0.errors import EngineUnavailableError
@@ -96,47 +96,31 @@ needs_dpkg = pytest.mark.skipif(
 )
 
 
-def build(folder: Path, name: str, *files: str) -> Path:
-    root = folder / name
-    (root / "DEBIAN").mkdir(parents=True)
-    (root / "DEBIAN" / "control").write_text(
-        f"Package: {name}\nVersion: 1\nArchitecture: all\n"
-        "Maintainer: nobody <nobody@localhost>\nDescription: x\n"
-    )
-    for file in files:
-        (root / file).parent.mkdir(parents=True, exist_ok=True)
-        (root / file).write_text(name)
-    package = folder / f"{name}.deb"
-    command = ["dpkg-deb", "--build", str(root), str(package)]
-    subprocess.run(command, check=True, capture_output=True)
-    return package
-
-
 @needs_dpkg
 def test_unpacks_several_into_one_folder_without_what_is_dropped(
     tmp_path: Path,
 ) -> None:
     packages = [
-        build(tmp_path, "one", "usr/lib/x/liba.so", "usr/lib/x/liba.a"),
-        build(tmp_path, "two", "usr/share/doc/two/news", "usr/share/two/data"),
+        build_package(tmp_path, "one", {"usr/lib/x/liba.so": "", "usr/lib/x/a.a": ""}),
+        build_package(tmp_path, "two", {"usr/share/doc/news": "", "usr/share/two": ""}),
     ]
     root = tmp_path / "root"
     root.mkdir()
     done: list[float] = []
     unpack(packages, root, lambda _, fraction: done.append(fraction))
     found = {str(path.relative_to(root)) for path in root.rglob("*") if path.is_file()}
-    assert found == {"usr/lib/x/liba.so", "usr/share/two/data"}
+    assert found == {"usr/lib/x/liba.so", "usr/share/two"}
     assert done == sorted(done)
     assert done[-1] == 1.0
 
 
 @needs_dpkg
 def test_a_damaged_package_is_named_and_removed(tmp_path: Path) -> None:
-    package = build(tmp_path, "one", "usr/lib/x/liba.so")
+    package = build_package(tmp_path, "one", {"usr/lib/x/liba.so": ""})
     package.write_bytes(package.read_bytes()[:-40])
     with pytest.raises(EngineUnavailableError) as error:
         unpack([package], tmp_path, lambda *_: None)
-    assert "one.deb" in str(error.value)
+    assert package.name in str(error.value)
     assert not package.exists()
 
 

@@ -1,7 +1,7 @@
 from pathlib import Path
 
 import pytest
-from machine import add_program
+from machine import add_gazebo_header, add_program
 
 from tool0.errors import EngineUnavailableError
 from tool0.installation.gazebo.installation import (
@@ -34,9 +34,7 @@ def add_server(folder: Path, version: str) -> Path:
 
 
 def add_headers(root: Path, version: str) -> None:
-    header = root / "include" / "gazebo-11" / "gazebo" / "gazebo_config.h"
-    header.parent.mkdir(parents=True)
-    header.write_text(f'#define GAZEBO_VERSION_FULL "{version}"\n')
+    add_gazebo_header(root, version)
     for name in ("sdformat-9.8", "ignition/math6", "ignition/msgs5"):
         (root / "include" / name).mkdir(parents=True)
     (root / "lib" / "x86_64-linux-gnu" / "gazebo-11" / "plugins").mkdir(parents=True)
@@ -56,10 +54,6 @@ def why_none() -> str:
     return str(error.value)
 
 
-def test_without_any_it_names_the_command() -> None:
-    assert "tool0 gazebo install" in why_none()
-
-
 def test_the_system_s_comes_before_the_private_one(bare_machine: Path) -> None:
     server = add_server(bare_machine, "11.10.2")
     add_headers(bare_machine.parent, "11.10.2")
@@ -75,6 +69,7 @@ def test_the_system_s_comes_before_the_private_one(bare_machine: Path) -> None:
 def test_the_system_s_without_headers_says_which_package_has_them(
     bare_machine: Path,
 ) -> None:
+    assert "tool0 gazebo install" in why_none()
     add_server(bare_machine, "11.10.2")
     assert "libgazebo-dev" in why_none()
 
@@ -99,9 +94,6 @@ def test_a_prefix_runs_from_where_it_is() -> None:
     include = prefix / "usr" / "include"
     names = ("gazebo-11", "sdformat-9.8", "ignition/math6", "ignition/msgs5")
     assert set(found.include_dirs) == {include, *(include / name for name in names)}
-
-
-def test_the_compiler_is_never_pointed_to_the_system_s_own_headers() -> None:
     assert Path("/usr/include") not in include_folders(Path("/usr"))
 
 
