@@ -171,9 +171,6 @@ def test_what_ros_1_can_run_without_has_results_of_its_own(
     assert "--roscore" in main.found
     assert (tools.state, tools.found, tools.remedy) == ("missing", "tf2", REMEDY)
     assert (rviz.state, rviz.remedy) == ("missing", REMEDY)
-
-
-def test_a_master_that_answers_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     status = Ros1Status(rospy=Path("/r"), master="http://x:1", is_master_up=True)
     results = with_ros1(monkeypatch, status)
     assert [result.state for result in results] == ["ready"] * 3
@@ -200,12 +197,6 @@ def add_packages(prefix: Path, *names: str) -> None:
         manifest.touch()
 
 
-def test_the_build_tools_are_reported(tmp_path: Path) -> None:
-    catkin, _ = look(tmp_path, NOBLE, "catkin_make", "cmake", "make")
-    assert (catkin.what, catkin.state) == ("catkin", "ready")
-    assert str(tmp_path / "bin/catkin_make") in catkin.found
-
-
 @pytest.mark.parametrize(
     ("release", "programs", "state", "remedy"),
     [
@@ -213,6 +204,7 @@ def test_the_build_tools_are_reported(tmp_path: Path) -> None:
         (BOOKWORM, ("make",), "missing", "sudo apt install catkin cmake"),
         (NOBLE, ("catkin_make", "make"), "missing", "sudo apt install cmake"),
         (NOBLE, ("cmake", "make"), "not supported", ""),
+        (NOBLE, ("catkin_make", "cmake", "make"), "ready", ""),
     ],
 )
 def test_the_build_tools_are_installed_where_they_are_packaged(
@@ -230,22 +222,20 @@ def test_a_noetic_is_to_be_sourced(tmp_path: Path) -> None:
     assert catkin.remedy == f"source {setup}"
 
 
-def test_a_complete_noetic_runs_natively(tmp_path: Path) -> None:
-    add_packages(tmp_path / "opt/ros/noetic", *_LAUNCHED_PACKAGES)
-    _, native = look(tmp_path, FOCAL)
-    assert native.state == "ready"
-    assert native.found.startswith(str(tmp_path / "opt/ros/noetic"))
-
-
 def test_what_a_noetic_lacks_is_installed_by_its_names(tmp_path: Path) -> None:
+    noetic = tmp_path / "opt/ros/noetic"
     missing = {"gazebo_ros_control", "rqt_joint_trajectory_controller"}
-    add_packages(tmp_path / "opt/ros/noetic", *(set(_LAUNCHED_PACKAGES) - missing))
+    add_packages(noetic, *(set(_LAUNCHED_PACKAGES) - missing))
     _, native = look(tmp_path, FOCAL)
     assert native.state == "missing"
     assert native.remedy == (
         "sudo apt install ros-noetic-gazebo-ros-control "
         "ros-noetic-rqt-joint-trajectory-controller"
     )
+    add_packages(noetic, *missing)
+    _, native = look(tmp_path, FOCAL)
+    assert native.state == "ready"
+    assert native.found.startswith(str(noetic))
 
 
 @pytest.mark.parametrize(
