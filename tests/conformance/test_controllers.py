@@ -176,5 +176,6 @@ def test_set_points_are_checked_and_the_old_ones_stay(
 def test_a_controller_for_another_interface_is_refused_when_loaded(
     bring_up: BringUp, tmp_path: Path, wrong: str
 ) -> None:
-    with pytest.raises(tool0.Tool0Error, match=rf"{wrong}\.yaml.*|{wrong}"):
+    with pytest.raises(tool0.Tool0Error) as error:
         bring_up(controllers_file=write_yaml(tmp_path, wrong), controllers="trajectory")
+    assert wrong in str(error.value)

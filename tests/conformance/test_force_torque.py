@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from conformance_types import BringUp
-from ur5_rig import ARM, HOME, point
+from ur5_rig import ARM, BETWEEN_PADS, EDGE, HOME, TABLE, point
 
 import tool0
 from tool0.description.forward_kinematics import link_poses
@@ -16,14 +16,6 @@ from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, to_transform
 
-EDGE = 0.04  # [m]
-BETWEEN_PADS = (0.5487, 0.1091, 0.003)
-"""Where an object lies between the pads in the pose ``ready``, in the root [m]."""
-TABLE = SceneObject(
-    name="table",
-    geometry=Box(size=(0.4, 0.6, 0.04)),
-    pose=Pose(xyz=(0.6, 0.0, BETWEEN_PADS[2] - EDGE / 2 - 0.02)),
-)
 ABOVE_TABLE = {
     "shoulder_lift_joint": -1.2,
     "elbow_joint": 1.9,

@@ -7,7 +7,7 @@ import logging
 import numpy as np
 import pytest
 from conformance_types import BringUp
-from ur5_rig import ARM, HOME, point
+from ur5_rig import ARM, BETWEEN_PADS, EDGE, HOME, TABLE, point
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
@@ -16,16 +16,9 @@ from tool0.description.transform import Pose
 from tool0.errors import ConfigError
 from tool0.sensing.grasp_assist import WARNING
 
-EDGE = 0.04  # [m]
-BETWEEN_PADS = (0.5487, 0.1091, 0.003)
-"""Where an object lies between the pads in the pose ``ready``, in the root [m]."""
 SLIPPERY = Scene(
     (
-        SceneObject(
-            name="table",
-            geometry=Box(size=(0.4, 0.6, 0.04)),
-            pose=Pose(xyz=(0.6, 0.0, BETWEEN_PADS[2] - EDGE / 2 - 0.02)),
-        ),
+        TABLE,
         SceneObject(
             name="soap",
             geometry=Box(size=(EDGE, EDGE, EDGE)),
@@ -59,7 +52,7 @@ def test_what_is_too_slippery_is_lifted_and_falls_when_let_go(
     with caplog.at_level(logging.WARNING):
         robot = bring_up(scene=SLIPPERY, initial_pose="ready", grasp_assist=True)
     assert [r.message for r in caplog.records if r.message == WARNING]
-    assert robot.grasp_assist
+    assert robot.info.grasp_assist
     grip_and_lift(robot)
     assert height(robot) > 0.2
     held = on_tool(robot)

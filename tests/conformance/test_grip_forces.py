@@ -14,7 +14,7 @@ from tool0.description.catalogue import config_file
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Transform
-from tool0.sensing.pads import grasp_frame
+from tool0.sensing.grasp import grasp_frame
 
 SPEEDS = (0.02, 0.05, 0.10, 0.15)  # [m/s]
 FORCES = (20.0, 60.0, 120.0, 235.0)  # [N]

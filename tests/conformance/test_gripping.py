@@ -19,6 +19,8 @@ FILES = {
     "post, action": [POST, POST_GRIPPER],
 }
 MIMIC_ERROR = 3e-4  # [rad]
+SPEED = 0.06  # [m/s] of the pads
+PADS = ("left_inner_finger_pad", "right_inner_finger_pad")
 WEIGHT = 0.08
 """Of the fingers at the drive, which carries it beside what is commanded [N·m]."""
 
@@ -49,25 +51,21 @@ def test_at_rest_nothing_trembles(
     assert rms.max() <= 1e-4  # [rad/s]
 
 
-def test_every_goal_in_range_succeeds_with_the_post_s_trajectory_controller(
-    bring_up: BringUp,
+@pytest.mark.parametrize("files", [[POST], [POST, POST_GRIPPER]])
+def test_every_goal_in_range_succeeds_with_the_post_s_controllers(
+    bring_up: BringUp, files: list[object]
 ) -> None:
-    robot = bring_up(controllers_file=POST)
+    robot = bring_up(controllers_file=files)
+    controller = robot.controller(GRIPPER)
     for target in random_targets(19):  # 6 of 19 were aborted by the original
-        goal = robot.controller(GRIPPER).follow([point([target], 1.0)])
-        assert goal.wait(10.0).status is tool0.GoalStatus.SUCCEEDED
-
-
-def test_every_goal_in_range_succeeds_with_the_post_s_action_controller(
-    bring_up: BringUp,
-) -> None:
-    robot = bring_up(controllers_file=[POST, POST_GRIPPER])
-    for target in random_targets(19):
-        goal = robot.controller(GRIPPER).command_gripper(target)
-        result = goal.wait(10.0)
+        if POST_GRIPPER not in files:
+            goal = controller.follow([point([target], 1.0)])
+            assert goal.wait(10.0).status is tool0.GoalStatus.SUCCEEDED
+            continue
+        result = controller.command_gripper(target).wait(10.0)
         assert result.status is tool0.GoalStatus.SUCCEEDED
         assert isinstance(result, tool0.GripperResult)
-        assert result.reached_goal
+        assert (result.reached_goal, result.stalled) == (True, False)
         assert result.position == pytest.approx(target, abs=0.002)
 
 
@@ -81,16 +79,6 @@ def test_it_opens_and_closes_to_the_millimetre(
         assert goal.wait(10.0).status is tool0.GoalStatus.SUCCEEDED
         robot.run(1.0)
         assert robot.gripper.opening == pytest.approx(opening, abs=1e-3)
-
-
-def test_grasping_nothing_closes_all_the_way(bring_up: BringUp) -> None:
-    robot = bring_up(controllers_file=[POST, POST_GRIPPER])
-    result = robot.gripper.move(opening=0.0).wait(10.0)
-    assert result.status is tool0.GoalStatus.SUCCEEDED
-    assert isinstance(result, tool0.GripperResult)
-    assert (result.reached_goal, result.stalled) == (True, False)
-    robot.run(1.0)
-    assert robot.gripper.opening < 1e-3
 
 
 def test_cancelling_holds_the_fingers_where_they_are(bring_up: BringUp) -> None:
@@ -156,3 +144,45 @@ def test_an_effort_bound_is_kept_and_lifted(bring_up: BringUp) -> None:
     robot.gripper.move(opening=0.085).wait(10.0)
     robot.gripper.move(opening=0.0)
     assert strongest(robot, 1.5) > 2.0 * bound
+
+
+def test_fingers_rest_at_their_stops_and_leave_them_no_faster_than_told(
+    bring_up: BringUp,
+) -> None:
+    robot = bring_up(controllers_file=[POST, POST_GRIPPER])
+    joint = robot.description.model.joint("finger_joint")
+    geometry = robot.gripper.geometry
+    for target, stop in ((0.0, joint.limits.upper), (0.085, joint.limits.lower)):
+        robot.gripper.move(opening=target, speed=SPEED)
+        fastest = 0.0
+        for _ in range(900):
+            robot.run(0.002)
+            q = robot.joint_state.position[joint.name]
+            qd = robot.joint_state.velocity[joint.name]
+            fastest = max(fastest, abs(qd) * geometry.lever(q))
+            assert (q - stop) * (1.0 if target == 0.0 else -1.0) < 1e-3
+        assert 0.95 * SPEED < fastest < 1.1 * SPEED
+
+
+def between_pads(robot: tool0.Robot) -> float:
+    """Return the distance between the faces of the pads, by all joints between [m]."""
+    links = robot.description.model.link_by_name
+    left, right = (robot.pose(pad).matrix for pad in PADS)
+    thick = links[PADS[0]].collisions[0].geometry.size[1]  # type: ignore[union-attr]
+    normal = -left[:3, 1]
+    return float((right[:3, 3] - left[:3, 3]) @ normal) - thick
+
+
+def test_the_opening_is_that_of_the_formula_over_the_whole_range(
+    bring_up: BringUp,
+) -> None:
+    robot = bring_up()
+    seen = []
+    for opening in (0.0, 0.085):
+        goal = robot.gripper.move(opening=opening)
+        while goal.status is tool0.GoalStatus.ACTIVE:
+            robot.run(0.004)
+            seen.append(between_pads(robot))
+            angle = robot.joint_state.position["finger_joint"]
+            assert abs(seen[-1] - robot.gripper.geometry.opening(angle)) <= 5e-4
+    assert np.ptp(seen) >= 0.084

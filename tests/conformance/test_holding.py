@@ -134,14 +134,6 @@ def test_it_holds_through_pauses(bring_up: BringUp) -> None:
         assert worst_departure(robot, 0.5, start) <= ALLOWED
 
 
-def test_it_holds_from_an_emergency_stop_at_rest(bring_up: BringUp) -> None:
-    robot = bring_up()
-    robot.run(1.0)
-    robot.emergency_stop()
-    assert robot.snapshot.is_stopped
-    assert worst_departure(robot, A_WHILE) <= ALLOWED
-
-
 def test_an_emergency_stop_in_mid_motion_brakes_and_then_holds(
     bring_up: BringUp,
 ) -> None:

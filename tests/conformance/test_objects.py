@@ -2,34 +2,27 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conformance_types import BringUp
-from ur5_rig import ARM, HOME, point
+from ur5_rig import ARM, BETWEEN_PADS, EDGE, HOME, TABLE, point
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box, Cylinder, Geometry, Sphere
 from tool0.description.transform import Pose
 from tool0.errors import ConfigError
+from tool0.scene import shipped_scenes
 
-EDGE = 0.04  # [m]
+SCENES = shipped_scenes()
 SLIP = 1e-4  # [m] in 5 s; 1e-3 would do
 CALM = 1e-4  # [m/s]
 MIMIC_ERROR = {"mujoco": 2e-3, "gazebo": 1e-5}
 """[rad] while the fingers squeeze: MuJoCo's equalities are springs, if stiff ones."""
-BETWEEN_PADS = (0.5487, 0.1091, 0.003)
-"""Where an object lies between the pads in the pose ``ready``, in world [m].
-
-The pads come down by 14 mm as they close; its height leaves them clear of the table."""
-TABLE = SceneObject(
-    name="table",
-    geometry=Box(size=(0.4, 0.6, 0.04)),
-    pose=Pose(xyz=(0.6, 0.0, BETWEEN_PADS[2] - EDGE / 2 - 0.02)),
-)
 
 
 def scene_with(
@@ -100,7 +93,7 @@ def test_the_robot_tells_what_is_around_it(bring_up: BringUp) -> None:
     scene = scene_with(Sphere(radius=EDGE / 2))
     robot = bring_up(scene=scene, spawn_z=0.25)
     assert robot.scene.objects == scene.objects
-    assert robot.ground == -0.25
+    assert robot.info.ground == -0.25
     assert [pose.name for pose in robot.snapshot.objects] == ["table", "thing"]
     assert all(math.isfinite(x) for x in thing(robot))
     assert bring_up().scene.objects == ()
@@ -148,3 +141,22 @@ def test_the_cube_that_the_original_drops_stays_between_calm_fingers(
     assert np.linalg.norm(slip) <= SLIP
     assert max(speeds) <= CALM
     assert max(errors) <= MIMIC_ERROR[engine]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_nothing_overlaps_and_nothing_moves(
+    bring_up: BringUp, name: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.WARNING):
+        robot = bring_up(scene=name)
+        before = robot.snapshot.objects
+        assert before
+        robot.run(5.0)
+        for start, end in zip(before, robot.snapshot.objects, strict=True):
+            np.testing.assert_allclose(end.position, start.position, atol=1e-4)
+            np.testing.assert_allclose(end.quat_wxyz, start.quat_wxyz, atol=1e-4)
+    assert caplog.records == []
+
+
+def test_there_are_scenes() -> None:
+    assert {"table_and_bin", "table_and_cubes"} <= SCENES.keys()

@@ -8,6 +8,9 @@ from pathlib import Path
 import numpy as np
 
 import tool0
+from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 
 CONTROLLERS = Path(__file__).parent.parent / "data" / "controllers"
 TWO_ROBOTS = CONTROLLERS.parent / "description" / "two_robots.urdf.xacro"
@@ -26,6 +29,18 @@ ARM_JOINTS = (
 )
 HOME = (0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0)
 AWAY = (0.5, -1.2, 1.3, -1.2, -1.2, 0.6)
+BETWEEN_PADS = (0.5487, 0.1091, 0.003)
+"""Where an object lies between the pads in the pose ``ready``, in the root [m].
+
+The pads come down by 14 mm as they close; its height leaves them clear of the table."""
+EDGE = 0.04
+"""Of an object between the pads [m]."""
+TABLE = SceneObject(
+    name="table",
+    geometry=Box(size=(0.4, 0.6, 0.04)),
+    pose=Pose(xyz=(0.6, 0.0, BETWEEN_PADS[2] - EDGE / 2 - 0.02)),
+)
+"""Below it."""
 
 
 def point(

@@ -55,14 +55,16 @@ def test_a_server_that_dies_or_hangs_is_reported_and_leaves_nothing(
     os.kill(pid, number)
     fault, took = end_of(robot)
     assert took < REPORTED_WITHIN
-    with pytest.raises(EngineUnavailableError, match=reported):
+    with pytest.raises(EngineUnavailableError) as error:
         robot.run(0.1)
+    assert reported in str(error.value)
     assert watch.all_ended(0.0)
     assert not engine.server.folder.exists()
     # The robot is still there to be asked; what is impossible says why.
     assert robot.snapshot.objects[0].name == "cube"
-    with pytest.raises(EngineUnavailableError, match=reported):
+    with pytest.raises(EngineUnavailableError) as error:
         robot.reset()
+    assert reported in str(error.value)
     assert robot.snapshot.fault == fault
 
 
@@ -70,8 +72,9 @@ def test_a_script_gets_the_error_too(bring_up: BringUp) -> None:
     robot, engine = bring_up()
     robot.run(0.05)
     os.kill(engine.server.process_ids[0], signal.SIGKILL)
-    with pytest.raises(EngineUnavailableError, match="SIGKILL"):
+    with pytest.raises(EngineUnavailableError) as error:
         robot.run(0.05)
+    assert "SIGKILL" in str(error.value)
 
 
 def test_the_end_of_its_log_is_in_the_error(tmp_path: Path, bring_up: BringUp) -> None:
@@ -105,8 +108,9 @@ def test_what_cannot_be_brought_up_leaves_nothing(tmp_path: Path) -> None:
         '<sdf version="1.6"><world name="w"><model name="ur5_robot">'
         '<link name="l"/></model></world></sdf>'
     )
-    with pytest.raises(EngineError, match="has a model 'ur5_robot' already"):
+    with pytest.raises(EngineError) as error:
         tool0.bringup(simulation=gazebo_with(world=world))
+    assert "'ur5_robot'" in str(error.value)
     assert not [pid for pid in descendants(os.getpid()) if "gz" in program(pid)]
 
 

@@ -14,7 +14,7 @@ import tool0
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box, Geometry, Mesh
 from tool0.description.transform import Pose
-from tool0.errors import EngineError, ModelError
+from tool0.errors import EngineError
 from tool0.hardware.engine import ObjectState
 
 TABLE = SceneObject(
@@ -100,7 +100,7 @@ def test_what_somebody_else_deleted_can_be_deleted_and_come_again(
     for _ in range(3):
         robot.run(1.0)
         robot.reset()
-    with pytest.raises(EngineError, match="'cube'"):
+    with pytest.raises(EngineError):
         robot.scene.add(CUBE)
     robot.scene.remove("cube")
     robot.scene.add(CUBE)
@@ -114,19 +114,19 @@ def test_meshes_that_gazebo_would_leave_out_are_refused(
 ) -> None:
     robot, engine = bring_up()
     path = tmp_path / f"part{suffix}"
-    with pytest.raises(ModelError, match=str(path)):
-        robot.scene.add(meshed(path))
-    path.write_text("nonsense")
-    with pytest.raises((ModelError, EngineError), match=str(path)):
-        robot.scene.add(meshed(path))
-    with pytest.raises(EngineError, match="'part'"):
+    for _ in range(2):  # there is no file, and then there is a wrong one
+        with pytest.raises(tool0.Tool0Error) as error:
+            robot.scene.add(meshed(path))
+        assert str(path) in str(error.value)
+        path.write_text("nonsense")
+    with pytest.raises(EngineError):
         engine.world.delete("part")
     robot.run(0.1)
     assert robot.scene.objects == ()
 
 
 @pytest.mark.parametrize(
-    ("name", "whose"),
+    ("name", "taken_by"),
     [
         ("sun", "sun"),
         ("elbow_joint", "ur5_robot::elbow_joint"),
@@ -134,14 +134,15 @@ def test_meshes_that_gazebo_would_leave_out_are_refused(
     ],
 )
 def test_a_name_in_gazebos_world_is_refused_without_waiting(
-    name: str, whose: str, bring_up: BringUp
+    name: str, taken_by: str, bring_up: BringUp
 ) -> None:
     """Gazebo finds the first of two: for 10 s it would not find the object."""
     robot, engine = bring_up()
     start = perf_counter()
-    with pytest.raises(EngineError, match=f"'{whose}'"):
+    with pytest.raises(EngineError) as error:
         robot.scene.add(replace(CUBE, name=name))
+    assert f"'{taken_by}'" in str(error.value)
     assert perf_counter() - start < 1.0
     assert robot.scene.objects == ()
-    with pytest.raises(EngineError, match=f"'{name}'"):
+    with pytest.raises(EngineError):
         engine.world.delete(name)

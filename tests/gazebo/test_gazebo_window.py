@@ -123,8 +123,9 @@ def test_it_ends_with_a_process_that_is_killed(screen: Screen) -> None:
 
 def test_without_a_display_it_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DISPLAY", raising=False)
-    with pytest.raises(EngineUnavailableError, match="DISPLAY is not set"):
+    with pytest.raises(EngineUnavailableError) as error:
         tool0.bringup(simulation=gazebo_with(gui=True))
+    assert "DISPLAY" in str(error.value)
 
 
 def test_a_window_that_crashes_is_reported(

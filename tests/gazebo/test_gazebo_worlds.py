@@ -73,7 +73,7 @@ def test_the_weight_of_things_is_that_of_the_world(
     world = tmp_path / "slope.world"
     world.write_text(WORLD.replace("0 0 -5", "-3 0 -4").replace("2 0 3", "2 5 3"))
     robot, engine = bring_up(engine_options={"world": world})
-    assert engine.gravity == (-3.0, 0.0, -4.0)
+    assert engine.world.gravity == (-3.0, 0.0, -4.0)
     robot.run(2.0)
     pull = np.array(robot.pose("tool0").rotation) @ robot.force_torque.read().force
     np.testing.assert_allclose(pull, 0.921 * np.array(engine.world.gravity), atol=0.01)
@@ -85,7 +85,7 @@ def test_a_world_is_read_relative_to_where_the_person_is(
     (tmp_path / "theirs.world").write_text(WORLD)
     monkeypatch.chdir(tmp_path)
     _, engine = bring_up(engine_options={"world": "theirs.world"})
-    engine.delete("crate")
+    engine.world.delete("crate")
 
 
 @pytest.mark.parametrize(
@@ -111,14 +111,17 @@ def test_physics_other_than_ode_is_refused(
     gripper: str | None, file: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     file.write_text(WORLD.replace('physics type="ode"', 'physics type="bullet"'))
-    with pytest.raises(EngineError, match=r"physics is 'bullet', .* needs .*\"ode\""):
+    with pytest.raises(EngineError) as error:
         tool0.bringup(simulation=gazebo_with(world=file), gripper=gripper)
+    for name in ("'bullet'", '"ode"'):
+        assert name in str(error.value)
     assert caplog.records == []
 
 
 def test_a_world_that_is_not_there_is_named() -> None:
-    with pytest.raises(DescriptionError, match=r"nowhere\.world: No such file"):
+    with pytest.raises(DescriptionError) as error:
         tool0.bringup(simulation=gazebo_with(world="nowhere.world"))
+    assert "nowhere.world" in str(error.value)
 
 
 def test_what_a_world_lacks_is_told_and_the_rest_is_used(
@@ -176,26 +179,30 @@ def test_models_that_cannot_come_or_go_are_named(
     file.write_text(MODEL)
     engine.world.spawn_file("crate", file, ASIDE)
     for name in ("crate", "cube"):
-        with pytest.raises(EngineError, match=f"'{name}'"):
+        with pytest.raises(EngineError) as taken:
             engine.world.spawn_file(name, file, ASIDE)
+        assert f"'{name}'" in str(taken.value)
     for name in ("crote", "ur5_robot"):
-        with pytest.raises(EngineError, match=f"'{name}'"):
+        with pytest.raises(EngineError) as kept:
             engine.world.delete(name)
-    with pytest.raises(DescriptionError, match=r"nowhere\.sdf"):
+        assert f"'{name}'" in str(kept.value)
+    with pytest.raises(DescriptionError) as absent:
         engine.world.spawn_file("other", tmp_path / "nowhere.sdf", ASIDE)
+    assert "nowhere.sdf" in str(absent.value)
     for text, line in ((MODEL.replace("</model>", ""), 10), (WORLD, 1)):
         file.write_text(text)
         with pytest.raises(DescriptionError) as error:
             engine.world.spawn_file("other", file, ASIDE)
         assert error.value.location == SourceLocation(file, line)
     for old, new, named in (
-        ('<link name="link">', "<link>", r"element\[link\]"),
+        ('<link name="link">', "<link>", "element[link]"),
         ("1.0</mass>", "-1.0</mass>", "mass"),
     ):
         file.write_text(MODEL.replace(old, new))
-        with pytest.raises(EngineError, match=named):
+        with pytest.raises(EngineError) as refused:
             engine.world.spawn_file("other", file, ASIDE)
-        with pytest.raises(EngineError, match="'other'"):
+        assert named in str(refused.value)
+        with pytest.raises(EngineError):
             engine.world.delete("other")  # what was built of it is gone
     robot.run(0.01)
     assert robot.snapshot.fault is None

@@ -6,9 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import final
 
 from tool0.api.channel import Channel
-from tool0.control.controller import ControllerSpec
-from tool0.control.goal import GoalStatus, Result
-from tool0.control.tolerances import ToleranceOverride
+from tool0.control.controller_types import ControllerSpec
+from tool0.control.goal import GoalStatus, Result, ToleranceOverride
 from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
 from tool0.errors import GoalTimeoutError
 from tool0.requests.controllers import QueryState, ReadController, ReadControllerSpec

@@ -19,8 +19,7 @@ from tool0.requests.sensors import (
     TakePicture,
     TareForceTorque,
 )
-from tool0.sensing.force_torque import DEFAULT_CUTOFF
-from tool0.sensing.force_torque_sensor import WrenchReading
+from tool0.sensing.force_torque import DEFAULT_CUTOFF, WrenchReading
 
 if TYPE_CHECKING:
     from tool0.sensing.cameras import CameraImage

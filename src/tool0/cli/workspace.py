@@ -8,7 +8,6 @@ from typing import Annotated, Final
 
 import tyro
 
-from tool0.cli.parsing import parse
 from tool0.installation.workspace import (
     PACKAGES,
     FileAction,
@@ -18,12 +17,6 @@ from tool0.installation.workspace import (
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 """Where robotiq_2f_85_gripper_visualization is; no distribution packages it."""
-
-
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    parse(workspace, command, arguments)
-    return 0
 
 
 def workspace(

@@ -9,8 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import final
 
-from tool0.control.controller import ControllerSpec
-from tool0.control.controller_types import parser_of
+from tool0.control.controller_types import ControllerSpec, parser_of
 from tool0.control.parameters import RobotJoints
 from tool0.description.model import JointLimits
 from tool0.description.yaml_tree import Tree, read_files

@@ -15,7 +15,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 
-from tool0.control.tolerances import tolerance_numbers
+from tool0.control.goal import tolerance_numbers
 from tool0.control.trajectory import BLOCK, TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Joint, JointType
 from tool0.errors import GoalRejectedError, did_you_mean

@@ -6,9 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from tool0.control.goal import Goal, GoalResult, GoalStatus
+from tool0.control.goal import (
+    DEFAULT_GOAL_TIME,
+    DEFAULT_STOPPED_VELOCITY,
+    Goal,
+    GoalResult,
+    GoalStatus,
+    JointTolerances,
+    Tolerance,
+    TrajectoryTolerances,
+)
 from tool0.control.goal_check import check_names
-from tool0.control.goal_monitor import GoalMonitor
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     RobotJoints,
@@ -17,17 +25,10 @@ from tool0.control.parameters import (
 )
 from tool0.control.pid import Gains, Pid
 from tool0.control.replacement import TrajectoryReplacement
-from tool0.control.sampler import TrajectorySampler
+from tool0.control.sampler import GoalMonitor, TrajectorySampler
 from tool0.control.segment import MotionPlan, shortest_turn
 from tool0.control.setpoint import Setpoint, joints_motion
 from tool0.control.spline import JointSpline, hold
-from tool0.control.tolerances import (
-    DEFAULT_GOAL_TIME,
-    DEFAULT_STOPPED_VELOCITY,
-    JointTolerances,
-    Tolerance,
-    TrajectoryTolerances,
-)
 from tool0.control.trajectory import JointsMotion, TrajectoryGoal
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace

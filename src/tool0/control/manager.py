@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import final
 
 from tool0.control.config import ControllerConfig
-from tool0.control.controller import Controller, ControllerSpec
+from tool0.control.controller_types import Controller, ControllerSpec
 from tool0.control.parameters import RobotJoints
 from tool0.control.setpoint import Setpoint
 from tool0.description.model import Joint

@@ -7,10 +7,9 @@ from collections.abc import Callable, Sequence
 from typing import final
 
 from tool0.control import goal_check
-from tool0.control.goal import Goal
+from tool0.control.goal import Goal, TrajectoryTolerances
 from tool0.control.segment import Motion, MotionPlan, wrap_offset
 from tool0.control.spline import JointSpline, Knots, hold, stop
-from tool0.control.tolerances import TrajectoryTolerances
 from tool0.control.trajectory import MARGIN, TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Joint, JointType
 

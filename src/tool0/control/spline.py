@@ -11,9 +11,8 @@ from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-from tool0.control.goal import Goal
+from tool0.control.goal import NO_TOLERANCES, Goal, JointTolerances
 from tool0.control.segment import Motion, Sample, Segment, stop_ramp
-from tool0.control.tolerances import NO_TOLERANCES, JointTolerances
 from tool0.errors import GoalRejectedError
 
 

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, final
 
+from tool0.control.goal import ToleranceOverride
 from tool0.control.segment import IMPLAUSIBLE
-from tool0.control.tolerances import ToleranceOverride
 from tool0.errors import GoalRejectedError
 
 if TYPE_CHECKING:

@@ -1,27 +1,20 @@
-"""The physics engines by name: their options, and how they are made.
+"""The physics engines by name: their options and constructors.
 
-To add an engine, write a package with a module that defines an ``EngineDefinition``,
-and register its location here (or by ``register_engine``).  That module must import
-its simulator in ``create`` only: it is loaded to list the engine's options, too.
+A further engine is an ``EngineDefinition`` given to ``register_engine``.  A simulator
+is imported in ``create`` only, so the options are known where it is not installed.
 """
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any, Final, final
 
 from tool0.description.catalogue import RobotDescription
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, EngineUnavailableError, did_you_mean
 from tool0.hardware.engine import Engine
-
-_LOCATIONS: Final[dict[str, str]] = {
-    "mujoco": "tool0.engines.mujoco.definition:MUJOCO",
-    "gazebo": "tool0.engines.gazebo.definition:GAZEBO",
-}
-"""Engine → module and name of its ``EngineDefinition``."""
 
 
 @final
@@ -52,19 +45,76 @@ class EngineDefinition:
     """
 
 
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MujocoEngineOptions:
+    """MuJoCo has no options of its own."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GazeboEngineOptions:
+    """The options that only Gazebo has."""
+
+    world: Path | str | None = None
+    """A world file; None for an empty world with the ground at z = 0."""
+    gui: bool = False
+    """Whether to open gzclient, Gazebo's own window."""
+
+
+def _create_mujoco(
+    description: RobotDescription, settings: EngineSettings, _: MujocoEngineOptions
+) -> Engine:
+    from tool0.engines.mujoco.gl import import_mujoco
+
+    import_mujoco()
+    from tool0.engines.mujoco.engine import MujocoEngine
+
+    return MujocoEngine(
+        description.model,
+        settings.dt,
+        ground=-settings.spawn_z,
+        scene=settings.scene,
+    )
+
+
+def _create_gazebo(
+    description: RobotDescription,
+    settings: EngineSettings,
+    options: GazeboEngineOptions,
+) -> Engine:
+    loops = description.model.loops
+    if loops:
+        raise ConfigError(
+            f"Gazebo cannot simulate the loop '{loops[0].name}'; "
+            "use gripper_model mimic or the engine mujoco"
+        )
+    from tool0.engines.gazebo.engine import GazeboEngine
+
+    return GazeboEngine(
+        description,
+        settings.dt,
+        spawn_z=settings.spawn_z,
+        scene=settings.scene,
+        world=None if options.world is None else Path(options.world),
+        gui=options.gui,
+    )
+
+
+_ENGINES: Final[dict[str, EngineDefinition]] = {
+    "mujoco": EngineDefinition(options=MujocoEngineOptions, create=_create_mujoco),
+    "gazebo": EngineDefinition(options=GazeboEngineOptions, create=_create_gazebo),
+}
+
+
 def engine_names() -> tuple[str, ...]:
     """Return the names of the registered engines."""
-    return tuple(_LOCATIONS)
+    return tuple(_ENGINES)
 
 
-def register_engine(name: str, location: str) -> None:
-    """Register an engine, or replace one.
-
-    Args:
-        name: What a person calls it.
-        location: Of its ``EngineDefinition``: ``package.module:NAME``.
-    """
-    _LOCATIONS[name] = location
+def register_engine(name: str, definition: EngineDefinition) -> None:
+    """Register or replace an engine."""
+    _ENGINES[name] = definition
 
 
 def engine_options(name: str) -> type[Any]:  # a different dataclass for each engine
@@ -88,13 +138,12 @@ def make_engine(
     """Start an engine with a robot and its scene.
 
     Args:
-        name: Of the engine; ``engine_names`` lists them.
+        name: One of ``engine_names()``.
         description: The robot.
         dt: Length of a physics step [s].
         spawn_z: Height of the robot's root above the ground [m].
-        scene: The objects around the robot; None for none.
-        options: The engine's own options by name, those of ``engine_options(name)``;
-            what is left out keeps its default.
+        scene: The objects around the robot.
+        options: Fields of ``engine_options(name)`` that differ from their defaults.
 
     Raises:
         EngineUnavailableError: If there is no such engine, or it cannot start here.
@@ -114,9 +163,7 @@ def make_engine(
 
 
 def _definition(name: str) -> EngineDefinition:
-    if name not in _LOCATIONS:
-        hint = did_you_mean(name, set(_LOCATIONS))
+    if name not in _ENGINES:
+        hint = did_you_mean(name, set(_ENGINES))
         raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
-    module, _, attribute = _LOCATIONS[name].partition(":")
-    definition: EngineDefinition = getattr(importlib.import_module(module), attribute)
-    return definition
+    return _ENGINES[name]

@@ -6,8 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct, field
 
-from tool0.control.goal import Goal, GoalStatus
-from tool0.control.tolerances import ToleranceOverride
+from tool0.control.goal import Goal, GoalStatus, ToleranceOverride
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.errors import ControlError
 from tool0.hardware.drive_limits import DriveLimits

@@ -15,8 +15,7 @@ from tool0.requests.fields import Name, Vector3
 from tool0.requests.table import Request, Response, handles
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.cameras import CameraImage
-from tool0.sensing.force_torque import DEFAULT_CUTOFF
-from tool0.sensing.force_torque_sensor import WrenchReading
+from tool0.sensing.force_torque import DEFAULT_CUTOFF, WrenchReading
 
 POLL_PERIOD = 0.05  # [wall s] between checks whether the loop still runs
 

@@ -22,7 +22,7 @@ from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
 from tool0.runtime.scene_objects import SceneObjects
-from tool0.sensing.force_torque_sensor import ForceTorqueSensor
+from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp_assist import GraspAssist
 
 

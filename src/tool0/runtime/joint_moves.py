@@ -37,7 +37,7 @@ def joints_by_controller(
         if joint not in owners:
             raise ControlError(
                 f"no running JointTrajectoryController claims joint '{joint}', so "
-                "nothing moves; start one that does, or leave the joint out"
+                f"nothing moves{did_you_mean(joint, list(owners))}"
             )
         found.setdefault(owners[joint], {})[joint] = position
     return found

@@ -71,9 +71,7 @@ class Simulation:
         )
         self.force_torque = ForceTorqueSensors(
             description,
-            joint_names=core.engine.joint_names,
-            dt=core.engine.dt,
-            gravity=core.engine.world.gravity,
+            core.engine,
             control_period=loop.control_period,
             start=lambda sensor: loop.call(
                 lambda: core.start_sensor(sensor), publishes=False

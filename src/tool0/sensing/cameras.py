@@ -1,7 +1,7 @@
-"""The robot's cameras: pictures of a snapshot, drawn in a thread of their own.
+"""The robot's cameras: pictures of snapshots, drawn in a thread of their own.
 
-Whatever engine steps, the picture is MuJoCo's.  It is made of snapshots alone, so it
-costs the tick nothing; a GL context belongs to one thread, so a thread draws.
+MuJoCo draws for every engine.  Pictures are made of snapshots, so they cost the tick
+nothing; a GL context belongs to one thread, so one thread draws.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraImage:
-    """What a camera saw."""
+    """A picture with depth."""
 
     time: float
     """Simulated time [s]."""
@@ -55,14 +55,9 @@ class Cameras(Mapping[str, Camera]):
         ground: float | None,
         newest: Callable[[], Snapshot],
     ) -> None:
-        """Nothing is drawn, and OpenGL is not looked for, until a picture is wanted.
+        """Draw nothing, and leave OpenGL alone, until a picture is requested.
 
-        Args:
-            model: The robot.
-            cameras: Its cameras, by name.
-            ground: Height of the ground [m], in the robot's root; None for none.
-            newest: Returns the state that a picture is made of, if nothing else is
-                wanted.
+        ``ground`` is its height in the robot's root [m]; None without ground.
         """
         self._model = model
         self._ground = ground
@@ -80,9 +75,6 @@ class Cameras(Mapping[str, Camera]):
             raise RenderError(f"no camera '{name}'{hint}")
         return self._cameras[name]
 
-    def __contains__(self, name: object) -> bool:
-        return name in self._cameras
-
     def __iter__(self) -> Iterator[str]:
         return iter(self._cameras)
 
@@ -90,29 +82,25 @@ class Cameras(Mapping[str, Camera]):
         return len(self._cameras)
 
     def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return what ``camera`` sees; it need not be one of these.
-
-        Args:
-            camera: What looks.
-            snapshot: When; None for now.
+        """Return a picture by any camera of ``snapshot``, the newest if left out.
 
         Raises:
             RenderError: If there is no OpenGL here, or the robot is closed.
-            ModelError: If MuJoCo cannot have an object that Gazebo has.
+            ModelError: If MuJoCo does not support an object that Gazebo has.
         """
         from concurrent.futures import ThreadPoolExecutor
 
         state = snapshot or self._newest()
         with self._lock:
             if self._is_closed:
-                raise RenderError("the robot is closed; its cameras see nothing")
+                raise RenderError("the robot is closed; its cameras take no pictures")
             if self._thread is None:
                 self._thread = ThreadPoolExecutor(1, "tool0 cameras")
             drawn: Future[CameraImage] = self._thread.submit(self._draw, camera, state)
         return drawn.result()
 
     def close(self) -> None:
-        """End the thread, and give back what OpenGL holds; twice is allowed."""
+        """End the thread and free OpenGL; closing twice is allowed."""
         with self._lock:
             self._is_closed = True
             thread, self._thread = self._thread, None
@@ -127,16 +115,13 @@ class Cameras(Mapping[str, Camera]):
         rgb, depth, frame = renderer.render(
             camera, position, state.scene, state.objects
         )
+        K = camera.intrinsics
         return CameraImage(
-            time=state.time,
-            rgb=rgb,
-            depth=depth,
-            K=camera.intrinsics,
-            T_root_camera=frame,
+            time=state.time, rgb=rgb, depth=depth, K=K, T_root_camera=frame
         )
 
     def _fitting(self, camera: Camera) -> Renderer:
-        """Return the renderer, made or made anew if the picture is too large for it."""
+        """Return a renderer for pictures of the camera's size."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()
@@ -146,13 +131,10 @@ class Cameras(Mapping[str, Camera]):
         if old is not None and old.holds(camera.width, camera.height):
             return old
         self._end()
-        sizes = (camera, *self._cameras.values())
-        self._renderer = Renderer(
-            self._model,
-            self._ground,
-            max(item.width for item in sizes),
-            max(item.height for item in sizes),
-        )
+        cameras = (camera, *self._cameras.values())
+        width = max(item.width for item in cameras)
+        height = max(item.height for item in cameras)
+        self._renderer = Renderer(self._model, self._ground, width, height)
         return self._renderer
 
     def _end(self) -> None:

@@ -1,19 +1,24 @@
-"""The force-torque sensors of a robot: one for each link that was asked for."""
+"""Force-torque sensors: the sensor as the tick samples it, and the robot's sensors."""
 
 from __future__ import annotations
 
 import functools
 import math
 import threading
+from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import final
 
 from tool0.description.catalogue import RobotDescription
-from tool0.description.model import FLANGE
+from tool0.description.model import FLANGE, RobotModel
 from tool0.description.transform import Vector3
 from tool0.errors import ControlError
-from tool0.hardware.low_pass import LowPass
-from tool0.sensing.force_torque_sensor import ForceTorqueSensor
+from tool0.hardware.engine import Contact, Engine
+from tool0.hardware.joint_state import JointState
+from tool0.hardware.tool_dynamics import ToolDynamics
+
+Contacts = Callable[[], tuple[Contact, ...]]
 
 RATES = (50.0, 1000.0)
 """Slowest and fastest sampling [Hz]."""
@@ -22,6 +27,183 @@ DEFAULT_RATE = 125.0
 DEFAULT_CUTOFF = 15.0
 """Cut-off of the filter [Hz]: a compromise between a load's weight and vibrations of
 the arm; not from a data sheet."""
+READINGS_KEPT = 4096
+"""Samples that a reader may fall behind: four seconds at 1 kHz."""
+
+
+@final
+class LowPass:
+    """Butterworth's of second order, for several values at once.
+
+    H(s) = 1 / (s² + √2 s + 1), s in units of the cutoff, made discrete by the bilinear
+    transform with the cutoff where it is wanted:
+
+        y = b0 x + 2 b0 x' + b0 x" - a1 y' - a2 y",  K = tan(π cutoff / rate),
+        b0 = K² / d,  a1 = 2 (K² - 1) / d,  a2 = (1 - √2 K + K²) / d,  d = 1 + √2 K + K²
+
+    The cutoff passes at 0.71 of its amplitude, ten times that at 0.01.  A ramp is
+    0.225 / cutoff late: 15 ms at 15 Hz.  The first sample is taken to have been there
+    always.
+    """
+
+    def __init__(self, cutoff: float, rate: float) -> None:
+        """Begin anew.
+
+        Args:
+            cutoff: [Hz], below half the rate.
+            rate: Samples per second [Hz].
+
+        Raises:
+            ControlError: If the cutoff is out of range.
+        """
+        if not 0.0 < cutoff < rate / 2.0:
+            raise ControlError(
+                f"the cutoff must be above 0 Hz and below half the rate, "
+                f"{rate / 2.0:g} Hz; got {cutoff:g} Hz"
+            )
+        k = math.tan(math.pi * cutoff / rate)
+        d = 1.0 + math.sqrt(2.0) * k + k * k
+        self._b0 = k * k / d
+        self._a1 = 2.0 * (k * k - 1.0) / d
+        self._a2 = (1.0 - math.sqrt(2.0) * k + k * k) / d
+        self._memory: list[tuple[float, float]] = []
+
+    def __call__(self, values: Sequence[float]) -> list[float]:
+        """Return what passes of the next sample."""
+        b0, a1, a2 = self._b0, self._a1, self._a2
+        if not self._memory:
+            self._memory = [((1.0 - b0) * x, (b0 - a2) * x) for x in values]
+        passed, memory = [], []
+        for x, (first, second) in zip(values, self._memory, strict=True):
+            y = b0 * x + first
+            passed.append(y)
+            memory.append((2.0 * b0 * x - a1 * y + second, b0 * x - a2 * y))
+        self._memory = memory
+        return passed
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrenchReading:
+    """Wrench of the tool on the flange, averaged over one step of the physics.
+
+    In the axes of ``frame``, at its origin, minus the reading at the last tare.
+    """
+
+    time: float
+    """Simulated time at the end of the step [s]."""
+    number: int
+    """Number of the sample since the sensor was started; a reset does not change it."""
+    frame: str
+    """The link."""
+    force: Vector3
+    """Filtered [N]."""
+    torque: Vector3
+    """Filtered [N·m]."""
+    raw_force: Vector3
+    """[N]"""
+    raw_torque: Vector3
+    """[N·m]"""
+
+
+@final
+class ForceTorqueSensor:
+    """Samples every few ticks; any thread may read and tare it."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        link: str,
+        engine: Engine,
+        *,
+        ticks: int,
+        low_pass: Callable[[], LowPass],
+    ) -> None:
+        """Measure at ``link`` every few ``ticks``; it and all beyond it are the tool.
+
+        ``low_pass`` makes the filter, at the start and after a reset.
+        """
+        self.link = link
+        self._dynamics = ToolDynamics(model, link, engine.world.gravity)
+        names = engine.joint_names
+        self._to_model = [names.index(joint.name) for joint in model.movable_joints]
+        self._dt = engine.dt
+        self._ticks = ticks
+        self._left = ticks
+        self._low_pass = low_pass
+        self._filter = low_pass()
+        self._changed = threading.Condition()
+        self._offset = [0.0] * 6
+        self._last = (0.0, [0.0] * 6, [0.0] * 6)  # time, raw and filtered, unzeroed
+        self._number = -1
+        self._readings: deque[WrenchReading] = deque(maxlen=READINGS_KEPT)
+
+    def tick(self, before: JointState, after: JointState, contacts: Contacts) -> None:
+        """Sample the step from ``before`` to ``after``, if a sample is due."""
+        self._left -= 1
+        if self._left == 0:
+            self._left = self._ticks
+            self._sample(before, after, contacts())
+
+    def restart(
+        self, before: JointState, after: JointState, contacts: Contacts
+    ) -> None:
+        """Sample at once with a new filter: at the start, and after a reset."""
+        self._left = self._ticks
+        self._filter = self._low_pass()
+        self._sample(before, after, contacts())
+
+    def zero(self) -> None:
+        """Tare: make the filtered measurement of now zero."""
+        with self._changed:
+            self._offset = self._last[2]
+            self._readings[-1] = self._reading()
+
+    def latest(self) -> WrenchReading:
+        """Return the newest sample."""
+        with self._changed:
+            return self._readings[-1]
+
+    def samples(self, since: int, timeout: float | None) -> tuple[WrenchReading, ...]:
+        """Return samples after number ``since``; wait for the first [wall s]."""
+        with self._changed:
+            if since > self._number:  # from before the sensor was restarted
+                since = -1
+            self._changed.wait_for(lambda: self._number > since, timeout)
+            count = min(self._number - since, len(self._readings))
+            return tuple(self._readings[i] for i in range(-count, 0))
+
+    def _sample(
+        self, before: JointState, after: JointState, contacts: tuple[Contact, ...]
+    ) -> None:
+        order, dt = self._to_model, self._dt
+        was, velocity = before.velocity, after.velocity
+        raw = self._dynamics.wrench(
+            [before.position[i] for i in order],
+            [was[i] for i in order],
+            [(velocity[i] - was[i]) / dt for i in order],
+            contacts,
+        )
+        passed = self._filter(raw)
+        with self._changed:
+            self._last = (after.time, list(raw), passed)
+            self._number += 1
+            self._readings.append(self._reading())
+            self._changed.notify_all()
+
+    def _reading(self) -> WrenchReading:
+        time, raw, passed = self._last
+        fx, fy, fz, tx, ty, tz = map(float.__sub__, passed, self._offset)
+        rx, ry, rz, sx, sy, sz = map(float.__sub__, raw, self._offset)
+        return WrenchReading(
+            time=time,
+            number=self._number,
+            frame=self.link,
+            force=(fx, fy, fz),
+            torque=(tx, ty, tz),
+            raw_force=(rx, ry, rz),
+            raw_torque=(sx, sy, sz),
+        )
 
 
 @final
@@ -34,30 +216,20 @@ class ForceTorqueSensors:
     def __init__(
         self,
         description: RobotDescription,
+        engine: Engine,
         *,
-        joint_names: Sequence[str],
-        dt: float,
-        gravity: Vector3,
         control_period: float,
         start: Callable[[ForceTorqueSensor], None],
         stop: Callable[[ForceTorqueSensor], None],
     ) -> None:
-        """Start none.
+        """Start no sensor yet.
 
-        Args:
-            description: The robot.
-            joint_names: The engine's joints, in its order.
-            dt: The engine's step [s].
-            gravity: In the axes of the robot's root [m/s²].
-            control_period: Time between two ticks [s].
-            start: Lets the tick sample a sensor.
-            stop: Ends that.
+        ``start`` lets the tick, each ``control_period`` [s], sample a sensor; ``stop``
+        ends that.
         """
         self._model = description.model
         self._tool0 = description.prefix + FLANGE
-        self._joint_names = tuple(joint_names)
-        self._dt = dt
-        self._gravity = gravity
+        self._engine = engine
         self._control_period = control_period
         self._start_sampling = start
         self._stop_sampling = stop
@@ -100,7 +272,7 @@ class ForceTorqueSensors:
             link: The link that carries the tool.
             rate: Samples per simulated second [Hz], 50 … 1000 and a divisor of the
                 control rate; None for 125 or the next divisor below.
-            cutoff: Of the low-pass filter [Hz] (``hardware/low_pass.py``).
+            cutoff: Of the low-pass filter [Hz].
 
         Raises:
             ControlError: If either is out of range.
@@ -123,9 +295,7 @@ class ForceTorqueSensors:
         sensor = ForceTorqueSensor(
             self._model,
             link,
-            self._joint_names,
-            dt=self._dt,
-            gravity=self._gravity,
+            self._engine,
             ticks=ticks,
             low_pass=functools.partial(LowPass, cutoff, exact),
         )

@@ -1,4 +1,4 @@
-"""Whether a gripper moves, has arrived, or holds something: as Robotiq's ``gOBJ``."""
+"""Grasps: whether a gripper moves, has arrived or holds something, and its pads."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, final
 
-from tool0.description.model import ParallelGripper
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.transform import Transform, from_matrix
+from tool0.errors import ControlError
 from tool0.sensing.snapshot import Snapshot
 
 GripperMotion = Literal[
@@ -16,46 +19,45 @@ GripperMotion = Literal[
 ]
 
 WINDOW = 0.1
-"""Simulated time over which pads must have been still to hold something [s]: the pads
-of a simulated grip chatter, so no instant's velocity tells."""
+"""Simulated time for which the pads must be still to hold something [s].  Pads of a
+simulated grip chatter, so their velocity at one instant is no criterion."""
 STILL = 0.0002
-"""Way within the window up to which pads count as still [m]; the slowest speed of a
+"""Travel within the window below which pads count as still [m].  The slowest speed of a
 2F-85 makes ten times that, weak gains creep to their target at twice that."""
 CREEP = 0.0005
-"""The same for pads that push firmly: what they squeeze gives way."""
+"""The same for pads that push firmly: the object gives way."""
 MOVED = 2.0 * CREEP
-"""Way within the window from which pads that were still move again [m]."""
+"""Travel within the window from which pads that were still move again [m]."""
 PARALLEL = math.radians(3.0)
-"""How far a linkage may be from where it rests while it pinches: what presses on the
-pads bends it by up to 1°, fingers that wrap leave it by 5° and more."""
+"""Largest deviation of a linkage from its rest shape in a pinch.  The grip force bends
+it by up to 1°, fingers that wrap deviate by 5° and more."""
 _ROUNDING = 1e-6  # [s]
 TOLERANCE = 0.001
-"""How far from where they are wanted pads count as there [m]: what a PID leaves, so
-that what is squeezed by less than this is not noticed."""
+"""Largest error of pads that have arrived [m], as a PID leaves.  An object squeezed by
+less is not detected."""
 PUSH = 0.05
-"""Part of the weakest grip from which the drive counts as pushing: 1 N for a 2F-85,
-whose own weight and friction take up to 0.8 N at a pad that nothing touches."""
+"""Fraction of the weakest grip from which the drive pushes: 1 N for a 2F-85, whose own
+weight and friction take up to 0.8 N at a free pad."""
 FIRM = 0.5
-"""Part of the weakest grip from which the drive counts as pushing firmly."""
+"""Fraction of the weakest grip from which the drive pushes firmly."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GraspState:
     motion: GripperMotion
-    """``holding_inside`` squeezes between the pads, ``holding_outside`` presses them
-    apart against something; ``idle`` if no controller wants a position of them."""
+    """``holding_inside`` squeezes an object between the pads, ``holding_outside``
+    presses them outwards against one; ``idle`` without a position controller."""
     opening: float
     """Distance between the pads [m]."""
     width: float | None = None
-    """Of what is held between the pads [m]; None where fingers wrap around it."""
+    """Of the object between the pads [m]; None where fingers wrap around it."""
 
     @property
     def gobj(self) -> int:
-        """The same as Robotiq's register: 0 … 3; 0 if ``idle``.
+        """Robotiq's register.
 
-        0 is on the way, 1 stopped by something while opening, 2 while closing, 3 where
-        it was sent, with nothing in the way.
+        0 moving or idle, 1 stopped while opening, 2 stopped while closing, 3 arrived.
         """
         return _GOBJ[self.motion]
 
@@ -79,10 +81,10 @@ class _Sample(NamedTuple):
 
 @final
 class GraspDetector:
-    """Judges one gripper by the snapshots that it is shown, in their order.
+    """Detects the state of one gripper from snapshots in order.
 
-    It tells by what the controller wants: pads that stand still, where they are not
-    wanted, and are pushed on, have something in their way.
+    Pads that are still, away from the controller's setpoint, and pushed by the drive,
+    have met an object.
     """
 
     def __init__(self, geometry: ParallelGripper) -> None:
@@ -92,7 +94,7 @@ class GraspDetector:
         self._was_still = True
 
     def observe(self, snapshot: Snapshot) -> GraspState:
-        """Return the state at a snapshot not older than the last; older is a reset."""
+        """Return the state at a snapshot; one older than the last means a reset."""
         geometry = self._geometry
         index = snapshot.joint_names.index(geometry.joint)
         position = snapshot.position[index]
@@ -116,14 +118,14 @@ class GraspDetector:
         )
 
     def _remember(self, sample: _Sample) -> None:
-        """Keep what is needed to look back over the window, and no more."""
+        """Keep the samples of the window."""
         samples = self._samples
         samples.append(sample)
         while len(samples) > 1 and samples[1].time <= sample.time - WINDOW:
             samples.popleft()
 
     def _judge(self, desired: float, target: float) -> GripperMotion:
-        """Return the state for openings that are wanted now and in the end [m]."""
+        """Return the motion for openings desired now and in the end [m]."""
         openings = [sample.opening for sample in self._samples]
         way = max(openings) - min(openings)
         last = self._samples[-1]
@@ -142,7 +144,7 @@ class GraspDetector:
         return "moving"
 
     def _push(self) -> float:
-        """Return how hard the drive opened the pads over the window, on average [N]."""
+        """Return the mean opening force of the drive over the window [N]."""
         samples = self._samples
         lever = self._geometry.lever(samples[-1].position)
         # A positive effort closes the gripper: the opening shrinks.
@@ -150,7 +152,7 @@ class GraspDetector:
 
 
 def _is_parallel(gripper: ParallelGripper, snapshot: Snapshot) -> bool:
-    """Return whether the pads are parallel, as they are unless fingers wrap."""
+    """Return whether the pads are parallel: the fingers do not wrap."""
     position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
     drive = position[gripper.joint]
     return all(
@@ -160,11 +162,7 @@ def _is_parallel(gripper: ParallelGripper, snapshot: Snapshot) -> bool:
 
 
 def judge(geometry: ParallelGripper, snapshots: Sequence[Snapshot]) -> GraspState:
-    """Return the state at the end of ``snapshots``, which are not empty.
-
-    What came before the last ``WINDOW`` matters little, and what came before a new
-    target not at all.
-    """
+    """Return the state at the end of ``snapshots``: one or more, over ``WINDOW``."""
     detector = GraspDetector(geometry)
     return [detector.observe(snapshot) for snapshot in snapshots][-1]
 
@@ -178,3 +176,56 @@ def wanted_openings(
         return None
     desired, target = wanted
     return gripper.opening(desired), gripper.opening(target)
+
+
+def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
+    """Return the links of ``gripper`` with a ``<gazebo>`` surface, its pads.
+
+    Raises:
+        ControlError: If there are not two of them.
+    """
+    base = model.joint(gripper.joint).parent
+    pads = [name for name in model.links_from(base) if model.link(name).surface]
+    if len(pads) != 2:
+        raise ControlError(
+            f"gripper '{gripper.name}' needs two links with a <gazebo> surface, its "
+            f"pads; below '{base}' there are {len(pads)}"
+        )
+    return pads[0], pads[1]
+
+
+def grasp_frame(
+    model: RobotModel, gripper: ParallelGripper, opening: float, relative_to: str
+) -> Transform:
+    """Return the frame midway between the pads, in the link ``relative_to``.
+
+    y points from pad to pad, z away from the gripper's base.  The pads move on circles:
+    their distance to the base depends on the opening (by 14 mm for a 2F-85).
+
+    Args:
+        model: The robot.
+        gripper: One of its grippers.
+        opening: Distance between the pads [m].
+        relative_to: A link that the gripper is fixed to, such as ``tool0``.
+
+    Raises:
+        ModelError: If there is no such link, or ``opening`` is out of reach.
+        ControlError: If the gripper has no two pads.
+    """
+    import numpy as np  # slow to import
+
+    found = link_poses(model, {gripper.joint: gripper.position(opening)})
+    base = model.joint(gripper.joint).parent
+    T_tool_root = found[model.link(relative_to).name].inverse()
+    p_base, p_first, p_second = (
+        np.array((T_tool_root @ found[link]).position)
+        for link in (base, *pad_links(model, gripper))
+    )
+    middle = (p_first + p_second) / 2.0
+    y = (p_second - p_first) / np.linalg.norm(p_second - p_first)
+    away = middle - p_base
+    z = away - (away @ y) * y
+    z /= np.linalg.norm(z)
+    frame = np.eye(4)
+    frame[:3] = np.column_stack([np.cross(y, z), y, z, middle])
+    return from_matrix(frame)

@@ -1,4 +1,4 @@
-"""Pictures as PNG (https://www.w3.org/TR/png-3/), which Python itself cannot write."""
+"""PNG files (https://www.w3.org/TR/png-3/)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _GREY, _COLORS = 0, 2
 
 
 def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
-    """Return colours (height, width, 3) of 8 bits, or grey (height, width) of 16.
+    """Return a PNG of colours (height, width, 3) uint8 or grey (height, width) uint16.
 
     Raises:
         ValueError: If it is neither.
@@ -27,22 +27,17 @@ def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
     else:
         raise ValueError(f"no PNG of {image.dtype} in shape {image.shape}")
     height, width = image.shape[:2]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        (
-            _chunk(
-                b"IHDR", struct.pack(">IIBBBBB", width, height, depth, color, 0, 0, 0)
-            ),
-            _chunk(b"IDAT", zlib.compress(_filtered(image), 6)),
-            _chunk(b"IEND", b""),
-        )
-    )
+    header = struct.pack(">IIBBBBB", width, height, depth, color, 0, 0, 0)
+    chunks = [
+        _chunk(b"IHDR", header),
+        _chunk(b"IDAT", zlib.compress(_filtered(image), 6)),
+        _chunk(b"IEND", b""),
+    ]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
 
 
 def encode_depth(depth: NDArray[np.float32]) -> bytes:
-    """Return depth [m] as ROS writes it in 16 bits (REP-118): millimetres, 0 unknown.
-
-    What is beyond 65.535 m is unknown, too.
-    """
+    """Return a PNG of depth [m] in mm (REP-118); 0 where unknown or over 65.535 m."""
     import numpy as np
 
     known = np.isfinite(depth) & (depth < 65.535)
@@ -50,7 +45,7 @@ def encode_depth(depth: NDArray[np.float32]) -> bytes:
 
 
 def _filtered(image: NDArray[Any]) -> bytes:
-    """Return rows as differences from the row above: smooth pictures shrink so."""
+    """Return rows as differences from the row above, which compress better."""
     import numpy as np
 
     rows = image.astype(image.dtype.newbyteorder(">")).view(np.uint8)

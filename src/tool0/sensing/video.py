@@ -1,4 +1,4 @@
-"""Writes MP4 files that every browser plays: H.264, by PyAV."""
+"""MP4 files that every browser plays: H.264, by PyAV."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import contextlib
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, final
 
 from tool0.errors import ConfigError, RenderError
@@ -17,19 +16,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ENCODERS: Final = ("libx264", "libopenh264")
-"""Of H.264, the better one first; PyAV's wheels have both."""
+"""For H.264, the better one first; PyAV's wheels have both."""
 _OPTIONS: Final = {"libx264": {"crf": "20", "preset": "fast"}}
-_BITS_A_PIXEL: Final = 0.15
-"""For the encoder that takes no quality; generous for smooth surfaces."""
+_BITS_PER_PIXEL: Final = 0.15
+"""For the encoder without a quality option; generous for smooth surfaces."""
 
 
 def require_encoder(path: Path | str) -> None:
-    """See that a video can be written there, before the work of minutes is in vain.
-
-    Raises:
-        RenderError: If there is no encoder.
-        ConfigError: If the file cannot be written.
-    """
+    """Raise RenderError without an encoder, ConfigError if ``path`` is not writable."""
     _encoder()
     require_writable(Path(path))
 
@@ -38,23 +32,23 @@ def require_encoder(path: Path | str) -> None:
 class VideoWriter:
     """Writes pictures as one video.  A context manager.
 
-    What was written before an error is a whole video nevertheless.
+    After an error the file is a valid video of the pictures before.
     """
 
     def __init__(
         self, path: Path | str, width: int, height: int, fps: float = 30.0
     ) -> None:
-        """Begin the file; one that is there is replaced.
+        """Begin the file; an existing one is replaced.
 
         Args:
             path: The file, an MP4 whatever its name.
-            width: Of each picture [pixels]; even, for the colours have half as many.
+            width: Of each picture [pixels]; even, as colours have half the resolution.
             height: Of each picture [pixels]; even.
-            fps: Pictures a second, 1 … 1000.
+            fps: Pictures per second, 1 … 1000.
 
         Raises:
             RenderError: If there is no encoder.
-            ConfigError: If the file cannot be written, or there is no such video.
+            ConfigError: If the file cannot be written, or an argument is out of range.
         """
         if not (width >= 2 and height >= 2 and width % 2 == height % 2 == 0):
             raise ConfigError(
@@ -79,7 +73,7 @@ class VideoWriter:
         stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
         stream.options = _OPTIONS.get(encoder, {})
         if encoder not in _OPTIONS:
-            stream.bit_rate = int(_BITS_A_PIXEL * width * height * fps)
+            stream.bit_rate = int(_BITS_PER_PIXEL * width * height * fps)
         self._stream: Any = stream
 
     def write(self, rgb: NDArray[np.uint8]) -> None:
@@ -108,30 +102,25 @@ class VideoWriter:
             self._encode(None)
         finally:
             self._stream = None
-            with self._telling():
+            with self._translated_errors():
                 self._container.close()
 
     def __enter__(self) -> VideoWriter:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _encode(self, frame: Any) -> None:
-        """Encode a frame; None is what ends the stream."""
+        """Encode a frame; None ends the stream."""
         if self._stream is None:
             raise RenderError(f"{self._path} is closed already")
-        with self._telling():
+        with self._translated_errors():
             self._container.mux(self._stream.encode(frame))
 
     @contextlib.contextmanager
-    def _telling(self) -> Iterator[None]:
-        """Tell in our words what FFmpeg cannot do."""
+    def _translated_errors(self) -> Iterator[None]:
+        """Raise RenderError for the errors of FFmpeg."""
         try:
             yield
         except (self._av.error.FFmpegError, OSError) as error:
@@ -144,12 +133,12 @@ def _encoder() -> str:
     except ImportError as error:
         raise RenderError(
             f"a video needs PyAV, which cannot be imported ({error}); "
-            "`pip install 'tool0[video]'` brings it"
+            "run `pip install 'tool0[video]'`"
         ) from error
     for name in _ENCODERS:
         if name in codecs_available:
             return name
     raise RenderError(
-        f"this PyAV has no encoder of H.264: {' or '.join(_ENCODERS)}; "
-        "`pip install --force-reinstall av` brings one that has"
+        f"this PyAV has no H.264 encoder: {' or '.join(_ENCODERS)}; "
+        "run `pip install --force-reinstall av`"
     )

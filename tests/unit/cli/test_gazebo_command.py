@@ -6,7 +6,7 @@ import pytest
 from machine import add_gazebo_header, add_program
 
 from tool0.cli import FAILED, OK, main
-from tool0.cli.progress import ProgressBar
+from tool0.cli.text import ProgressBar
 from tool0.installation.gazebo.installation import mark_complete, private_prefix
 
 

@@ -4,8 +4,7 @@ import math
 import pytest
 from toy_robot import ARM, DT, JOINTS, POSITION_ARM, ToyRobot
 
-from tool0.control.goal import GoalResult, GoalStatus
-from tool0.control.tolerances import DEFAULT_GOAL_TIME, Tolerance
+from tool0.control.goal import DEFAULT_GOAL_TIME, GoalResult, GoalStatus, Tolerance
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Interface
 from tool0.errors import ControlError, GoalRejectedError

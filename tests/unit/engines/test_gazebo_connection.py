@@ -77,9 +77,7 @@ def nothing() -> None:
 
 def test_greets_a_bridge_of_its_version(listener: BridgeListener, call: Call) -> None:
     bridge = call(HELLO)
-    peer, version = listener.accept(0.002, nothing, timeout=1.0)
-    peer.close()
-    assert version == "11.1.0"
+    listener.accept(0.002, nothing, timeout=1.0).close()
     assert struct.unpack("=Id", bridge.recv(100)) == (VERSION, 0.002)
 
 

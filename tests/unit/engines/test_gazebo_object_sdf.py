@@ -11,8 +11,7 @@ import pytest
 
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
-from tool0.engines.gazebo.inertia import unit_inertia
-from tool0.engines.gazebo.object_sdf import object_sdf
+from tool0.engines.gazebo.sdf import object_sdf, unit_inertia
 from tool0.errors import ModelError
 
 SIZE = np.array([0.1, 0.2, 0.3])

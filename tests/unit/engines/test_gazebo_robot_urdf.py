@@ -13,8 +13,13 @@ from tool0.description.catalogue import assemble, load_robot
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import JointType, Mimic, RobotModel
 from tool0.engines.gazebo.connection import pack_pose
-from tool0.engines.gazebo.mimic import MimicConstraint, mimic_constraints
-from tool0.engines.gazebo.robot_urdf import STOP_SLACK, body_poses, gazebo_urdf
+from tool0.engines.gazebo.robot_urdf import (
+    STOP_SLACK,
+    MimicConstraint,
+    body_poses,
+    gazebo_urdf,
+    mimic_constraints,
+)
 from tool0.engines.mujoco.model import quat_wxyz as quat_by_mujoco
 from tool0.errors import ModelError
 from tool0.hardware.bodies import MovingBody, moving_bodies
@@ -52,9 +57,7 @@ def held(
     model: RobotModel,
 ) -> tuple[tuple[MovingBody, ...], tuple[MimicConstraint, ...]]:
     bodies = moving_bodies(model)
-    return bodies, mimic_constraints(
-        model, bodies, body_poses(bodies, [0.0] * len(bodies))
-    )
+    return bodies, mimic_constraints(model, bodies)
 
 
 def urdf_of(path: Path | None = None, **options: str) -> ET.Element:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tool0.engines.gazebo.window import ClientWindow
+from tool0.engines.gazebo.server import ClientWindow
 from tool0.installation.child_process import ChildProcess
 
 TIMEOUT = 20.0

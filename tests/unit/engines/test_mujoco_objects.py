@@ -191,23 +191,15 @@ def test_objects_in_each_other_are_a_warning_that_names_what_moves_first(
 
 
 @pytest.mark.parametrize("content", [b"", b"no mesh", bytes(84), b"solid x\nfacet"])
-def test_a_broken_mesh_is_an_error_that_names_the_object(
-    skew_model: RobotModel, tmp_path: Path, content: bytes
+@pytest.mark.parametrize("name", ["broken.stl", "part.dae"])
+def test_a_mesh_that_cannot_be_read_is_an_error_that_names_the_object(
+    skew_model: RobotModel, tmp_path: Path, name: str, content: bytes
 ) -> None:
-    path = tmp_path / "broken.stl"
+    path = tmp_path / name
     path.write_bytes(content)
-    mesh = Mesh(uri="broken.stl", path=path)
+    mesh = Mesh(uri=name, path=path)
     with pytest.raises(ModelError) as error:
         engine_with(skew_model, cube(), item("part", mesh, 1.0))
-    assert "'part'" in str(error.value)
-
-
-def test_a_mesh_that_mujoco_cannot_read_is_an_error_that_names_the_object(
-    skew_model: RobotModel, tmp_path: Path
-) -> None:
-    mesh = Mesh(uri="part.dae", path=tmp_path / "part.dae")
-    with pytest.raises(ModelError) as error:
-        engine_with(skew_model, item("part", mesh, 1.0))
     assert "'part'" in str(error.value)
 
 

@@ -15,7 +15,6 @@ from tool0.description.scene import SceneObject
 from tool0.description.shapes import Mesh
 from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.errors import ModelError
 from tool0.hardware.engine import ObjectState
 
 LINK = "cap"
@@ -158,24 +157,6 @@ def test_what_comes_into_something_is_a_warning_about_it_alone(
         engine.world.spawn(cube("far", 7.0))
     (record,) = caplog.records
     assert record.getMessage().startswith("the pose puts 'low' 5.0 mm into 'ground'")
-
-
-def test_an_object_that_is_refused_leaves_the_model_as_it_was(
-    skew_model: RobotModel, tmp_path: Path
-) -> None:
-    engine = engine_with(skew_model, cube())
-    run(engine, 0.05)
-    model, data, before = engine.model, engine.data, engine.world.object_states()
-    broken = tmp_path / "broken.stl"
-    broken.write_bytes(b"no mesh")
-    part = SceneObject(name="part", geometry=Mesh(uri="broken.stl", path=broken))
-    with pytest.raises(ModelError) as error:
-        engine.world.spawn(part)
-    assert "'part'" in str(error.value)
-    assert engine.model is model
-    assert engine.data is data
-    assert engine.world.object_states() == before
-    engine.world.spawn(cube("other", 6.0))
 
 
 def test_contacts_of_the_last_step_survive_what_comes(skew_model: RobotModel) -> None:

@@ -14,7 +14,7 @@ import tool0
 from tool0.description.camera import Camera, looking
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
-from tool0.errors import ConfigError, RenderError
+from tool0.errors import ConfigError, RenderError, SourceLocation
 
 pytestmark = pytest.mark.slow
 
@@ -34,10 +34,9 @@ def test_robots_have_cameras_by_name_and_draw_nothing_until_asked() -> None:
     with bring_up() as robot:
         assert list(robot.cameras) == ["wrist", "scene"]
         assert robot.camera("wrist") is robot.cameras["wrist"]
-        with pytest.raises(
-            RenderError, match="no camera 'wirst'; did you mean 'wrist'"
-        ):
+        with pytest.raises(RenderError) as error:
             robot.camera("wirst")
+        assert "'wrist'" in str(error.value)
         assert drawing_threads() == []
 
 
@@ -49,8 +48,11 @@ def test_own_cameras_join_or_replace_those_of_file_and_robot(tmp_path: Path) -> 
         widths = {name: view.camera.width for name, view in robot.cameras.items()}
     assert widths == {"wrist": 640, "scene": 32, "side": 128}
     path.write_text("cameras:\n- {name: side}\n- {name: a, link: tolo0}\n")
-    with pytest.raises(ConfigError, match=r"scene.yaml:3: camera 'a'.*'tool0'"):
+    with pytest.raises(ConfigError) as error:
         bring_up(scene=path)
+    assert error.value.location == SourceLocation(path, 3)
+    for name in ("'a'", "'tool0'"):
+        assert name in str(error.value)
 
 
 def test_the_wrist_camera_sees_what_is_between_the_pads() -> None:
@@ -122,9 +124,9 @@ def test_any_thread_may_look_and_one_draws_until_the_robot_closes() -> None:
             thread.join()
         assert len(drawing_threads()) == 1
         big = Camera(name="big", width=700, height=500)
-        assert robot.cameras.render(big).rgb.shape == (500, 700, 3)
+        assert robot.simulation.cameras.render(big).rgb.shape == (500, 700, 3)
         assert view.image().rgb.shape == (8, 8, 3)
     assert drawing_threads() == []
-    with pytest.raises(RenderError, match="the robot is closed"):
+    with pytest.raises(RenderError):
         view.image()
     robot.close()

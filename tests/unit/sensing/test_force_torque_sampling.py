@@ -45,10 +45,9 @@ def test_the_rate_fits_the_ticks() -> None:
         realtime=False, control=tool0.ControlConfig(control_period=0.004)
     ) as robot:
         robot.force_torque.start(rate=250.0)
-        with pytest.raises(
-            ControlError, match=r"250 Hz; the nearest that is is 250 Hz"
-        ):
+        with pytest.raises(ControlError) as error:
             robot.force_torque.start(rate=1000.0)
+        assert str(error.value).endswith("250 Hz")  # the nearest possible one
         assert robot.force_torque.rate == 250.0  # what was goes on
 
 
@@ -92,14 +91,14 @@ def test_whoever_waits_hears_that_it_is_over_and_of_a_new_start() -> None:
     sensor.start()
     assert [reading.number for reading in sensor.samples(old)] == [0]
     robot.close()
-    with pytest.raises(ControlError, match="closed"):
+    with pytest.raises(ControlError):
         sensor.samples(0, timeout=None)
 
 
 def test_a_prefix_is_part_of_the_name() -> None:
     with tool0.bringup(realtime=False, prefix="left_") as robot:
         assert robot.force_torque.read().frame == "left_tool0"
-        assert robot.force_torque is robot.force_torque_of("left_tool0")
+        assert robot.force_torque_of("left_tool0").rate == robot.force_torque.rate > 0.0
 
 
 def test_any_link_has_one_and_each_its_own_zero(robot: tool0.Robot) -> None:
@@ -112,10 +111,10 @@ def test_any_link_has_one_and_each_its_own_zero(robot: tool0.Robot) -> None:
 
 def test_without_one_tool0_a_link_is_to_be_named() -> None:
     with tool0.bringup(realtime=False, robot=TWO_ROBOTS) as robot:
-        with pytest.raises(
-            ControlError, match=r"needs exactly one link 'tool0'.*: .*, "
-        ):
+        with pytest.raises(ControlError) as error:
             robot.force_torque  # noqa: B018  # the property refuses
+        for link in ("left_tool0", "right_tool0"):
+            assert link in str(error.value)
         assert robot.force_torque_of("left_tool0").read().frame == "left_tool0"
 
 
@@ -150,11 +149,15 @@ def test_samples_come_at_their_rate_and_stand_still_with_time(
 
 
 def test_what_cannot_be_sampled_is_refused(robot: tool0.Robot) -> None:
-    with pytest.raises(ControlError, match=r"rate 20 Hz is outside \[50, 1000\] Hz"):
-        robot.force_torque.start(rate=20.0)
-    with pytest.raises(ControlError, match=r"rate 300 Hz is no whole part.* 333"):
-        robot.force_torque.start(rate=300.0)
-    with pytest.raises(ControlError, match=r"below half the rate, 50 Hz; got 60 Hz"):
-        robot.force_torque.start(rate=100.0, cutoff=60.0)
-    with pytest.raises(ModelError, match="did you mean 'wrist_3_link'"):
+    for rate, cutoff, values in (
+        (20.0, 15.0, ("20 Hz", "[50, 1000] Hz")),
+        (300.0, 15.0, ("300 Hz", "333.333 Hz")),
+        (100.0, 60.0, ("60 Hz", "50 Hz")),
+    ):
+        with pytest.raises(ControlError) as error:
+            robot.force_torque.start(rate=rate, cutoff=cutoff)
+        for value in values:
+            assert value in str(error.value)
+    with pytest.raises(ModelError) as unknown:
         robot.force_torque_of("wrist_3_lnk")
+    assert "'wrist_3_link'" in str(unknown.value)

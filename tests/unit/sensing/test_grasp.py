@@ -120,8 +120,8 @@ def test_it_is_told_while_a_slow_motion_still_goes_on(watching) -> None:
     watch = watching(box("box", (0.06, 0.06, 0.04)))
     watch.robot.controller(GRIPPER).move({"finger_joint": 0.8}, speed=0.05)
     assert watch.run(6.0) == ["moving", "holding_inside"]
-    finger = watch.robot.snapshot.setpoints[GRIPPER].state().desired.positions[0]
-    assert finger < 0.6, "the motion is under way"
+    finger = watch.robot.snapshot.setpoints()["finger_joint"]
+    assert finger.position < 0.6 < finger.target, "the motion is under way"
 
 
 def test_what_is_in_the_way_outside_is_told_without_a_width(watching) -> None:

@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from ur5_rig import BETWEEN_PADS, EDGE
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose
 
-EDGE = 0.04  # [m]
 ASSISTED = tool0.SimulationConfig(grasp_assist=True)
 TWO_HANDS = """<robot name="hands" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <xacro:include filename="$(find tool0_description)/urdf/robotiq_2f_85_macro.xacro"/>
@@ -34,8 +34,6 @@ TWO_CONTROLLERS = "".join(
 """
     for hand in ("lower", "upper")
 )
-BETWEEN_PADS = (0.5487, 0.1091, 0.003)
-"""Where an object lies between the pads in the pose ``ready``, in the root [m]."""
 
 
 def block(name: str, z: float, mass: float | None) -> SceneObject:

@@ -40,5 +40,5 @@ def test_depth_is_in_millimetres_and_zero_where_it_is_unknown(tmp_path: Path) ->
 
 
 def test_what_is_no_picture_is_refused() -> None:
-    with pytest.raises(ValueError, match="float64"):
+    with pytest.raises(ValueError, match="float64"):  # its type
         encode_png(np.zeros((2, 2)))  # type: ignore[arg-type]

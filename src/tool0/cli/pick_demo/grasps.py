@@ -12,7 +12,7 @@ from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Cylinder, Sphere
 from tool0.description.transform import Pose, Transform, Vector3, to_transform
 from tool0.errors import ControlError
-from tool0.sensing.pads import grasp_frame, pad_links
+from tool0.sensing.grasp import grasp_frame, pad_links
 
 CLEARANCE = 0.003
 """Between finger tips and what the object stands on [m]."""

@@ -20,7 +20,7 @@ from tool0.description.transform import Transform, Vector3
 from tool0.errors import ControlError, ModelError, Tool0Error
 from tool0.hardware.drive_limits import DriveLimits
 from tool0.runtime.joint_motion import require_speed
-from tool0.sensing.pads import grasp_frame
+from tool0.sensing.grasp import grasp_frame
 from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
@@ -264,7 +264,7 @@ def pick_and_place(
         EngineError: If the physics fails.
     """
     options = options or PickOptions()
-    monitor = GraspMonitor(robot, robot.gripper, item, on_snapshot)
+    monitor = GraspMonitor(robot, item, on_snapshot)
     try:
         picker = Picker(robot, item, options, monitor)
         start, begun, failure = monitor.pose().position, robot.time, None

@@ -61,18 +61,15 @@ class BridgeListener:
 
     def accept(
         self, dt: float, check: Callable[[], None], timeout: float
-    ) -> tuple[socket.socket, str]:
-        """Return the socket of a bridge of our version, and its Gazebo's version.
+    ) -> socket.socket:
+        """Return the socket of a bridge of our version, for steps of ``dt`` [s].
 
-        Args:
-            dt: The step that it is to make [s].
-            check: Called while waiting; raises if the bridge will never connect.
-            timeout: How long to wait [s].
+        ``check`` is called while waiting; it raises if the bridge will never connect.
 
         Raises:
             EngineUnavailableError: If no bridge connects, or one of another version.
         """
-        waited = 0.0
+        deadline = perf_counter() + timeout
         self._socket.settimeout(0.1)
         while True:
             try:
@@ -80,16 +77,16 @@ class BridgeListener:
                 break
             except TimeoutError:
                 check()
-                waited += 0.1
-                if waited > timeout:
-                    raise EngineUnavailableError(
-                        f"gzserver did not load the bridge within {timeout:g} s"
-                    ) from None
+            if perf_counter() > deadline:
+                raise EngineUnavailableError(
+                    f"gzserver did not load the bridge within {timeout:g} s"
+                )
         try:
-            return peer, _handshake(peer, dt)
+            _handshake(peer, dt)
         except BaseException:
             peer.close()
             raise
+        return peer
 
     def close(self) -> None:
         """Stop listening; closing twice is allowed."""
@@ -97,11 +94,10 @@ class BridgeListener:
         self._path.unlink(missing_ok=True)
 
 
-def _handshake(peer: socket.socket, dt: float) -> str:
+def _handshake(peer: socket.socket, dt: float) -> None:
     peer.settimeout(ANSWER_TIMEOUT)
     try:
-        hello = peer.recv(_MAX_PACKET)
-        version = struct.unpack_from("=I", hello)[0]
+        version = struct.unpack_from("=I", peer.recv(_MAX_PACKET))[0]
     except (OSError, struct.error) as error:
         raise EngineUnavailableError(
             f"the handshake with gzserver's bridge failed: {error}"
@@ -112,7 +108,6 @@ def _handshake(peer: socket.socket, dt: float) -> str:
             "run `tool0 gazebo install` to compile the right one"
         )
     peer.send(struct.pack("=Id", VERSION, dt))
-    return hello[4:].decode(errors="replace")
 
 
 @final
@@ -122,12 +117,10 @@ class BridgeConnection:
     def __init__(
         self, peer: socket.socket, on_lost: Callable[[str], EngineError]
     ) -> None:
-        """Use the socket ``peer``.
+        """Use the socket ``peer``, connected to the bridge.
 
-        Args:
-            peer: Connected to the bridge.
-            on_lost: Ends the server when the connection is lost, and returns the error
-                that this request and all later ones raise.
+        When the connection is lost, ``on_lost`` ends the server and returns the error
+        that this request and all later ones raise.
         """
         self._peer = peer
         self._on_lost = on_lost
@@ -191,13 +184,13 @@ class BridgeConnection:
                 self._set_timeout(ANSWER_TIMEOUT)
 
     def close(self) -> None:
-        """Hang up, which ends the server; closing twice is allowed."""
+        """Close the socket, which ends the server; closing twice is allowed."""
         self._peer.close()
 
     def _spin(self) -> None:
         """Poll for the answer, since waking up from a blocking call takes long.
 
-        Where processors are scarce that is in vain: then it is done ever more rarely.
+        Where polling fails, as on busy processors, it is tried ever more rarely.
         """
         if self._skip_spins:
             self._skip_spins -= 1

@@ -1,7 +1,7 @@
-"""Gazebo's contacts, with the names that the URDF and the scene have.
+"""Gazebo's contacts, with the names of URDF and scene.
 
-libsdformat lumps links that are fixed into the link that they are fixed to, and names
-each shape by where it came from.
+libsdformat lumps fixed links into the link that they are fixed to, and names each shape
+by its original link.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from tool0.hardware.engine import Contact
 
 _NUMBERS = struct.Struct("=10d")
 _REVERSED = np.array([1.0] * 4 + [-1.0] * 6)
-"""Factors of the numbers if the two things change places."""
+"""Factors of the numbers if the two names are swapped."""
 _GROUND = ("ground_plane", "ground")
 """The name of the model in our own world, and the name that tool0 uses."""
 _LUMP = "_fixed_joint_lump__"
-"""Between the names of a lump and of the link in it, unless that begins as the lump."""
+"""Between the names of a lump and of its link, unless that name begins as the lump."""
 _NUMBERED = re.compile(r"_collision(_\d+)?$")
 
 
@@ -35,7 +35,6 @@ class LinkNames:
         self, model: RobotModel, bodies: tuple[MovingBody, ...], *, own_world: bool
     ) -> None:
         """Name the links of ``model``, and the ground if the world is ours."""
-        self.own_world = own_world
         self._robot = model.name
         self._ground = dict([_GROUND]) if own_world else {}
         self.body_of_link = {link: "" for link, _ in fixed_to_world(model)}
@@ -57,10 +56,8 @@ def unpack_contacts(
 ) -> tuple[Contact, ...]:
     """Return one contact for each pair, in the axes of the robot's root.
 
-    Args:
-        packed: All pairs of shapes, as the bridge sends them.
-        names: Of links.
-        root: The robot's root in the world, shape (4, 4): moved, not turned.
+    ``packed`` has all pairs of shapes, as the bridge sends them; ``root`` is the
+    robot's root in the world, shape (4, 4): moved, not rotated.
     """
     sums: dict[tuple[str, str], Matrix] = {}
     for (first, second), numbers in _unpack(packed, names):
@@ -70,23 +67,13 @@ def unpack_contacts(
             sums[first, second] += numbers
         else:
             sums[first, second] = numbers
-    return tuple(
-        _contact(first, second, total, root) for (first, second), total in sums.items()
-    )
-
-
-def _contact(first: str, second: str, total: Matrix, root: Matrix) -> Contact:
-    moment, force, torque = total[1:4], total[4:7], total[7:10]
-    point = moment / total[0]
-    rest = torque - np.cross(point, force)
-    return Contact(
-        first, second, _vector(point - root[:3, 3]), _vector(force), _vector(rest)
-    )
-
-
-def _vector(values: Matrix) -> tuple[float, float, float]:
-    x, y, z = map(float, values)
-    return x, y, z
+    found = []
+    for (first, second), total in sums.items():
+        moment, force, torque = total[1:4], total[4:7], total[7:10]
+        point = moment / total[0]
+        vectors = (point - root[:3, 3], force, torque - np.cross(point, force))
+        found.append(Contact(first, second, *(tuple(v.tolist()) for v in vectors)))
+    return tuple(found)
 
 
 def _unpack(

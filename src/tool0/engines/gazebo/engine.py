@@ -14,27 +14,23 @@ from tool0.description.scene import Scene
 from tool0.description.transform import Pose, pose_matrix
 from tool0.engines.checks import check_dt, effort_divergence
 from tool0.engines.gazebo.connection import (
-    BridgeConnection,
-    BridgeListener,
     RequestKind,
     pack_floats,
     pack_pose,
 )
-from tool0.engines.gazebo.contacts import LinkNames
-from tool0.engines.gazebo.mimic import mimic_constraints
-from tool0.engines.gazebo.robot_urdf import body_poses, gazebo_urdf
-from tool0.engines.gazebo.sdf_files import EMPTY_WORLD, check_world
+from tool0.engines.gazebo.robot_urdf import (
+    body_poses,
+    gazebo_urdf,
+    mimic_constraints,
+)
+from tool0.engines.gazebo.sdf import EMPTY_WORLD, check_world
 from tool0.engines.gazebo.server import GazeboServer
-from tool0.engines.gazebo.window import require_window
 from tool0.engines.gazebo.world import GazeboServerWorld
 from tool0.errors import DivergenceError
 from tool0.hardware.bodies import check_masses, moving_bodies
 from tool0.hardware.joint_state import JointState
 from tool0.installation.gazebo.installation import find_installation
 from tool0.installation.gazebo.plugin import bridge_libraries
-
-START_TIMEOUT = 30.0
-"""Until gzserver has loaded the bridge [s]; with a cold disk it takes ten."""
 
 
 @final
@@ -59,8 +55,8 @@ class GazeboEngine:
             description: The robot.
             dt: Length of a step [s].
             spawn_z: Height of the robot's root above the world's origin [m].
-            scene: The objects around it; None for none.
-            world: A world file; None for an empty one with the ground at z = 0.
+            scene: The objects around it.
+            world: A world file; an empty one with the ground at z = 0 if left out.
             gui: Whether to open gzclient.
 
         Raises:
@@ -73,75 +69,63 @@ class GazeboEngine:
         model = description.model
         self._bodies = moving_bodies(model)
         check_masses(model, self._bodies)
-        self._joint_names = tuple(joint.name for joint in model.movable_joints)
+        self.joint_names = tuple(joint.name for joint in model.movable_joints)
         self._root = pose_matrix(Pose(xyz=(0.0, 0.0, spawn_z)))
-        self._dt = dt
+        self.dt = dt
         self._steps = 0
-        n = len(self._joint_names)
+        n = len(self.joint_names)
         self._effort = [0.0] * n
         self._pack_step = struct.Struct(f"=I{n}d").pack
         state = struct.Struct(f"={2 * n}d")
         self._unpack_state, self._state_size = state.unpack_from, state.size
         self._diverged = ""
         self._is_stepping = False
-        at_zero = body_poses(self._bodies, [0.0] * n)
-        constraints = mimic_constraints(model, self._bodies, at_zero)
+        constraints = mimic_constraints(model, self._bodies)
         urdf = gazebo_urdf(description.urdf, model, self._bodies, constraints)
         installation = find_installation()
-        if gui:
-            require_window(installation)  # before the rest, which takes seconds
-        self.server = GazeboServer(installation, bridge_libraries(installation))
+        libraries = bridge_libraries(installation)
+        file = (world or EMPTY_WORLD).resolve()
+        self.server = GazeboServer(installation, libraries, file, gui=gui)
         with contextlib.ExitStack() as failed:
             failed.callback(self.server.close)
-            self._connection, self.version = self._start(world, gui)
+            self._connection = self.server.connect(dt)
             failed.callback(self._connection.close)
-            self._world = GazeboServerWorld(
+            self.world = GazeboServerWorld(
                 self._connection,
                 self.server,
                 model,
+                self._bodies,
+                urdf=urdf,
+                gears=[c for c in constraints if not c.is_gearbox],
                 root=self._root,
-                names=LinkNames(model, self._bodies, own_world=world is None),
+                scene=scene or Scene(),
+                world_file=world,
                 finish_step=self._finish_step,
             )
-            gears = tuple(c for c in constraints if not c.is_gearbox)
-            self._world.populate(urdf, gears, scene or Scene(), world)
             self.reset([0.0] * n)
-            if gui:
-                self.server.open_window()
+            self.server.open_window()
             failed.pop_all()
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        return self._joint_names
-
-    @property
-    def dt(self) -> float:
-        return self._dt
-
-    @property
-    def world(self) -> GazeboServerWorld:
-        return self._world
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
         """Put joints at ``position`` [rad | m] and objects where they began."""
         self._finish_step()
-        self._steps = round(time / self._dt)
+        self._steps = round(time / self.dt)
         poses = body_poses(self._bodies, list(position))
         answer = self._connection.request(
             RequestKind.RESET,
-            pack_floats([self._steps * self._dt, *position]),
+            pack_floats([self._steps * self.dt, *position]),
             *(pack_pose(self._root @ pose) for pose in poses),
-            self._world.start_poses(),
+            self.world.start_poses(),
         )
         self._take_state(answer)
-        self._effort = [0.0] * len(self._joint_names)
+        self._effort = [0.0] * len(self.joint_names)
 
     def read(self) -> JointState:
         """Return the measured state, or raise DivergenceError."""
         if self._is_stepping:
             self._finish_step()
-        values, n = self._state, len(self._joint_names)
-        time = self._steps * self._dt
+        values, n = self._state, len(self.joint_names)
+        time = self._steps * self.dt
         if not math.isfinite(sum(values)):
             kind, _, name = self._diverged.partition(" ")
             raise DivergenceError(name, time, kind=kind)
@@ -151,11 +135,11 @@ class GazeboEngine:
         """Hold ``effort`` [N·m | N] until the next call, or raise DivergenceError."""
         held = list(effort)
         if not math.isfinite(sum(held)):
-            raise effort_divergence(self._joint_names, held, self._steps * self._dt)
+            raise effort_divergence(self.joint_names, held, self._steps * self.dt)
         self._effort = held
 
     def step(self) -> None:
-        """Advance simulated time by ``dt``; ``read`` waits until Gazebo has."""
+        """Advance simulated time by ``dt``; ``read`` waits for the result."""
         if self._is_stepping:
             self._finish_step()
         self._connection.send(self._pack_step(RequestKind.STEP, *self._effort))
@@ -167,15 +151,6 @@ class GazeboEngine:
         self._connection.close()
         self.server.close()
 
-    def _start(self, world: Path | None, gui: bool) -> tuple[BridgeConnection, str]:
-        listener = BridgeListener(self.server.socket_path)
-        try:
-            self.server.start((world or EMPTY_WORLD).resolve(), has_window=gui)
-            peer, version = listener.accept(self._dt, self.server.check, START_TIMEOUT)
-        finally:
-            listener.close()
-        return BridgeConnection(peer, self.server.lost), version
-
     def _finish_step(self) -> None:
         """Receive the state after the step, if one is under way."""
         if self._is_stepping:
@@ -184,5 +159,5 @@ class GazeboEngine:
 
     def _take_state(self, answer: memoryview) -> None:
         self._state = self._unpack_state(answer)
-        if len(answer) > self._state_size:  # and the name of what is not finite
+        if len(answer) > self._state_size:  # followed by what is not finite
             self._diverged = answer[self._state_size :].tobytes().decode()

@@ -1,33 +1,82 @@
-"""The robot's URDF as Gazebo needs it.
+"""The robot's URDF as Gazebo needs it, and the constraints that hold mimic joints.
 
-Gazebo's own libsdformat converts it, so that what a Gazebo user would get is what
-runs.  Five things are changed before: the paths of meshes, the joint that fixes the
-robot to the world, the constraints and the stops of mimic joints, and colours.
+Gazebo's own libsdformat converts the URDF, as for any Gazebo user.  Five things are
+changed before: mesh paths, the joint that fixes the robot to the world, the constraints
+and the stops of mimic joints, and colours.
+
+A mimic joint is held by ODE's gearbox joint where that is exact, else by gear teeth in
+the bridge.  The gearbox holds w_child + ratio · w_parent = 0 between the angular
+velocities of two bodies, without the body that carries both.  So it is exact only for
+ratio -1 and parallel axes, where the carrier's velocity cancels.  With any other ratio
+it resists the carrier's rotation, with no reaction on the carrier.
 """
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
-from tool0.description.model import Joint, JointType, RobotModel, Visual
+from tool0.description.model import Joint, JointType, Mimic, RobotModel, Visual
 from tool0.description.packages import resolve_uri
 from tool0.description.shapes import Mesh
-from tool0.engines.gazebo.mimic import WORLD, MimicConstraint, gearbox_sdf
+from tool0.errors import ModelError
 from tool0.hardware.bodies import Matrix, MovingBody
 
+WORLD = "world"
+"""The link that libsdformat fixes to the world if it is the URDF's root."""
+_PARALLEL = 1e-6  # [rad]
 STOP_SLACK = 0.02
 """By how much the stops of mimic joints are set back [rad | m].
 
 A master's stop holds its mimics, too: ODE's direct solver fails on redundant rows, and
 undamped fingers then oscillate at 6 rad/s.
 """
-
-
 _COLORED = "tool0_paint"
 """Starts the names of coloured shapes' links: libsdformat does not lump a link whose
 name begins with its parent's."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class MimicConstraint:
+    """Holds a mimic joint to an adjacent joint of its mechanism."""
+
+    joint: int
+    """Index of the mimic joint among the movable ones."""
+    other: int
+    """Index of the joint that it is held to: of its parent body, or beside it."""
+    multiplier: float
+    """Position of the joint over that of the other."""
+    is_gearbox: bool
+    """Whether both turn the same way at the same speed, seen from the world."""
+
+
+def mimic_constraints(
+    model: RobotModel, bodies: tuple[MovingBody, ...]
+) -> tuple[MimicConstraint, ...]:
+    """Return the constraint of each mimic joint, or raise ModelError."""
+    at_zero = body_poses(bodies, [0.0] * len(bodies))
+    axes = [
+        pose[:3, :3] @ np.asarray(body.joint.axis)
+        for body, pose in zip(bodies, at_zero, strict=True)
+    ]
+    found = []
+    for i, body in enumerate(bodies):
+        if (mimic := body.joint.mimic) is not None:
+            constraint = _constraint(bodies, axes, i, mimic)
+            if isinstance(constraint, str):
+                name = body.joint.name
+                raise ModelError(
+                    f"Gazebo cannot make joint '{name}' mimic another: {constraint}; "
+                    "use MuJoCo, or give it a transmission of its own",
+                    model.locations.get(f"joint:{name}"),
+                )
+            found.append(constraint)
+    return tuple(found)
 
 
 def gazebo_urdf(
@@ -43,7 +92,7 @@ def gazebo_urdf(
     if model.root != WORLD:
         robot.append(ET.Element("link", name=WORLD))
         _add_fixed_joint(robot, f"{WORLD}_joint", WORLD, model.root)
-    add_colors(robot, model)
+    _add_colors(robot, model)
     constrained = {bodies[c.joint].joint.child: c for c in constraints}
     mimics = {joint.name for joint in model.movable_joints if joint.mimic is not None}
     for joint in robot.iterfind("joint"):
@@ -62,23 +111,23 @@ def gazebo_urdf(
     for child, constraint in constrained.items():
         if constraint.is_gearbox and child not in geared:
             extension = ET.SubElement(robot, "gazebo")
-            extension.append(gearbox_sdf(model, bodies, constraint))
+            extension.append(_gearbox_sdf(model, bodies, constraint))
     return ET.tostring(robot, encoding="unicode")
 
 
-def add_colors(robot: ET.Element, model: RobotModel) -> None:
-    """Give the visuals of the URDF ``robot`` the colours that ``model`` has.
+def _add_colors(robot: ET.Element, model: RobotModel) -> None:
+    """Give the visuals of the URDF ``robot`` the colours of ``model``.
 
-    libsdformat ignores ``<material>``, and its own extension colours a whole link.  It
-    lumps the shapes of fixed links into their parent link, but each keeps the extension
-    of its own link: so each coloured shape gets a link of its own.
+    libsdformat ignores ``<material>``, and its own extension colours a whole link.  A
+    fixed link keeps its extension when it is lumped into its parent link: so each
+    coloured shape gets a link of its own.
     """
     elements = {link.get("name"): link for link in robot.findall("link")}
     for link in model.links:
         element = elements[link.name]
         shapes = zip(link.visuals, element.findall("visual"), strict=True)
         for number, (visual, shape) in enumerate(shapes):
-            if visual.rgba is not None and not _has_own_colors(visual):
+            if visual.rgba is not None and not _is_collada(visual):
                 element.remove(shape)
                 name = f"{_COLORED}_{number}_{link.name}"
                 ET.SubElement(robot, "link", name=name).append(shape)
@@ -86,8 +135,8 @@ def add_colors(robot: ET.Element, model: RobotModel) -> None:
                 _set_color(robot, name, visual.rgba)
 
 
-def _has_own_colors(visual: Visual) -> bool:
-    """Return whether the mesh file has colours, as Collada does."""
+def _is_collada(visual: Visual) -> bool:
+    """Return whether the shape is a COLLADA mesh, which has its own colours."""
     shape = visual.geometry
     return isinstance(shape, Mesh) and shape.path.suffix.lower() == ".dae"
 
@@ -119,7 +168,7 @@ def body_poses(bodies: tuple[MovingBody, ...], position: list[float]) -> list[Ma
 
 
 def _motion(joint: Joint, q: float) -> Matrix:
-    """Return how far the joint moves its child at ``q``, shape (4, 4)."""
+    """Return the displacement of the joint's child at ``q``, shape (4, 4)."""
     motion = np.eye(4)
     axis = np.asarray(joint.axis)
     if joint.type is JointType.PRISMATIC:
@@ -129,3 +178,77 @@ def _motion(joint: Joint, q: float) -> Matrix:
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     motion[:3, :3] += np.sin(q) * cross + (1.0 - np.cos(q)) * cross @ cross
     return motion
+
+
+def _gearbox_sdf(
+    model: RobotModel, bodies: tuple[MovingBody, ...], constraint: MimicConstraint
+) -> ET.Element:
+    """Return the gearbox joint of ``constraint``, in SDF."""
+    joint, parent = bodies[constraint.joint].joint, bodies[constraint.joint].parent
+    is_carried = parent == constraint.other
+    turned = bodies[constraint.other].parent if is_carried else constraint.other
+    element = ET.Element("joint", name=f"{joint.name}_gearbox", type="gearbox")
+    for tag, text in {
+        "parent": _body_name(model, bodies, turned),
+        "child": joint.child,
+        "gearbox_reference_body": _body_name(model, bodies, parent),
+        "gearbox_ratio": "-1",
+    }.items():
+        ET.SubElement(element, tag).text = text
+    for tag in ("axis", "axis2"):
+        xyz = ET.SubElement(ET.SubElement(element, tag), "xyz")
+        xyz.text = " ".join(repr(float(part)) for part in joint.axis)
+    return element
+
+
+def _constraint(
+    bodies: tuple[MovingBody, ...], axes: list[Matrix], i: int, mimic: Mimic
+) -> MimicConstraint | str:
+    """Return the constraint of joint ``i``, or why there is none."""
+    if mimic.offset:
+        return f"its offset is {mimic.offset:g}"
+    why, gear = "no joint of its mechanism is next to it", None
+    for j in _neighbours(bodies, i, mimic):
+        other = bodies[j].joint
+        if JointType.PRISMATIC in (bodies[i].joint.type, other.type):
+            why = f"it or '{other.name}' is prismatic"
+            continue
+        multiplier = mimic.multiplier / _mimic_multiplier(other)
+        along = axes[i] @ axes[j]
+        if abs(along) < 1.0 - _PARALLEL:
+            why = f"its axis is not parallel to that of '{other.name}'"
+            continue
+        if bodies[i].parent == j:
+            # Carried by the other, it keeps its orientation seen from the body below.
+            if np.isclose(multiplier * along, -1.0):
+                return MimicConstraint(i, j, multiplier, is_gearbox=True)
+            why = f"it is carried by '{other.name}' and does not turn back as far"
+            continue
+        if np.isclose(multiplier * along, 1.0):
+            return MimicConstraint(i, j, multiplier, is_gearbox=True)
+        gear = gear or MimicConstraint(i, j, multiplier, is_gearbox=False)
+    return gear or why
+
+
+def _neighbours(bodies: tuple[MovingBody, ...], i: int, mimic: Mimic) -> Iterator[int]:
+    """Yield joints of the same mechanism: that of the parent body, those beside it."""
+    parent = bodies[i].parent
+    for j in (parent, *range(i)):
+        other = bodies[j].joint
+        master = other.mimic.joint if other.mimic else other.name
+        is_adjacent = j >= 0 and parent in (j, bodies[j].parent)
+        if is_adjacent and master == mimic.joint and _mimic_multiplier(other):
+            yield j
+
+
+def _mimic_multiplier(joint: Joint) -> float:
+    return joint.mimic.multiplier if joint.mimic else 1.0
+
+
+def _body_name(model: RobotModel, bodies: tuple[MovingBody, ...], body: int) -> str:
+    """Return libsdformat's name of a body after it has merged the fixed links."""
+    if body >= 0:
+        return bodies[body].joint.child
+    if model.root != WORLD:
+        return model.root
+    return model.child_joints[WORLD][0].child

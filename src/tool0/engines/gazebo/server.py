@@ -1,133 +1,172 @@
-"""A gzserver of our own, and its gzclient: started, watched, ended."""
+"""A gzserver of our own and its gzclient: start, logs, crashes and shutdown."""
 
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
+import re
 import shutil
+import signal
 import socket
 import subprocess
 import tempfile
-from collections.abc import Iterator, Mapping
+import threading
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Final, final
 
-from tool0.engines.gazebo.process_log import error_lines, exit_report, log_lines
-from tool0.engines.gazebo.window import ClientWindow, require_window
+from tool0.engines.gazebo.connection import BridgeConnection, BridgeListener
 from tool0.errors import EngineUnavailableError
 from tool0.installation.child_process import ChildProcess
 from tool0.installation.gazebo.installation import GazeboInstallation
 from tool0.installation.gazebo.plugin import BridgeLibraries
 from tool0.user_data import locked
 
+logger = logging.getLogger(__name__)
+
+START_TIMEOUT = 30.0
+"""Until gzserver has loaded the bridge [s]; with a cold disk it takes ten."""
 _EXIT_TIMEOUT: Final = 0.2
 """For a server that closed the connection to end by itself [wall s]."""
 _FOLDER: Final = "tool0-gazebo-"
 _LOCK: Final = "lock"
 _NEW_LOCK: Final = "lock.new"
+_MAX_STARTS: Final = 3
+_DELIBERATE: Final = (0, -signal.SIGTERM, -signal.SIGINT, -signal.SIGKILL)
+"""Exit statuses of a gzclient that its user ended."""
+_LAST_LINES: Final = 12
+_COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
+_NOISE: Final = re.compile(
+    r"$|Gazebo multi-robot simulator|Copyright|Released under|http://gazebosim"
+    r"|\[Msg\]|\[\w+\] \[RenderEngine"  # which draws nothing without a display
+    r"|Error:\s+Could not find the 'robot'"  # before it tries SDF
+)
+"""Lines that every gzserver prints, and that never explain a failure."""
+_ERROR: Final = re.compile(r"\[Err\]|Error|\[Wrn\] \[Server")
+
+
+def _window_program(installation: GazeboInstallation) -> Path:
+    """Return the program gzclient, or raise EngineUnavailableError."""
+    if installation.client is None:
+        raise EngineUnavailableError(
+            "this Gazebo has no gzclient; run `tool0 gazebo install --gui`"
+        )
+    if not os.environ.get("DISPLAY"):
+        raise EngineUnavailableError(
+            "gzclient needs an X display, and DISPLAY is not set; "
+            "leave out the Gazebo GUI, or use the panel"
+        )
+    return installation.client
 
 
 @final
 class GazeboServer:
-    """One gzserver with its own folder, its own port and its own HOME.
+    """One gzserver with its own folder, port and HOME.
 
     It ends with ``close``, and with this process however that ends.
     """
 
     def __init__(
-        self, installation: GazeboInstallation, libraries: BridgeLibraries
+        self,
+        installation: GazeboInstallation,
+        libraries: BridgeLibraries,
+        world: Path,
+        *,
+        gui: bool,
     ) -> None:
-        """Make the folder; ``start`` runs something in it."""
-        self._installation = installation
-        self._libraries = libraries
-        self._exits = contextlib.ExitStack()
-        self.folder = self._exits.enter_context(_own_folder())
-        self._log = self.folder / "gzserver.log"
-        self._lines_read = 0
-        self._port = _free_port()
-        self._server: ChildProcess | None = None
-        self._window: ClientWindow | None = None
+        """Start gzserver with ``world`` and the bridge; ``open_window`` needs ``gui``.
 
-    @property
-    def socket_path(self) -> Path:
-        """Where the bridge is awaited."""
-        return self.folder / "bridge"
+        Raises:
+            EngineUnavailableError: If a window is wanted and there can be none.
+        """
+        self._client = _window_program(installation) if gui else None
+        self._installation = installation
+        self._preload = str(libraries.preload)
+        self._port = _free_port()
+        self._lines_read = 0
+        self._window: ClientWindow | None = None
+        with contextlib.ExitStack() as exits:
+            self.folder = exits.enter_context(_own_folder())
+            self._log = self.folder / "gzserver.log"
+            self._listener = BridgeListener(self.folder / "bridge")
+            exits.callback(self._listener.close)
+            # Without a gzclient ``~/physics/contacts`` is not published: publishing at
+            # each step, to nobody, takes a tenth of the time.
+            quiet = () if gui else ("--minimal_comms",)
+            bridge = str(libraries.bridge)
+            self._process = self._run(
+                installation.server,
+                ["--verbose", *quiet, "-s", bridge, str(world)],
+                self._log,
+                {"TOOL0_BRIDGE": "bridge"},  # it runs in the folder
+            )
+            self._exits = exits.pop_all()
 
     @property
     def master_uri(self) -> str:
-        """What ``GAZEBO_MASTER_URI`` has to be for `gz` and for plugins."""
+        """``GAZEBO_MASTER_URI`` for `gz` and for plugins."""
         return f"http://127.0.0.1:{self._port}"
 
     @property
     def process_ids(self) -> tuple[int, ...]:
-        """Of the programs that run."""
-        processes = (self._server, self._window and self._window.process)
-        running = (p for p in processes if p is not None and p.exit_status is None)
+        """Of the running processes."""
+        window = [] if self._window is None else [self._window.process]
+        running = (p for p in (self._process, *window) if p.exit_status is None)
         return tuple(process.pid for process in running)
 
-    def start(self, world: Path, *, has_window: bool) -> None:
-        """Run gzserver with ``world`` and the bridge.
-
-        Without a gzclient of ours, ``~/physics/contacts`` stays empty: publishing it at
-        each step takes a tenth of the time.
-        """
-        quiet = () if has_window else ("--minimal_comms",)
-        bridge = str(self._libraries.bridge)
-        self._server = self._run(
-            self._installation.server,
-            ["--verbose", *quiet, "-s", bridge, str(world)],
-            self._log,
-            {"TOOL0_BRIDGE": self.socket_path.name},  # it runs in the folder,
-        )
-
-    def open_window(self) -> None:
-        """Run gzclient on the server.
+    def connect(self, dt: float) -> BridgeConnection:
+        """Return the connection to the bridge, which makes steps of ``dt`` [s].
 
         Raises:
-            EngineUnavailableError: If it is not installed or there is no display.
+            EngineUnavailableError: If gzserver does not start, or its bridge is wrong.
         """
-        client = require_window(self._installation)
-        # The person's own HOME, so that settings of the window persist.
-        home = os.environ.get("HOME", str(self.folder))
-        log = self.folder / "gzclient.log"
-        self._window = ClientWindow(
-            lambda: self._run(client, ["--verbose"], log, {"HOME": home}), log
-        )
+        peer = self._listener.accept(dt, self._check, START_TIMEOUT)
+        self._listener.close()
+        return BridgeConnection(peer, self._lost)
 
-    def check(self) -> None:
-        """Raise EngineUnavailableError if the server has ended."""
-        if self._server is None or self._server.exit_status is not None:
-            raise EngineUnavailableError(
-                exit_report("gzserver did not start", self._server, self._log)
+    def open_window(self) -> None:
+        """Run gzclient on the server, if ``gui`` was given."""
+        client, log = self._client, self.folder / "gzclient.log"
+        if client is not None:
+            # With the user's own HOME: the window keeps their settings.
+            home = os.environ.get("HOME", str(self.folder))
+            self._window = ClientWindow(
+                lambda: self._run(client, ["--verbose"], log, {"HOME": home}), log
             )
 
     def new_errors(self) -> list[str]:
         """Return the errors in the server's log since the last call."""
-        lines = log_lines(self._log)
+        lines = _log_lines(self._log)
         new, self._lines_read = lines[self._lines_read :], len(lines)
-        return error_lines(new)
-
-    def lost(self, why: str) -> EngineUnavailableError:
-        """End what is left of the server, and return the error that says so."""
-        if self._server is not None:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                self._server.wait(_EXIT_TIMEOUT)
-        error = EngineUnavailableError(exit_report(why, self._server, self._log))
-        self.close()
-        return error
+        return [line for line in new if _ERROR.match(line)]
 
     def close(self) -> None:
         """End both processes and remove the folder; closing twice is allowed."""
         if self._window is not None:
             self._window.close()
-        if self._server is not None:
-            self._server.close()  # before its folder is removed
+        self._process.close()  # before its folder is removed
         self._exits.close()
+
+    def _check(self) -> None:
+        """Raise EngineUnavailableError if the server has ended."""
+        if self._process.exit_status is not None:
+            raise EngineUnavailableError(
+                _exit_report("gzserver did not start", self._process, self._log)
+            )
+
+    def _lost(self, why: str) -> EngineUnavailableError:
+        """End what is left of the server, and return the error that reports it."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(_EXIT_TIMEOUT)
+        error = EngineUnavailableError(_exit_report(why, self._process, self._log))
+        self.close()
+        return error
 
     def _run(
         self, program: Path, arguments: list[str], log: Path, extra: Mapping[str, str]
     ) -> ChildProcess:
-        preload = [str(self._libraries.preload), os.environ.get("LD_PRELOAD", "")]
+        preload = [self._preload, os.environ.get("LD_PRELOAD", "")]
         environment = {
             **os.environ,
             **self._installation.environment,
@@ -148,12 +187,50 @@ class GazeboServer:
             )
 
 
+@final
+class ClientWindow:
+    """A gzclient, restarted if it crashes.
+
+    gzclient 11 has a segmentation fault in about one of 30 starts on two busy cores
+    with software GL.
+    """
+
+    def __init__(self, run: Callable[[], ChildProcess], log: Path) -> None:
+        """Start it by ``run``, with its output in ``log``."""
+        self._run = run
+        self._log = log
+        self._lock = threading.Lock()
+        self._is_closed = False
+        self.process = run()
+        watch = threading.Thread(target=self._watch, name="gzclient", daemon=True)
+        watch.start()
+
+    def close(self) -> None:
+        """End it; closing twice is allowed."""
+        with self._lock:
+            self._is_closed = True
+            self.process.close()
+
+    def _watch(self) -> None:
+        for tries_left in reversed(range(_MAX_STARTS)):
+            status = self.process.wait()
+            with self._lock:
+                if self._is_closed or status in _DELIBERATE:
+                    return
+                if status != -signal.SIGSEGV or not tries_left:
+                    end = "Gazebo's window is gone"
+                    logger.warning("%s", _exit_report(end, self.process, self._log))
+                    return
+                self.process.close()
+                self.process = self._run()
+
+
 @contextlib.contextmanager
 def _own_folder() -> Iterator[Path]:
     """Make a folder that is removed at the end; remove those of killed processes."""
     parent = Path(tempfile.gettempdir())
     for left in parent.glob(f"{_FOLDER}*/{_LOCK}"):
-        # That of a running server is locked, and a new one has no lock yet.
+        # That of a running server is locked, that of a starting one has no lock yet.
         with contextlib.suppress(OSError), locked(left, wait=False):
             shutil.rmtree(left.parent, ignore_errors=True)
     folder = Path(tempfile.mkdtemp(prefix=_FOLDER))
@@ -169,3 +246,27 @@ def _free_port() -> int:
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
+
+
+def _exit_report(why: str, process: ChildProcess, log: Path) -> str:
+    """Return ``why``, how ``process`` ended if it did, and the end of its log."""
+    status = process.exit_status
+    if status is None:
+        how = ""
+    elif status < 0:
+        how = f", killed by {signal.Signals(-status).name}"
+    else:
+        how = f", exit status {status}"
+    lines = "".join(f"\n  {line}" for line in _log_lines(log)[-_LAST_LINES:])
+    end = f"; the end of its log:{lines}" if lines else "; its log is empty"
+    return f"{why}{how}{end}"
+
+
+def _log_lines(log: Path) -> list[str]:
+    """Return the lines of a log, without colours and ``_NOISE``."""
+    try:
+        text = log.read_text(errors="replace")
+    except OSError:
+        return []
+    lines = (line.rstrip() for line in _COLOUR.sub("", text).splitlines())
+    return [line for line in lines if not _NOISE.match(line)]

@@ -1,4 +1,4 @@
-"""The models in Gazebo's world: the robot, the scene's objects, a person's own."""
+"""The models in Gazebo's world: the robot, scene objects and a user's own models."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import contextlib
 import logging
 import math
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import final
 
@@ -24,9 +24,8 @@ from tool0.engines.gazebo.connection import (
     pack_text,
 )
 from tool0.engines.gazebo.contacts import LinkNames, unpack_contacts
-from tool0.engines.gazebo.mimic import MimicConstraint
-from tool0.engines.gazebo.object_sdf import object_sdf
-from tool0.engines.gazebo.sdf_files import check_model
+from tool0.engines.gazebo.robot_urdf import MimicConstraint
+from tool0.engines.gazebo.sdf import check_model, object_sdf
 from tool0.engines.gazebo.server import GazeboServer
 from tool0.errors import (
     DescriptionError,
@@ -35,7 +34,7 @@ from tool0.errors import (
     SourceLocation,
     did_you_mean,
 )
-from tool0.hardware.bodies import Matrix
+from tool0.hardware.bodies import Matrix, MovingBody
 from tool0.hardware.engine import Contact, ObjectState
 
 logger = logging.getLogger(__name__)
@@ -43,7 +42,7 @@ logger = logging.getLogger(__name__)
 _WORLD_REPLACED = "Falling back on"
 _INCOMPLETE_MODEL = "Loading model from factory message failed"
 _MESH_MISSING = "Unable to load mesh"
-"""In gzserver's log, which otherwise goes on as if nothing had happened."""
+"""In gzserver's log; gzserver itself continues as if nothing had happened."""
 
 
 @final
@@ -55,71 +54,45 @@ class GazeboServerWorld:
         connection: BridgeConnection,
         server: GazeboServer,
         model: RobotModel,
+        bodies: tuple[MovingBody, ...],
         *,
-        root: Matrix,
-        names: LinkNames,
-        finish_step: Callable[[], None],
-    ) -> None:
-        """Use a world in which nothing is yet; ``populate`` adds the robot.
-
-        Args:
-            connection: To the bridge.
-            server: The one that the bridge is in.
-            model: The robot.
-            root: The robot's root in the world, shape (4, 4): moved, not turned.
-            names: Of the robot's links.
-            finish_step: Receives the answer to a step that is under way: no request
-                may come before.
-        """
-        self._connection = connection
-        self._server = server
-        self._model = model
-        self._root = root
-        self._names = names
-        self._finish_step = finish_step
-        self._gravity: Vector3 = (0.0, 0.0, 0.0)
-        self._objects: dict[str, SceneObject] = {}  # as the bridge lists them
-        self._states: tuple[ObjectState, ...] = ()
-
-    @property
-    def gravity(self) -> Vector3:
-        """Of the world when the robot was spawned [m/s²]."""
-        return self._gravity
-
-    @property
-    def ground(self) -> float | None:
-        """Of the empty world; a person's world has what it has."""
-        return -float(self._root[2, 3]) if self._names.own_world else None
-
-    def populate(
-        self,
         urdf: str,
-        gears: tuple[MimicConstraint, ...],
+        gears: Sequence[MimicConstraint],
+        root: Matrix,
         scene: Scene,
         world_file: Path | None,
+        finish_step: Callable[[], None],
     ) -> None:
         """Spawn the robot and the scene, and bind the bridge to the robot.
 
-        Args:
-            urdf: The robot, for libsdformat.
-            gears: The constraints that the bridge holds.
-            scene: The objects around the robot.
-            world_file: The file of the world, for messages.
+        ``urdf`` is the robot for libsdformat, without the ``gears``, which the bridge
+        holds; ``root`` its root in the world, shape (4, 4): moved, not rotated.
+        ``world_file`` is None for our own world.  ``finish_step`` is called before each
+        request: it receives the answer to a pending step.
 
         Raises:
             DescriptionError: If Gazebo cannot read the world.
             EngineError: If Gazebo refuses the robot or an object.
         """
-        file = self._server.folder / "robot.urdf"
+        self._connection = connection
+        self._server = server
+        self._model = model
+        self._root = root
+        self._names = LinkNames(model, bodies, own_world=world_file is None)
+        self._finish_step = finish_step
+        self._objects: dict[str, SceneObject] = {}  # as the bridge lists them
+        self._states: tuple[ObjectState, ...] = ()
+        self.ground = None if world_file else -float(root[2, 3])
+        file = server.folder / "robot.urdf"
         file.write_text(urdf)
-        self._spawn(self._model.name, file, self._root, world_file=world_file)
+        self._spawn(model.name, file, root, world_file=world_file)
         for item in scene.objects:
             self.spawn(item)
-        armatures = self._model.transmission_by_joint
-        joints = [joint.name for joint in self._model.movable_joints]
+        armatures = model.transmission_by_joint
+        joints = [joint.name for joint in model.movable_joints]
         answer = self._request(
             RequestKind.BIND,
-            pack_text(self._model.name),
+            pack_text(model.name),
             struct.pack("=I", len(joints)),
             *(
                 pack_text(name)
@@ -133,10 +106,10 @@ class GazeboServerWorld:
             ),
         )
         x, y, z = struct.unpack("=3d", answer)
-        self._gravity = x, y, z
+        self.gravity: Vector3 = (x, y, z)
 
     def start_poses(self) -> bytes:
-        """Return where a reset puts the objects, as the bridge reads it."""
+        """Return the objects' poses after a reset, as the bridge reads them."""
         return b"".join(
             pack_pose(self._root @ pose_matrix(item.pose))
             for item in self._objects.values()
@@ -145,7 +118,7 @@ class GazeboServerWorld:
     def object_states(self) -> tuple[ObjectState, ...]:
         """Return the current state of each object.
 
-        If Gazebo is gone it is the last known one; the next step reports the loss.
+        If Gazebo is gone, these are the last known states; the next step reports it.
         """
         if not self._objects:
             return ()
@@ -162,22 +135,13 @@ class GazeboServerWorld:
         check_new_name(self._objects, item.name)
         file = self._server.folder / f"{item.name}.sdf"
         file.write_text(object_sdf(item))
-        pose = self._root @ pose_matrix(item.pose)
-        try:
-            self._spawn(item.name, file, pose, is_object=True)
-        except EngineUnavailableError:
-            raise
-        except EngineError as error:
-            raise EngineError(f"object '{item.name}': {error}") from error
+        self._spawn(
+            item.name, file, self._root @ pose_matrix(item.pose), is_object=True
+        )
         self._objects[item.name] = item
 
     def spawn_file(self, name: str, file: Path, pose: Pose) -> None:
-        """Add the model of a person's URDF or SDF file.
-
-        Args:
-            name: The model's name in the world.
-            file: The file.
-            pose: In the robot's root.
+        """Add the model of a URDF or SDF file at ``pose`` in the robot's root.
 
         Raises:
             DescriptionError: If the file is no XML with a model in it.
@@ -191,7 +155,7 @@ class GazeboServerWorld:
         if name == self._model.name:
             raise EngineError(f"'{name}' is the robot, which cannot be removed")
         try:
-            self._delete(name)
+            self._request(RequestKind.DELETE, pack_text(name), timeout=SPAWN_TIMEOUT)
         except EngineUnavailableError:
             raise
         except EngineError as error:
@@ -218,7 +182,7 @@ class GazeboServerWorld:
         Gazebo records them from the first call on, so that call returns none.
         """
         packed, n, left = b"", 0, 1
-        while left:  # as many as fit into an answer
+        while left:  # an answer holds only so many
             answer = self._request(RequestKind.CONTACTS, struct.pack("=I", n))
             n_here, left = struct.unpack_from("=2I", answer)
             packed += answer[8:]
@@ -253,10 +217,11 @@ class GazeboServerWorld:
         is_object: bool = False,
         world_file: Path | None = None,
     ) -> None:
-        """Add the model of a file, and check gzserver's log for what went wrong.
+        """Add the model of a file, and check gzserver's log for errors.
 
         Objects are listed, placed and reset in the order in which they were spawned.
         """
+        prefix = f"object '{name}': " if is_object else ""
         try:
             self._request(
                 RequestKind.SPAWN,
@@ -269,19 +234,16 @@ class GazeboServerWorld:
         except EngineUnavailableError:
             raise
         except EngineError as error:
-            raise EngineError(f"{error}{self._new_errors()}") from None
+            raise EngineError(f"{prefix}{error}{self._new_errors()}") from None
         errors = self._new_errors()
-        if _WORLD_REPLACED in errors:  # before the first model, that is
+        if _WORLD_REPLACED in errors:  # found with the first model, the robot
             where = SourceLocation(world_file)
             raise DescriptionError(f"Gazebo cannot read this world:{errors}", where)
         if _INCOMPLETE_MODEL in errors or (is_object and _MESH_MISSING in errors):
-            self._delete(name)
-            raise EngineError(f"Gazebo cannot build '{name}':{errors}")
+            self._request(RequestKind.DELETE, pack_text(name), timeout=SPAWN_TIMEOUT)
+            raise EngineError(f"{prefix}Gazebo cannot build '{name}':{errors}")
         if errors:
             logger.warning("Gazebo reports errors:%s", errors)
-
-    def _delete(self, name: str) -> None:
-        self._request(RequestKind.DELETE, pack_text(name), timeout=SPAWN_TIMEOUT)
 
     def _new_errors(self) -> str:
         return "".join(f"\n  {line}" for line in self._server.new_errors())

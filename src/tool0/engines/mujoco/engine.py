@@ -14,7 +14,6 @@ from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.engines.checks import check_dt, effort_divergence
 from tool0.engines.mujoco.model import build_spec
-from tool0.engines.mujoco.objects import object_of
 from tool0.engines.mujoco.world import MujocoWorld
 from tool0.errors import ConfigError, DivergenceError, ModelError
 from tool0.hardware.joint_state import JointState, joint_selector
@@ -33,61 +32,45 @@ class MujocoEngine:
         ground: float | None = 0.0,
         scene: Scene | None = None,
     ) -> None:
-        """Compile the robot and its scene.
+        """Compile the robot and its scene for steps of ``dt`` [s].
 
-        Args:
-            model: The robot.
-            dt: Length of a step [s].
-            ground: Height of the ground [m], in the robot's root; None for none.
-            scene: The objects around it; None for none.
+        ``ground`` is its height in the robot's root [m]; None without ground.
         """
         check_dt(dt)
         if ground is not None and not math.isfinite(ground):
             raise ConfigError(f"the height of the ground must be finite, got {ground}")
-        self._joint_names = tuple(joint.name for joint in model.movable_joints)
-        self._dt = dt
+        self.joint_names = tuple(joint.name for joint in model.movable_joints)
+        self.dt = dt
         self._steps = 0
-        n = len(self._joint_names)
+        n = len(self.joint_names)
         self._effort = [0.0] * n
         robot_spec = build_spec(model, dt=dt, ground=ground)
-        self._world = MujocoWorld(
+        self.world = MujocoWorld(
             model, robot_spec, scene or Scene(), ground=ground, on_compiled=self._use
         )
         compiled = tuple(self.model.joint(i).name for i in range(self.model.njnt))
-        if compiled[:n] != self._joint_names:
+        if compiled[:n] != self.joint_names:
             raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")
         # Packing plain floats costs a third of what assigning to the array does.
         self._pack = struct.Struct(f"{self.model.nu}d").pack_into
         self._motors = joint_selector(
             [
-                self._joint_names.index(self.model.actuator(i).name)
+                self.joint_names.index(self.model.actuator(i).name)
                 for i in range(self.model.nu)
             ]
         )
 
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        return self._joint_names
-
-    @property
-    def dt(self) -> float:
-        return self._dt
-
-    @property
-    def world(self) -> MujocoWorld:
-        return self._world
-
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
         """Put joints at ``position`` [rad | m] and objects where they began."""
-        self._world.reset(position, time)
-        self._effort = [0.0] * len(self._joint_names)
-        self._steps = round(time / self._dt)
+        self.world.reset(position, time)
+        self._effort = [0.0] * len(self.joint_names)
+        self._steps = round(time / self.dt)
 
     def read(self) -> JointState:
         """Return the measured state, or raise DivergenceError."""
         position, velocity = self._position.tolist(), self._velocity.tolist()
-        time = self._steps * self._dt
-        if not math.isfinite(sum(velocity)):  # what makes a position so, too
+        time = self._steps * self.dt
+        if not math.isfinite(sum(velocity)):  # it makes the position infinite, too
             raise self._divergence(time)
         if self._has_objects:
             del velocity[len(position) :]
@@ -97,7 +80,7 @@ class MujocoEngine:
         """Hold ``effort`` [N·m | N] until the next call, or raise DivergenceError."""
         held = list(effort)
         if not math.isfinite(sum(held)):  # MuJoCo would go limp, and only log it
-            raise effort_divergence(self._joint_names, held, self._steps * self._dt)
+            raise effort_divergence(self.joint_names, held, self._steps * self.dt)
         self._effort = held
         self._pack(self._ctrl, 0, *self._motors(held))
 
@@ -107,24 +90,24 @@ class MujocoEngine:
         self._steps += 1
 
     def close(self) -> None:
-        """Nothing to end: MuJoCo lives inside the process."""
+        """Do nothing: MuJoCo runs inside the process."""
 
     def _use(self, model: Any, data: Any) -> None:
         """Read and step another compiled model from now on."""
         self.model, self.data = model, data
         # Views: the arrays of one MjData never move.  The robot's joints come first.
-        n = len(self._joint_names)
+        n = len(self.joint_names)
         self._position = data.qpos[:n]
         self._velocity = data.qvel
         self._has_objects = model.nv > n  # movable ones
         self._ctrl = memoryview(data.ctrl)
 
     def _divergence(self, time: float) -> DivergenceError:
-        n = len(self._joint_names)
+        n = len(self.joint_names)
         finite = np.isfinite(self._velocity)
         finite[:n] &= np.isfinite(self._position)
         joint = int(self.model.dof_jntid[int(np.argmin(finite))])
         name = self.model.joint(joint).name
         if joint < n:
             return DivergenceError(name, time)
-        return DivergenceError(object_of(name), time, kind="object")
+        return DivergenceError(name.partition("/")[0], time, kind="object")

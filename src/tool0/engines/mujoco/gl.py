@@ -1,8 +1,8 @@
-"""Which OpenGL there is to render with when there is no screen.
+"""OpenGL contexts for rendering without a screen.
 
 MuJoCo's own modules make the contexts.  They are imported one by one here, because
-``mujoco`` itself takes what ``MUJOCO_GL`` says at its first import, and without it
-wants a screen on Linux.
+``mujoco`` itself reads ``MUJOCO_GL`` at its first import, and without it needs a screen
+on Linux.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, Final
 from tool0.errors import EngineUnavailableError, RenderError
 
 PACKAGES: Final = "libegl1 libopengl0 libgl1-mesa-dri"
-"""What Debian and Ubuntu have for it; or libosmesa6, which needs no EGL."""
+"""Of Debian and Ubuntu; libosmesa6 is the alternative without EGL."""
 
 _MODULES: Final = {
     "egl": "mujoco.egl",
@@ -26,19 +26,19 @@ _MODULES: Final = {
     "glew": "mujoco.glfw",
     "cgl": "mujoco.cgl",
 }
-"""What MUJOCO_GL may say → who makes the context."""
+"""Value of MUJOCO_GL → module that makes the context."""
 
 
 def import_mujoco() -> None:
-    """Import ``mujoco``, which looks for the OpenGL that MUJOCO_GL names even then.
+    """Import ``mujoco``, which loads the OpenGL that MUJOCO_GL names.
 
     Raises:
-        EngineUnavailableError: If it fails for what MUJOCO_GL names; it says so.
-        ImportError: If it fails without.
+        EngineUnavailableError: If that fails with MUJOCO_GL set.
+        ImportError: If that fails without.
     """
     try:
         importlib.import_module("mujoco")
-    except Exception as error:  # each OpenGL fails in its own ways
+    except Exception as error:  # the exception depends on the OpenGL
         wanted = os.environ.get("MUJOCO_GL")
         if not wanted:
             raise
@@ -49,28 +49,24 @@ def import_mujoco() -> None:
 
 
 def make_context(width: int, height: int) -> Any:  # none of MuJoCo's is typed
-    """Return a GL context that is not current yet; its user frees it.
-
-    Args:
-        width: Of the largest picture [pixels].
-        height: Of the largest picture [pixels].
+    """Return a GL context for pictures up to that size [pixels], not yet current.
 
     Raises:
-        RenderError: If there is none here; it says what to install.
+        RenderError: If there is none here, with what to install.
     """
     kind = kind_of_context()
     try:
         return importlib.import_module(_MODULES[kind]).GLContext(width, height)
-    except Exception as error:  # each library fails in its own ways
+    except Exception as error:  # the exception depends on the library
         raise RenderError(
             f"no picture can be rendered: OpenGL by {kind} does not work here "
             f"({error or type(error).__name__}); on Debian and Ubuntu "
-            f"`apt-get install {PACKAGES}` sees to it"
+            f"run `apt-get install {PACKAGES}`"
         ) from error
 
 
 def kind_of_context() -> str:
-    """Return what MUJOCO_GL would have to be, or is, or raise RenderError."""
+    """Return MUJOCO_GL, or its best value here if it is not set; or RenderError."""
     wanted = os.environ.get("MUJOCO_GL", "").lower().strip()
     if wanted in _MODULES:
         return wanted
@@ -81,16 +77,16 @@ def kind_of_context() -> str:
         )
     if sys.platform != "linux":
         return "cgl" if sys.platform == "darwin" else "glfw"
-    # PyOpenGL stays with the library it looked for first: so only one is tried.
+    # PyOpenGL keeps the library that it looked for first: so only one is tried.
     platform = os.environ.get("PYOPENGL_PLATFORM", "")
     if platform in ("", "egl") and _egl_has_device():
         return "egl"
     if platform in ("", "osmesa") and _has("libOSMesa.so.8", "libOSMesa.so.6"):
         return "osmesa"
     raise RenderError(
-        "no picture can be rendered: there is neither EGL with a device, be it Mesa's "
-        "in software, nor OSMesa here; on Debian and Ubuntu "
-        f"`apt-get install {PACKAGES}`, or `libosmesa6`, sees to it"
+        "no picture can be rendered: there is neither EGL with a device, such as Mesa "
+        "in software, nor OSMesa; on Debian and Ubuntu "
+        f"run `apt-get install {PACKAGES}`, or install libosmesa6"
     )
 
 

@@ -1,9 +1,9 @@
-"""From the robot model to MuJoCo, through ``MjSpec``.
+"""Converts the robot model to MuJoCo, through ``MjSpec``.
 
-Fixed links are merged into the body they ride on; link names live on as geom and site
-names.  ``<mimic>`` becomes a joint equality, a loop the connection of two points,
-``<transmission>`` a motor, and a link with a declared ``<gazebo>`` surface gets the
-contact that grips.
+Fixed links are merged into the moving body that carries them; their names remain as
+geom and site names.  ``<mimic>`` becomes a joint equality, a loop a connection of two
+points, ``<transmission>`` a motor.  A link with a ``<gazebo>`` surface gets the contact
+parameters of a pad.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from tool0.description.model import (
     Link,
     LoopJoint,
     RobotModel,
-    Surface,
     Visual,
 )
 from tool0.description.scene import GROUND
@@ -71,10 +70,10 @@ def build_spec(
         model: The robot.
         dt: Length of a step [s].
         visuals: Whether to add the visual meshes, which physics does not need.
-        ground: Height of the ground plane [m], in the robot's root; None for none.
+        ground: Its height in the robot's root [m]; None without ground.
 
     Raises:
-        ModelError: If MuJoCo cannot have such a robot.
+        ModelError: If MuJoCo does not support the robot.
     """
     spec = mujoco.MjSpec()
     spec.modelname = model.name
@@ -111,14 +110,14 @@ def build_spec(
     return spec
 
 
-def to_mjcf(model: RobotModel, *, dt: float = 0.001, ground: float = 0.0) -> str:
+def to_mjcf(model: RobotModel) -> str:
     """Return the robot as MJCF, with its visual meshes by absolute path."""
-    spec = build_spec(model, dt=dt, visuals=True, ground=ground)
+    spec = build_spec(model, dt=0.001, visuals=True)
     compile_spec(spec)
     return str(spec.to_xml())
 
 
-def compile_spec(spec: Any) -> Any:  # MjSpec and MjModel carry no types
+def compile_spec(spec: Any) -> Any:
     """Return the ``mujoco.MjModel`` of ``spec``, or raise ModelError."""
     try:
         return spec.compile()
@@ -127,7 +126,7 @@ def compile_spec(spec: Any) -> Any:  # MjSpec and MjModel carry no types
 
 
 def collision_name(link: Link, number: int) -> str:
-    """Return what the geom of a link's collision shape is called."""
+    """Return the name of the geom of a link's collision shape."""
     return f"{link.name}/collision{number}"
 
 
@@ -135,7 +134,7 @@ def add_geom(spec: Any, handle: Any, shape: Collision | Visual, frame: Matrix) -
     """Add ``shape``, of a link with ``frame`` in the body ``handle``; return its geom.
 
     Raises:
-        ModelError: If MuJoCo has no such shape.
+        ModelError: If MuJoCo does not support the shape.
     """
     placed = frame @ pose_matrix(shape.origin)
     geom = handle.add_geom(pos=placed[:3, 3], quat=quat_wxyz(placed))
@@ -174,16 +173,11 @@ def _add_body(
         quat=quat_wxyz(body.placement),
         mass=inertia.mass,
         ipos=inertia.center,
-        fullinertia=[
-            *np.diag(tensor),
-            tensor[0, 1],
-            tensor[0, 2],
-            tensor[1, 2],
-        ],
+        fullinertia=[*np.diag(tensor), *tensor[[0, 0, 1], [1, 2, 2]]],
         explicitinertial=True,
     )
     transmission = model.transmission_by_joint.get(joint.name)
-    limits = joint.limits
+    limits, force = joint.limits, joint.limits.effort
     bounded = np.isfinite([limits.lower, limits.upper]).all()
     hinge = handle.add_joint(
         name=joint.name,
@@ -196,12 +190,13 @@ def _add_body(
         frictionloss=joint.friction,
         armature=transmission.armature if transmission else 0.0,
     )
-    # One coefficient until mujoco 3.4; a polynomial in the speed since then.
-    linear = np.ndim(hinge.damping) == 0
-    hinge.damping = joint.damping if linear else [joint.damping, 0.0, 0.0]
-    _set_spring_and_stop(hinge, joint)
+    hinge.damping = [joint.damping, 0.0, 0.0]  # a polynomial in the speed
+    if joint.passive:  # a firm stop
+        hinge.solref_limit, hinge.solimp_limit = MIMIC_SOLREF, LINKAGE_SOLIMP
+    if joint.spring is not None:
+        hinge.stiffness = [joint.spring.stiffness, 0.0, 0.0]
+        hinge.springref = joint.spring.reference
     if transmission is not None:
-        force = limits.effort
         spec.add_actuator(
             name=joint.name,
             target=joint.name,
@@ -212,18 +207,6 @@ def _add_body(
     for name, frame in body.links:
         _add_shapes(spec, handle, model.link(name), frame, visuals)
     return handle
-
-
-def _set_spring_and_stop(hinge: Any, joint: Joint) -> None:
-    """Give ``hinge`` its spring, and a firm stop if it is passive."""
-    if joint.passive:
-        hinge.solref_limit = MIMIC_SOLREF
-        hinge.solimp_limit = LINKAGE_SOLIMP
-    if joint.spring is not None:
-        stiffness = joint.spring.stiffness
-        linear = np.ndim(hinge.stiffness) == 0  # as damping
-        hinge.stiffness = stiffness if linear else [stiffness, 0.0, 0.0]
-        hinge.springref = joint.spring.reference
 
 
 def _add_loop(spec: Any, loop: LoopJoint, bodies: tuple[MovingBody, ...]) -> None:
@@ -274,7 +257,10 @@ def _add_shapes(
         geom.group = _COLLISION_GROUP
         geom.mass = 0.0
         if link.surface is not None:
-            _set_pad_contact(geom, link.surface)
+            geom.condim, geom.priority = GRIP_CONDIM, 1
+            geom.solref, geom.solimp = GRIP_SOLREF, GRIP_SOLIMP
+            if link.surface.mu1 is not None:
+                geom.friction = [link.surface.mu1, SPINNING, ROLLING]
     for number, visual in enumerate(link.visuals if visuals else ()):
         geom = add_geom(spec, handle, visual, frame)
         geom.name = f"{link.name}/visual{number}"
@@ -283,15 +269,6 @@ def _add_shapes(
         geom.contype = geom.conaffinity = 0
         if visual.rgba is not None:
             geom.rgba = visual.rgba
-
-
-def _set_pad_contact(geom: Any, surface: Surface) -> None:
-    geom.condim = GRIP_CONDIM
-    geom.priority = 1
-    geom.solref = GRIP_SOLREF
-    geom.solimp = GRIP_SOLIMP
-    if surface.mu1 is not None:
-        geom.friction = [surface.mu1, SPINNING, ROLLING]
 
 
 def _add_mesh(spec: Any, mesh: Mesh) -> str:
@@ -310,8 +287,8 @@ def _excluded_pairs(
 ) -> Iterator[tuple[str, str]]:
     """Yield pairs of one mechanism's bodies whose shapes may overlap.
 
-    The links of a linkage share pivots, which a URDF tree cannot say.  Only links
-    made for gripping meet each other.
+    The links of a linkage share pivots, which a URDF tree cannot express.  Only pads
+    collide with each other.
     """
 
     def mechanism(joint: Joint) -> str | None:

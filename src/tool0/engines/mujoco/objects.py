@@ -1,7 +1,7 @@
-"""The scene's objects in MuJoCo: bodies beside the robot.
+"""Scene objects in MuJoCo: bodies beside the robot, and their states.
 
-Each is a body of its own, on a free joint if it has a mass.  Free joints come after
-the robot's, whose values so stay the first of every array.
+Each object is a body of its own, on a free joint if it has a mass.  Free joints come
+after the robot's joints, so the robot's values are the first of every array.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import mujoco
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from tool0.description.model import Collision, RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Cylinder, Mesh, Sphere
-from tool0.description.transform import pose_matrix
+from tool0.description.transform import Quaternion, Vector3, pose_matrix
 from tool0.engines.mujoco.model import (
     GRIP_CONDIM,
     GRIP_SOLIMP,
@@ -29,13 +29,14 @@ from tool0.engines.mujoco.model import (
     quat_wxyz,
 )
 from tool0.errors import ModelError
+from tool0.hardware.engine import ObjectState
 
 OBJECT_SOLREF = (0.004, 1.0)
 """Of contacts between objects, ground and links: a fifth of MuJoCo's time constant
 [s], so that a cube at rest penetrates by micrometres."""
 OBJECT_ROLLING = 0.0005
-"""Rolling friction [m], a guess for firm things: a can on its side stays where it is
-on a table that is up to one degree from level."""
+"""Rolling friction [m], a guess for firm objects: a can on its side does not roll on a
+table that is up to one degree from level."""
 
 _PATCH, _ROUND = 4, 6  # condim: with spinning friction; with rolling friction, too
 
@@ -45,15 +46,12 @@ def compile_with_scene(
 ) -> tuple[Any, Mapping[str, bytes]]:  # MjSpec and MjModel carry no types
     """Return the ``mujoco.MjModel`` of robot and scene, and its mesh files' contents.
 
-    Args:
-        spec: Of the robot; the scene is added to it.
-        model: The robot.
-        scene: The objects.
-        known_files: The contents from the compilation before: a file may change or go
-            while the object made of it stays.
+    The scene is added to ``spec``, that of the robot.  ``known_files`` are the contents
+    from the previous compilation: a file may change or disappear while its object
+    stays.
 
     Raises:
-        ModelError: If MuJoCo refuses it; if an object is to blame, it is named.
+        ModelError: If MuJoCo refuses the robot or an object, which is named.
     """
     _add_objects(spec, model, scene)
     files = _load_meshes(spec, known_files)
@@ -74,21 +72,16 @@ def compile_with_scene(
 
 
 def free_joint_name(name: str) -> str:
-    """Return the name of an object's free joint, which no joint of a robot has."""
+    """Return the name of an object's free joint."""
     return f"{name}/free"  # no object's name has a slash
-
-
-def object_of(free_joint: str) -> str:
-    """Return the name of the object whose joint it is."""
-    return free_joint.partition("/")[0]
 
 
 def _add_objects(spec: Any, model: RobotModel, scene: Scene) -> None:
     """Add the scene to the spec of the robot.
 
-    The smaller friction of two objects, or of an object and a pad, is what counts:
-    MuJoCo would take the larger, so these pairs are explicit.  The ground and the
-    robot's other links leave it to the object, by its priority over theirs.
+    The smaller friction of two objects, or of an object and a pad, applies: MuJoCo
+    would take the larger one, so these pairs are explicit.  Against the ground and
+    the other links the object's friction applies, by its higher priority.
     """
     # Static objects come first: messages about overlaps go by this order.
     for item in sorted(scene.objects, key=lambda item: item.mass is not None):
@@ -155,11 +148,8 @@ def _add_object(spec: Any, item: SceneObject) -> None:
 
 
 def _add_pair(spec: Any, first: str, second: str, mu: float) -> Any:
-    return spec.add_pair(
-        geomname1=first,
-        geomname2=second,
-        friction=[mu, mu, SPINNING, OBJECT_ROLLING, OBJECT_ROLLING],
-    )
+    friction = [mu, mu, SPINNING, OBJECT_ROLLING, OBJECT_ROLLING]
+    return spec.add_pair(geomname1=first, geomname2=second, friction=friction)
 
 
 def _condim(item: SceneObject) -> int:
@@ -168,3 +158,94 @@ def _condim(item: SceneObject) -> int:
 
 def _geom_name(item: SceneObject) -> str:
     return f"{item.name}/object"
+
+
+@final
+class ObjectStates:
+    """Poses and velocities of the objects, read from and written to ``qpos``, ``qvel``.
+
+    ``xpos`` would be that of the step before.  A free joint has its linear velocity in
+    the axes of the world and its angular velocity in those of the object; an
+    ``ObjectState`` has both in the axes of the robot's root.
+    """
+
+    def __init__(self, model: Any, data: Any, scene: Scene) -> None:
+        """View ``model`` and ``data``, compiled with ``scene``."""
+        self._model = model
+        self._names = tuple(item.name for item in scene.objects)
+        movable = [item.name for item in scene.objects if item.mass is not None]
+        # Free joints are the last ones, in the scene's order: 7 positions, 6 speeds.
+        self._starts = {name: (7 * k, 6 * k) for k, name in enumerate(movable)}
+        self._position = data.qpos[model.nq - 7 * len(movable) :]  # views
+        self._velocity = data.qvel[model.nv - 6 * len(movable) :]
+        self._warm_start = data.qacc_warmstart[model.nv - 6 * len(movable) :]
+        self._static_at_start = {
+            item.name: ObjectState(
+                item.name, item.pose.xyz, (*quat_wxyz(pose_matrix(item.pose)).tolist(),)
+            )
+            for item in scene.objects
+            if item.mass is None
+        }
+        self._static = dict(self._static_at_start)
+
+    def read(self) -> tuple[ObjectState, ...]:
+        """Return the state of each object, in the scene's order."""
+        if not self._starts:
+            return tuple(self._static.values())
+        position, velocity = self._position.tolist(), self._velocity.tolist()
+        starts, static = self._starts, self._static
+        return tuple(
+            static[name]
+            if name in static
+            else _state(name, position, velocity, *starts[name])
+            for name in self._names
+        )
+
+    def place(self, state: ObjectState) -> None:
+        """Set an object's pose and, unless it is static, its velocity."""
+        if state.name not in self._starts:
+            self._put(state)
+            return
+        i, j = self._starts[state.name]
+        w, x, y, z = state.quat_wxyz
+        angular = _rotated((w, -x, -y, -z), state.angular)
+        self._position[i : i + 7] = (*state.position, *state.quat_wxyz)
+        self._velocity[j : j + 6] = (*state.linear, *angular)
+        self._warm_start[j : j + 6] = 0.0
+
+    def reset(self) -> None:
+        """Put static objects where they began; MuJoCo resets the others."""
+        for state in self._static_at_start.values():
+            self._put(state)
+
+    def copy_static_poses(self, other: ObjectStates) -> None:
+        """Put static objects where ``other`` has them, if it has them."""
+        for name in self._static.keys() & other._static.keys():
+            self._put(other._static[name])
+
+    def _put(self, state: ObjectState) -> None:
+        body = self._model.body(state.name)
+        body.pos[:], body.quat[:] = state.position, state.quat_wxyz
+        self._static[state.name] = state
+
+
+def _state(
+    name: str, position: list[float], velocity: list[float], i: int, j: int
+) -> ObjectState:
+    x, y, z, qw, qx, qy, qz = position[i : i + 7]
+    vx, vy, vz, wx, wy, wz = velocity[j : j + 6]
+    quat = qw, qx, qy, qz
+    angular = _rotated(quat, (wx, wy, wz))
+    return ObjectState(name, (x, y, z), quat, (vx, vy, vz), angular)
+
+
+def _rotated(quat: Quaternion, vector: Vector3) -> Vector3:
+    """Return ``vector`` rotated by ``quat``."""
+    w, x, y, z = quat
+    a, b, c = vector
+    p, q, r = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return (
+        a + w * p + y * r - z * q,
+        b + w * q + z * p - x * r,
+        c + w * r + x * q - y * p,
+    )

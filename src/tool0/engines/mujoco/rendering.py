@@ -1,7 +1,7 @@
-"""Pictures of a robot and its scene, by MuJoCo's renderer, whatever engine steps.
+"""Pictures of a robot and its scene by MuJoCo's renderer, for any engine.
 
-The model is one of its own: it has the visual meshes, which physics does without, and
-only its kinematics are computed.
+The renderer has a model of its own with the visual meshes, and computes only its
+kinematics.
 """
 
 from __future__ import annotations
@@ -29,13 +29,11 @@ from tool0.hardware.engine import ObjectState
 logger = logging.getLogger(__name__)
 
 MAX_GEOMS = 10000
-"""Shapes in one picture; MuJoCo leaves out what is beyond."""
-
+"""Shapes in one picture; MuJoCo leaves out the rest."""
 HORIZON, ZENITH = np.array([237.0, 242.0, 247.0]), np.array([180.0, 203.0, 230.0])
 """Colours of the sky."""
 HAZE = (3.0, 9.0)
-"""Along the camera's z [m]: where things begin to fade, and where only sky is left."""
-
+"""Depth [m] at which things begin to fade, and at which only sky is left."""
 STAND_IN_RGBA = (0.6, 0.62, 0.65, 1.0)
 """Of collision shapes that replace a mesh."""
 
@@ -49,13 +47,9 @@ class Renderer:
     def __init__(
         self, model: RobotModel, ground: float | None, width: int, height: int
     ) -> None:
-        """Get OpenGL ready.
+        """Prepare OpenGL for pictures up to ``width`` and ``height`` [pixels].
 
-        Args:
-            model: The robot.
-            ground: Height of the ground [m], in the robot's root; None for none.
-            width: Of the widest picture [pixels].
-            height: Of the highest picture [pixels].
+        ``ground`` is its height in the robot's root [m]; None without ground.
 
         Raises:
             RenderError: If there is no OpenGL here.
@@ -70,7 +64,7 @@ class Renderer:
         self._drawing: Any = None  # MuJoCo's MjrContext
 
     def holds(self, width: int, height: int) -> bool:
-        """Return whether there is room for such a picture [pixels]."""
+        """Return whether a picture of that size [pixels] fits."""
         return width <= self._size[0] and height <= self._size[1]
 
     def render(
@@ -80,20 +74,20 @@ class Renderer:
         objects: tuple[SceneObject, ...],
         states: Sequence[ObjectState],
     ) -> Picture:
-        """Return colours, depth and where the camera is in the robot's root.
+        """Return colours, depth, and the camera's optical frame in the robot's root.
 
         Args:
-            camera: What looks.
+            camera: One of the robot's or any other.
             position: Of every movable joint, by name [rad | m].
-            objects: What is around the robot.
-            states: Where that is, in this order.
+            objects: The scene.
+            states: Those of the objects, in their order.
 
         Returns:
             Colours (height, width, 3) from 0 to 255, and depth (height, width): the
             distance along the camera's z [m]; infinite where nothing is.
 
         Raises:
-            ModelError: If MuJoCo cannot have such an object.
+            ModelError: If MuJoCo does not support an object.
         """
         self._context.make_current()
         if objects is not self._objects:
@@ -106,13 +100,13 @@ class Renderer:
         return rgb, depth, frame
 
     def close(self) -> None:
-        """Give back what OpenGL holds."""
+        """Free the OpenGL context."""
         self._context.make_current()
         self._free_drawing()
         self._context.free()
 
     def _compile(self, objects: tuple[SceneObject, ...]) -> None:
-        """Take a scene over; or change nothing."""
+        """Compile and use a scene; change nothing if MuJoCo refuses."""
         model, files = compile_with_scene(
             self._robot_spec.copy(), self._robot, Scene(objects), self._mesh_files
         )
@@ -122,7 +116,7 @@ class Renderer:
         self._drawing = mujoco.MjrContext(
             model, mujoco.mjtFontScale.mjFONTSCALE_100.value
         )
-        # From 1 at near to 0 at far: exact far away, too, where floats are dense.
+        # From 1 at near to 0 at far: floats are densest at 0, so far depth is exact.
         self._drawing.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
         self._visible = mujoco.MjvScene(model, maxgeom=MAX_GEOMS)
@@ -162,7 +156,7 @@ class Renderer:
         return Transform(position=(x, y, z), rotation=(a, b, c)) @ camera.T_link_camera
 
     def _aim(self, camera: Camera, frame: Transform) -> None:
-        """Look by our own frustum: so no camera need be in the model."""
+        """Set the view by our own frustum, so the model needs no cameras."""
         _, down, forward = zip(*frame.rotation, strict=True)
         half = camera.near * math.tan(camera.field_of_view / 2.0)
         for eye in self._visible.camera:  # two, for stereo; the mean is what counts
@@ -205,9 +199,9 @@ def _paint_sky(
     camera: Camera,
     T_root_camera: Transform,
 ) -> None:
-    """Paint what is infinitely far, and let the rest fade into it.
+    """Paint the sky, and let distant things fade into it.
 
-    MuJoCo's own sky is a box at a finite distance, which would be in the depth.
+    MuJoCo's own sky is a box at a finite distance, which would appear in the depth.
     """
     rows, columns = np.nonzero(depth > HAZE[0])
     focal, (cx, cy) = camera.focal_length, camera.intrinsics[:2, 2]
@@ -224,8 +218,8 @@ def _furnish(spec: Any, width: int, height: int) -> None:
     """Add light, and room for pictures of this size."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.shadowsize = 2048
-    # Of several samples in a pixel the depth would be that of one off its middle:
-    # millimetres wrong on a steep face.  And drawing would take twice as long.
+    # With several samples in a pixel, the depth would be that of one off its middle:
+    # millimetres wrong on a steep face.  Drawing would also take twice as long.
     spec.visual.quality.offsamples = 0
     spec.visual.map.shadowscale = 0.3  # of the lamp's cone: 1.8 m around on the ground
     spec.visual.headlight.ambient = [0.38, 0.38, 0.38]
@@ -242,41 +236,33 @@ def _furnish(spec: Any, width: int, height: int) -> None:
 
 
 def with_readable_visuals(model: RobotModel) -> RobotModel:
-    """Return the robot; collision shapes replace meshes that MuJoCo cannot read.
-
-    Physics needs no visual mesh: a robot with COLLADA files runs, so draw it, too.
-    """
-    unread = sorted(
-        {
-            visual.geometry.path.name
-            for link in model.links
-            for visual in link.visuals
-            if isinstance(visual.geometry, Mesh) and not _is_readable(visual)
-        }
-    )
-    if not unread:
+    """Return the robot with collision shapes instead of meshes MuJoCo cannot read."""
+    unreadable = {
+        visual.geometry.path.name
+        for link in model.links
+        for visual in link.visuals
+        if isinstance(visual.geometry, Mesh) and not _is_readable(visual)
+    }
+    if not unreadable:
         return model
     logger.warning(
         "cameras show collision shapes instead of %s, which MuJoCo cannot read; "
         "convert them to STL or OBJ",
-        ", ".join(unread),
+        ", ".join(sorted(unreadable)),
     )
     return replace(model, links=tuple(map(_with_readable_visuals, model.links)))
 
 
 def _with_readable_visuals(link: Link) -> Link:
-    if all(map(_is_readable, link.visuals)):
-        return link
-    stand_ins = (
-        Visual(geometry=item.geometry, origin=item.origin, rgba=STAND_IN_RGBA)
-        for item in link.collisions
-    )
     kept = tuple(visual for visual in link.visuals if _is_readable(visual))
-    return replace(link, visuals=kept or tuple(stand_ins))
+    if not kept and link.visuals:
+        kept = tuple(
+            Visual(geometry=item.geometry, origin=item.origin, rgba=STAND_IN_RGBA)
+            for item in link.collisions
+        )
+    return replace(link, visuals=kept)
 
 
 def _is_readable(visual: Visual) -> bool:
-    geometry = visual.geometry
-    if not isinstance(geometry, Mesh):
-        return True
-    return geometry.path.suffix.lower() in MESH_SUFFIXES
+    shape = visual.geometry
+    return not isinstance(shape, Mesh) or shape.path.suffix.lower() in MESH_SUFFIXES

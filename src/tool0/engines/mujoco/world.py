@@ -18,19 +18,16 @@ from tool0.engines.checks import (
     check_placement,
     find_object,
 )
-from tool0.engines.mujoco.attachments import (
+from tool0.engines.mujoco.contacts import (
     Attachment,
     add_attachments,
     attachment_now,
     attachment_points,
-)
-from tool0.engines.mujoco.contacts import (
     contact_points,
     geom_owners,
     merge_by_pair,
 )
-from tool0.engines.mujoco.object_states import ObjectStates
-from tool0.engines.mujoco.objects import compile_with_scene
+from tool0.engines.mujoco.objects import ObjectStates, compile_with_scene
 from tool0.errors import EngineError
 from tool0.hardware.engine import Contact, ObjectState
 
@@ -59,17 +56,13 @@ class MujocoWorld:
     ) -> None:
         """Compile robot and scene.
 
-        Args:
-            robot: The robot.
-            robot_spec: Its ``mujoco.MjSpec``.
-            scene: The objects around it.
-            ground: Height of the ground in the spec [m]; None for none.
-            on_compiled: Called with each new ``MjModel`` and ``MjData``.
+        ``robot_spec`` is the robot's ``MjSpec``, with the ground at height ``ground``
+        [m] or without.  ``on_compiled`` gets each new ``MjModel`` and ``MjData``.
         """
+        self.ground = ground
         self._robot = robot
         self._robot_spec = robot_spec
         self._n_joints = len(robot.movable_joints)
-        self._ground = ground
         self._on_compiled = on_compiled
         self._mesh_files: Mapping[str, bytes] = {}
         self._contacts: tuple[float, tuple[Contact, ...]] = (0.0, ())
@@ -80,10 +73,6 @@ class MujocoWorld:
     def gravity(self) -> Vector3:
         x, y, z = map(float, self._model.opt.gravity)
         return x, y, z
-
-    @property
-    def ground(self) -> float | None:
-        return self._ground
 
     def reset(self, position: Sequence[float], time: float) -> None:
         """Put joints at ``position`` [rad | m] and objects where they began."""
@@ -137,9 +126,9 @@ class MujocoWorld:
         self._robot.link(link)
         check_attachable(self._objects, name)
         if name in self._attached:
+            link = self._attached[name].link
             raise EngineError(
-                f"object '{name}' is attached to '{self._attached[name].link}' "
-                "already; detach it first"
+                f"object '{name}' is attached to '{link}' already; detach it first"
             )
         attachment = attachment_now(self._model, self._data, name, link)
         self._recompile(self._scene, {**self._attached, name: attachment})
@@ -153,7 +142,7 @@ class MujocoWorld:
         return {other: it for other, it in self._attached.items() if other != name}
 
     def _compile(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
-        """Compile robot and scene and use the result from now on; or change nothing."""
+        """Compile and use robot and scene; change nothing if MuJoCo refuses."""
         spec = self._robot_spec.copy()
         add_attachments(spec, attached)
         model, files = compile_with_scene(spec, self._robot, scene, self._mesh_files)
@@ -167,61 +156,60 @@ class MujocoWorld:
         self._on_compiled(model, self._data)
 
     def _recompile(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
-        """Use another scene; everything that is in both keeps its state."""
+        """Use another scene; everything that is in both keeps its state, bit by bit."""
         model, data, states = self._model, self._data, self._states
         self.contacts()  # the new data has no contacts of the last step
         self._compile(scene, attached)
-        transfer_state(model, data, self._model, self._data)
+        _transfer_state(model, data, self._model, self._data)
         self._states.copy_static_poses(states)
 
     def _warn_of_overlaps(self, of: str | None = None) -> None:
-        """Warn of shapes that overlap: the contact will push them apart.
-
-        Args:
-            of: The object whose overlaps matter; None for any.
-        """
+        """Log a warning for each overlap, of the object ``of`` if it is given."""
         deepest: dict[tuple[str, str], float] = {}
         for contact in self._data.contact[: self._data.ncon]:
             if contact.dist < -OVERLAP_WARNING:
-                # What is static was there first: the rest is put into it.
+                # The moving body is named first, the static one second.
                 geoms = [self._model.geom(int(geom)) for geom in contact.geom]
                 geoms.sort(key=self._mobility, reverse=True)
                 first, second = (self._geom_owners[geom.id] for geom in geoms)
                 depth = max(-contact.dist, deepest.get((first, second), 0.0))
                 deepest[first, second] = depth
         for (first, second), depth in deepest.items():
-            if of is not None and of not in (first, second):
-                continue
-            logger.warning(
-                "the pose puts '%s' %.1f mm into '%s'; expect it to be pushed out",
-                first,
-                1000.0 * depth,
-                second,
-            )
+            if of in (None, first, second):
+                logger.warning(
+                    "the pose puts '%s' %.1f mm into '%s'; expect it to be pushed out",
+                    first,
+                    1000.0 * depth,
+                    second,
+                )
 
-    def _mobility(self, geom: Any) -> tuple[bool, int]:  # a view of MjModel, untyped
-        """Return a key that sorts shapes that move after static ones."""
+    def _mobility(self, geom: Any) -> tuple[bool, int]:
+        """Return a key that sorts moving shapes after static ones."""
         body = int(geom.bodyid[0])
         return bool(self._model.body_weldid[body]), body
 
 
-def transfer_state(
+def _transfer_state(
     old_model: Any, old_data: Any, new_model: Any, new_data: Any
 ) -> None:
-    """Copy the state of what is in both models, to the bit, into ``new_data``.
+    """Copy the state of joints and bodies that are in both models.
 
-    That includes the solver's warm start, so that later steps are the same, too.
+    That includes the solver's warm start, so that later steps are identical.
     """
     new_data.time = old_data.time
     new_data.ctrl[:], new_data.act[:] = old_data.ctrl, old_data.act  # the robot's only
-    kept = {new_model.joint(i).name for i in range(new_model.njnt)}
-    for name in (old_model.joint(i).name for i in range(old_model.njnt)):
-        if name in kept:
-            before, after = old_data.joint(name), new_data.joint(name)
-            after.qpos[:], after.qvel[:] = before.qpos, before.qvel
-            after.qacc_warmstart[:] = before.qacc_warmstart
-            after.qfrc_applied[:] = before.qfrc_applied
-    kept = {new_model.body(i).name for i in range(new_model.nbody)}
-    for name in (old_model.body(i).name for i in range(old_model.nbody)):
-        if name in kept:
-            new_data.body(name).xfrc_applied[:] = old_data.body(name).xfrc_applied
+    for name in _joint_names(old_model) & _joint_names(new_model):
+        before, after = old_data.joint(name), new_data.joint(name)
+        after.qpos[:], after.qvel[:] = before.qpos, before.qvel
+        after.qacc_warmstart[:] = before.qacc_warmstart
+        after.qfrc_applied[:] = before.qfrc_applied
+    for name in _body_names(old_model) & _body_names(new_model):
+        new_data.body(name).xfrc_applied[:] = old_data.body(name).xfrc_applied
+
+
+def _joint_names(model: Any) -> set[str]:
+    return {model.joint(i).name for i in range(model.njnt)}
+
+
+def _body_names(model: Any) -> set[str]:
+    return {model.body(i).name for i in range(model.nbody)}

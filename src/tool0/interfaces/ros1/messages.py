@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from tool0.control.tolerances import Tolerance
+from tool0.control.goal import Tolerance
 from tool0.control.trajectory import JointsMotion, TrajectoryPoint
 from tool0.description.forward_kinematics import FrameMotion
 from tool0.description.transform import Transform, from_quaternion

@@ -18,7 +18,7 @@ from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.ros1.messages import Message, transform_message
 from tool0.interfaces.ros1.node import RosNode, SnapshotPublisher, WorkerThread
 from tool0.sensing.cameras import CameraImage
-from tool0.sensing.force_torque_sensor import WrenchReading
+from tool0.sensing.force_torque import WrenchReading
 from tool0.sensing.snapshot import Snapshot
 
 

@@ -8,7 +8,7 @@ from ur5_rig import TWO_ROBOTS
 
 from tool0.description.catalogue import assemble, load_robot
 from tool0.errors import ControlError
-from tool0.sensing.pads import grasp_frame, pad_links
+from tool0.sensing.grasp import grasp_frame, pad_links
 
 UR5 = assemble()
 MODEL = UR5.model

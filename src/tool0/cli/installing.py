@@ -1,64 +1,19 @@
-"""``tool0 doctor``, ``gazebo`` and ``ros1``: what this machine has, and the rest.
-
-Status 1 means that something cannot run here.
-"""
+"""``tool0 doctor | gazebo | ros1``: what is installed here, and how to get the rest."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal, Protocol
 
-from tool0.cli.parsing import parse
-from tool0.cli.progress import ProgressBar
-from tool0.cli.text import columns
-
-if TYPE_CHECKING:
-    from tool0.installation.doctor.report import DoctorReport
-    from tool0.installation.gazebo.status import GazeboStatus
-    from tool0.installation.ros1.packages import Ros1Status
+from tool0.cli.text import ProgressBar, columns
 
 OK, NOT_READY = 0, 1
+Format = Literal["text", "json"]
 
 
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    if command == "doctor":
-        # Without options, without tyro, which may be what is missing.
-        return parse(doctor, command, arguments) if arguments else doctor()
-    import tyro
-
-    subcommands: dict[str, Callable[..., int]]
-    if command == "gazebo":
-        about = "Get a Gazebo 11 to simulate with, see which would run, remove it."
-        subcommands = {"install": install_gazebo, "status": gazebo_status}
-        subcommands["uninstall"] = uninstall_gazebo
-    else:
-        about = "Get ROS 1 onto this machine, and see what of it is there."
-        subcommands = {"install": install_ros1, "status": ros1_status}
-        subcommands["env"] = ros1_environment
-    status: int = tyro.extras.subcommand_cli_from_dict(
-        subcommands,
-        prog=f"tool0 {command}",
-        description=about,
-        args=arguments,
-        config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
-    )
-    return status
-
-
-def _print_status(
-    status: DoctorReport | GazeboStatus | Ros1Status, format: Literal["text", "json"]
-) -> int:
-    if format == "json":
-        print(json.dumps(status.as_json()))
-    else:
-        print(columns(status.rows()), end="")
-    return OK if status.can_run else NOT_READY
-
-
-def doctor(*, format: Literal["text", "json"] = "text") -> int:
+def doctor(*, format: Format = "text") -> int:
     """Print what this machine can run, and the command that installs what is missing.
 
     Status 1 if it cannot run `tool0 bringup`, that is the robot in MuJoCo.
@@ -71,10 +26,7 @@ def doctor(*, format: Literal["text", "json"] = "text") -> int:
     return _print_status(examine(), format)
 
 
-# --- tool0 gazebo ---
-
-
-def install_gazebo(
+def _install_gazebo(
     *,
     gui: bool = False,
     private: bool = False,
@@ -111,7 +63,7 @@ def install_gazebo(
     return OK
 
 
-def gazebo_status(*, format: Literal["text", "json"] = "text") -> int:
+def _gazebo_status(*, format: Format = "text") -> int:
     """Print which Gazebo would run, and what is missing; status 1 if none can.
 
     Args:
@@ -122,7 +74,7 @@ def gazebo_status(*, format: Literal["text", "json"] = "text") -> int:
     return _print_status(gazebo_status(), format)
 
 
-def uninstall_gazebo() -> int:
+def _uninstall_gazebo() -> int:
     """Remove the private Gazebo and what was compiled for any."""
     from tool0.installation.gazebo.install import uninstall_gazebo
 
@@ -131,10 +83,14 @@ def uninstall_gazebo() -> int:
     return OK
 
 
-# --- tool0 ros1 ---
+gazebo = {
+    "install": _install_gazebo,
+    "status": _gazebo_status,
+    "uninstall": _uninstall_gazebo,
+}
 
 
-def install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
+def _install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
     """Install what ``tool0 bringup --ros1`` uses, by apt.
 
     That is on Debian 12 and 13 and on Ubuntu 22.04.  Beside a Noetic or a RoboStack it
@@ -161,7 +117,7 @@ def install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
     return OK
 
 
-def ros1_status(*, format: Literal["text", "json"] = "text") -> int:
+def _ros1_status(*, format: Format = "text") -> int:
     """Print which ROS 1 is there, and what is missing; status 1 if none can be used.
 
     Args:
@@ -172,7 +128,7 @@ def ros1_status(*, format: Literal["text", "json"] = "text") -> int:
     return _print_status(ros1_status(), format)
 
 
-def ros1_environment() -> int:
+def _ros1_env() -> int:
     """Print what makes our messages known to rostopic, rosservice and rosmsg.
 
     Run ``eval "$(tool0 ros1 env)"`` in the shell.  Nothing is printed where
@@ -183,3 +139,26 @@ def ros1_environment() -> int:
     for line in shell_exports():
         print(line)
     return OK
+
+
+ros1 = {"install": _install_ros1, "status": _ros1_status, "env": _ros1_env}
+
+
+class InstallationStatus(Protocol):
+    """Whether something could run here, and what is missing."""
+
+    @property
+    def can_run(self) -> bool: ...
+
+    def as_json(self) -> dict[str, object]: ...
+
+    def rows(self) -> Sequence[Sequence[str]]: ...
+
+
+def _print_status(status: InstallationStatus, format: Format) -> int:
+    """Print it, for people or for programs; return the exit status."""
+    if format == "json":
+        print(json.dumps(status.as_json()))
+    else:
+        print(columns(status.rows()), end="")
+    return OK if status.can_run else NOT_READY
