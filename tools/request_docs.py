@@ -18,13 +18,11 @@ from tool0.requests.table import Entry, entries
 
 DOCUMENT = Path(__file__).parent.parent / "docs" / "requests.md"
 TITLES = {
-    "state": "State",
-    "streams": "Streams",
-    "motion": "Motion and goals",
+    "state": "State and streams",
+    "motion": "Motion, goals and named poses",
     "gripper": "Gripper",
     "arm": "Arm",
     "controllers": "Controllers",
-    "poses": "Named poses",
     "objects": "Objects and contacts",
     "sensors": "Cameras and force-torque sensors",
     "time": "Time and safety",

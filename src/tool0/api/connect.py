@@ -34,7 +34,12 @@ from tool0.errors import Tool0Error, TransportError
 from tool0.requests.codec import (
     PROTOCOL,
     ErrorInfo,
+    Fault,
+    GoalEnded,
+    Hello,
+    LateTicks,
     Reply,
+    ResetDone,
     SnapshotMessage,
     decode_response,
     encode_request,
@@ -42,10 +47,8 @@ from tool0.requests.codec import (
     result_of,
     snapshot_of,
 )
-from tool0.requests.messages import Fault, GoalEnded, Hello, LateTicks, ResetDone
 from tool0.requests.motion import GoalStarted
-from tool0.requests.state import ReadDescription, ReadSnapshot
-from tool0.requests.streams import Subscribe, Unsubscribe
+from tool0.requests.state import ReadDescription, ReadSnapshot, Subscribe, Unsubscribe
 from tool0.requests.table import Request, checked, method_name
 from tool0.requests.time import Run, Step
 from tool0.runtime.bus import (
@@ -56,7 +59,7 @@ from tool0.runtime.bus import (
     Subscription,
     WasReset,
 )
-from tool0.runtime.goals import GOALS_KEPT
+from tool0.runtime.simulation import GOALS_KEPT
 from tool0.sensing.snapshot import Snapshot
 
 R = TypeVar("R")

@@ -25,9 +25,8 @@ from tool0.requests.controllers import (
     SwitchControllers,
     UnloadController,
 )
-from tool0.requests.motion import MoveJoints
+from tool0.requests.motion import DeletePose, GoToPose, ListPoses, MoveJoints, SavePose
 from tool0.requests.objects import ReadContacts
-from tool0.requests.poses import DeletePose, GoToPose, ListPoses, SavePose
 from tool0.requests.sensors import ListCameras
 from tool0.requests.state import ReadInfo, ReadLinkPose, ReadSummary, SimulationInfo
 from tool0.requests.time import (

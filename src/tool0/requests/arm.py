@@ -18,9 +18,8 @@ from tool0.description.forward_kinematics import link_poses
 from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
 from tool0.kinematics.inverse import Branch, Solution
-from tool0.requests.fields import JointPositions, SpeedScale
 from tool0.requests.motion import GoalStarted, follow, started
-from tool0.requests.table import Request, Response, handles
+from tool0.requests.table import JointPositions, Request, Response, SpeedScale, handles
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:

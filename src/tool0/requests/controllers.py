@@ -10,8 +10,7 @@ from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import ControllerSpec
 from tool0.control.manager import ControllerStatus, Strictness
 from tool0.control.trajectory import JointsMotion, TrajectoryState
-from tool0.requests.fields import Name
-from tool0.requests.table import Request, handles
+from tool0.requests.table import Name, Request, handles
 from tool0.runtime.simulation import Simulation
 
 Names = Annotated[tuple[Name, ...], Meta(max_length=100)]

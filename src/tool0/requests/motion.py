@@ -10,9 +10,16 @@ from tool0.control.goal import Goal, GoalStatus, ToleranceOverride
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.errors import ControlError
 from tool0.hardware.drive_limits import DriveLimits
-from tool0.requests.fields import JointPositions, Name, SpeedScale
-from tool0.requests.table import Request, handles
+from tool0.requests.table import (
+    JointPositions,
+    Name,
+    Request,
+    SpeedScale,
+    answer,
+    handles,
+)
 from tool0.runtime.joint_motion import import_planner
+from tool0.runtime.poses import NamedPose
 from tool0.runtime.simulation import Simulation
 
 Points = tuple[TrajectoryPoint, ...]
@@ -225,3 +232,57 @@ def _cancel(simulation: Simulation, request: CancelGoal) -> None:
 @handles(ReadGoal)
 def _read_goal(simulation: Simulation, request: ReadGoal) -> GoalStatus:
     return simulation.goals.find(request.goal).status
+
+
+# ---- named poses ------------------------------------------------------------------
+
+
+class ListPoses(Request[dict[str, NamedPose]], frozen=True):
+    """The robot's own poses and the saved ones, by name."""
+
+
+class SavePose(Request[None], frozen=True):
+    """Save the measured positions of the driven joints on the simulation's machine."""
+
+    name: Name
+
+
+class DeletePose(Request[None], frozen=True):
+    """Delete a saved pose; the robot's own poses stay."""
+
+    name: Name
+
+
+class GoToPose(Request[tuple[GoalStarted, ...]], frozen=True):
+    """Move every joint of a named pose there, as ``MoveJoints`` does."""
+
+    name: Name
+    speed: SpeedScale = 0.5
+
+
+@handles(ListPoses)
+def _list_poses(simulation: Simulation, request: ListPoses) -> dict[str, NamedPose]:
+    return dict(simulation.poses.all())
+
+
+@handles(SavePose)
+def _save_pose(simulation: Simulation, request: SavePose) -> None:
+    model, snapshot = simulation.description.model, simulation.snapshot
+    position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
+    driven = [item.joint for item in model.transmissions]
+    joints = model.joint_by_name
+    simulation.poses.save(
+        request.name,
+        {joint: joints[joint].limits.clamp(position[joint]) for joint in driven},
+    )
+
+
+@handles(DeletePose)
+def _delete_pose(simulation: Simulation, request: DeletePose) -> None:
+    simulation.poses.delete(request.name)
+
+
+@handles(GoToPose)
+def _go(simulation: Simulation, request: GoToPose) -> tuple[GoalStarted, ...]:
+    positions = dict(simulation.poses.find(request.name).positions)
+    return answer(simulation, MoveJoints(positions=positions, speed=request.speed))

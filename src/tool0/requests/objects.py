@@ -17,8 +17,16 @@ from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere, mesh
 from tool0.description.transform import Pose, to_transform
 from tool0.errors import ConfigError
 from tool0.hardware.engine import Contact, ObjectState
-from tool0.requests.fields import RGBA, Length, Name, Place, Quaternion, Vector3
-from tool0.requests.table import Request, handles
+from tool0.requests.table import (
+    RGBA,
+    Length,
+    Name,
+    Place,
+    Quaternion,
+    Request,
+    Vector3,
+    handles,
+)
 from tool0.runtime.simulation import Simulation
 
 MOST_OBJECTS = 500

@@ -11,8 +11,7 @@ from msgspec import Meta, Struct
 from tool0.description.camera import Camera
 from tool0.description.transform import Transform
 from tool0.errors import ControlError
-from tool0.requests.fields import Name, Vector3
-from tool0.requests.table import Request, Response, handles
+from tool0.requests.table import Name, Request, Response, Vector3, handles
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.cameras import CameraImage
 from tool0.sensing.force_torque import DEFAULT_CUTOFF, WrenchReading

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any
 
-from msgspec import Struct
+from msgspec import Meta, Struct
 
 from tool0.description.forward_kinematics import link_pose
 from tool0.description.transform import Transform
-from tool0.requests.fields import Name
-from tool0.requests.table import Request, handles
-from tool0.runtime.simulation import Simulation
+from tool0.errors import ControlError
+from tool0.requests.table import Name, Request, handles
+from tool0.runtime.simulation import MAX_SNAPSHOT_RATE, Simulation
 from tool0.sensing.snapshot import Snapshot
 
 
@@ -143,3 +143,32 @@ def _summary(simulation: Simulation, request: ReadSummary) -> dict[str, Any]:
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
+
+
+class Subscribe(Request[None], frozen=True):
+    """Receive every snapshot as a ``snapshot`` message, and events as they happen.
+
+    A second request changes the rate.  A slow reader loses the oldest snapshots; the
+    next one says how many.
+    """
+
+    rate: Annotated[float, Meta(gt=0.0, le=MAX_SNAPSHOT_RATE)] = 125.0
+    """Snapshots per simulated second [Hz]: the next divisor of the control rate."""
+
+
+class Unsubscribe(Request[None], frozen=True):
+    """Receive no more snapshots and events."""
+
+
+class SubscribeView(Request[None], frozen=True):
+    """Receive ``view``, ``scene``, ``status``, ``frame`` and ``notice``: the panel.
+
+    Frames come at most 60 times a second of wall time, the newest only.
+    """
+
+
+@handles(Subscribe)
+@handles(Unsubscribe)
+@handles(SubscribeView)
+def _only_on_connections(simulation: Simulation, request: Any) -> None:
+    raise ControlError("streams are for connections; here, use robot.subscribe()")

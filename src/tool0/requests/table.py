@@ -15,9 +15,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from numbers import Integral, Real
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, final
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, TypeVar, final
 
 import msgspec
+from msgspec import Meta
 
 from tool0.errors import RequestError
 
@@ -142,12 +143,29 @@ _MODULES = (
     "gripper",
     "motion",
     "objects",
-    "poses",
     "sensors",
     "state",
-    "streams",
     "time",
 )
+
+
+# ---- types of fields -------------------------------------------------------------
+
+Name = Annotated[str, Meta(min_length=1, max_length=200)]
+"""Of a controller, a joint, a link, a pose …"""
+SpeedScale = Annotated[float, Meta(ge=0.01, le=1.0)]
+"""Fraction of each joint's largest velocity."""
+Vector3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+"""w, x, y, z."""
+RGBA = tuple[float, float, float, float]
+Length = Annotated[float, Meta(gt=0.0, le=1000.0)]
+"""[m]"""
+Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
+"""[m]"""
+Place = tuple[Coordinate, Coordinate, Coordinate]
+JointPositions = Annotated[dict[str, float], Meta(max_length=1000)]
+"""Joint → position [rad | m]."""
 
 
 # ---- checking ------------------------------------------------------------------------

@@ -6,8 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta, field
 
-from tool0.requests.fields import JointPositions
-from tool0.requests.table import Request, handles
+from tool0.requests.table import JointPositions, Request, handles
 from tool0.runtime.simulation import Simulation
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, final
 
+from tool0.control.goal import Goal
 from tool0.description.camera import Camera
 from tool0.description.catalogue import RobotDescription
 from tool0.description.finding import Finding
@@ -14,7 +16,6 @@ from tool0.description.model import JointLimits, ParallelGripper
 from tool0.errors import ControlError, did_you_mean
 from tool0.runtime.bus import Bus, Subscription
 from tool0.runtime.core import Core
-from tool0.runtime.goals import GoalRegistry
 from tool0.runtime.loop import Loop
 from tool0.runtime.poses import PoseBook
 from tool0.sensing.cameras import Cameras
@@ -212,3 +213,45 @@ class Simulation:
             self.cameras.close()
         finally:
             self.loop.close()
+
+
+GOALS_KEPT = 1000
+"""Goals that are remembered; the oldest finished ones are forgotten."""
+
+
+@final
+class GoalRegistry:
+    """Numbers goals and finds them again.  Any thread may use it."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._goals: dict[int, Goal] = {}
+        self._last = 0
+
+    def add(self, goal: Goal) -> int:
+        """Remember ``goal`` and return its number."""
+        with self._lock:
+            self._last += 1
+            self._goals[self._last] = goal
+            if len(self._goals) > GOALS_KEPT:
+                ended = (n for n, g in self._goals.items() if g.status.is_terminal)
+                oldest = next(ended, None)
+                if oldest is not None:
+                    del self._goals[oldest]
+            return self._last
+
+    def number(self, goal: Goal) -> int | None:
+        """Return a goal's number; None if no request started it, or it is old."""
+        with self._lock:
+            found = (number for number, item in self._goals.items() if item is goal)
+            return next(found, None)
+
+    def find(self, number: int) -> Goal:
+        """Return the goal, or raise ControlError if there is none or it is old."""
+        with self._lock:
+            goal = self._goals.get(number)
+        if goal is None:
+            raise ControlError(
+                f"there is no goal {number}; the last {GOALS_KEPT} are remembered"
+            )
+        return goal

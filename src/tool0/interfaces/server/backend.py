@@ -12,16 +12,16 @@ from tool0.requests.gripper import Grip
 from tool0.requests.motion import (
     CommandTrajectory,
     FollowTrajectory,
+    GoToPose,
     MoveJoints,
     SteerJoints,
 )
-from tool0.requests.poses import GoToPose
 from tool0.requests.table import Request, answer
 from tool0.requests.time import EmergencyStop, Reset
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
-    from tool0.requests.messages import Mode
+    from tool0.requests.codec import Mode
 
 
 class Backend(Protocol):
