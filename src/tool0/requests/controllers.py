@@ -70,26 +70,16 @@ class ReadControllerSpec(Request[ControllerSpec], frozen=True):
     controller: Name
 
 
-@handles(ListControllers)
-def _list(
-    simulation: Simulation, request: ListControllers
-) -> tuple[ControllerStatus, ...]:
-    return simulation.snapshot.controllers
-
-
-@handles(LoadController, in_tick=True)
-def _load(simulation: Simulation, request: LoadController) -> None:
-    simulation.core.manager.load(request.name)
-
-
-@handles(LoadControllerWith, in_tick=True, local=True)
-def _load_with(simulation: Simulation, request: LoadControllerWith) -> None:
-    simulation.core.manager.load(request.name, request.config)
-
-
-@handles(UnloadController, in_tick=True)
-def _unload(simulation: Simulation, request: UnloadController) -> None:
-    simulation.core.manager.unload(request.name)
+handles(ListControllers)(lambda sim, _: sim.snapshot.controllers)
+handles(LoadController, in_tick=True)(
+    lambda sim, request: sim.core.manager.load(request.name)
+)
+handles(LoadControllerWith, in_tick=True, local=True)(
+    lambda sim, request: sim.core.manager.load(request.name, request.config)
+)
+handles(UnloadController, in_tick=True)(
+    lambda sim, request: sim.core.manager.unload(request.name)
+)
 
 
 @handles(SwitchControllers, in_tick=True)
@@ -99,9 +89,11 @@ def _switch(simulation: Simulation, request: SwitchControllers) -> None:
     core.manager.switch(request.start, request.stop, strictness, core.state)
 
 
-@handles(ReadController, in_tick=True, publishes=False)
-def _state(simulation: Simulation, request: ReadController) -> TrajectoryState:
-    return simulation.core.trajectory_controller(request.controller).setpoint().state()
+handles(ReadController, in_tick=True, publishes=False)(
+    lambda sim, request: (
+        sim.core.trajectory_controller(request.controller).setpoint().state()
+    )
+)
 
 
 @handles(QueryState, in_tick=True, publishes=False)
@@ -111,6 +103,6 @@ def _query(simulation: Simulation, request: QueryState) -> JointsMotion:
     return core.trajectory_controller(request.controller).query_state(time)
 
 
-@handles(ReadControllerSpec, in_tick=True, publishes=False, local=True)
-def _spec(simulation: Simulation, request: ReadControllerSpec) -> ControllerSpec:
-    return simulation.core.manager.spec(request.controller)
+handles(ReadControllerSpec, in_tick=True, publishes=False, local=True)(
+    lambda sim, request: sim.core.manager.spec(request.controller)
+)

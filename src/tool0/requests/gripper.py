@@ -85,9 +85,9 @@ def _grip(simulation: Simulation, request: Grip) -> GoalStarted:
     )
 
 
-@handles(ReadGripper)
-def _read(simulation: Simulation, request: ReadGripper) -> GraspState:
-    return judge(simulation.gripper(request.gripper), simulation.bus.history())
+handles(ReadGripper)(
+    lambda sim, request: judge(sim.gripper(request.gripper), sim.bus.history())
+)
 
 
 def _opening(gripper: ParallelGripper, request: Grip) -> float:

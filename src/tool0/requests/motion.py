@@ -219,19 +219,13 @@ def _command_gripper(simulation: Simulation, request: CommandGripper) -> GoalSta
     return started(simulation, goal)
 
 
-@handles(CommandJoints, in_tick=True)
-def _command_joints(simulation: Simulation, request: CommandJoints) -> None:
-    simulation.core.command_joints(request.controller, request.values)
-
-
-@handles(CancelGoal, in_tick=True)
-def _cancel(simulation: Simulation, request: CancelGoal) -> None:
-    simulation.core.cancel(simulation.goals.find(request.goal))
-
-
-@handles(ReadGoal)
-def _read_goal(simulation: Simulation, request: ReadGoal) -> GoalStatus:
-    return simulation.goals.find(request.goal).status
+handles(CommandJoints, in_tick=True)(
+    lambda sim, request: sim.core.command_joints(request.controller, request.values)
+)
+handles(CancelGoal, in_tick=True)(
+    lambda sim, request: sim.core.cancel(sim.goals.find(request.goal))
+)
+handles(ReadGoal)(lambda sim, request: sim.goals.find(request.goal).status)
 
 
 # ---- named poses ------------------------------------------------------------------
@@ -260,9 +254,7 @@ class GoToPose(Request[tuple[GoalStarted, ...]], frozen=True):
     speed: SpeedScale = 0.5
 
 
-@handles(ListPoses)
-def _list_poses(simulation: Simulation, request: ListPoses) -> dict[str, NamedPose]:
-    return dict(simulation.poses.all())
+handles(ListPoses)(lambda sim, _: dict(sim.poses.all()))
 
 
 @handles(SavePose)
@@ -277,9 +269,7 @@ def _save_pose(simulation: Simulation, request: SavePose) -> None:
     )
 
 
-@handles(DeletePose)
-def _delete_pose(simulation: Simulation, request: DeletePose) -> None:
-    simulation.poses.delete(request.name)
+handles(DeletePose)(lambda sim, request: sim.poses.delete(request.name))
 
 
 @handles(GoToPose)

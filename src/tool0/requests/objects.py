@@ -197,9 +197,9 @@ def _add(simulation: Simulation, request: AddObject) -> None:
     simulation.loop.call(lambda: simulation.core.scene.spawn(item))
 
 
-@handles(RemoveObject, in_tick=True)
-def _remove(simulation: Simulation, request: RemoveObject) -> None:
-    simulation.core.scene.delete(request.name)
+handles(RemoveObject, in_tick=True)(
+    lambda sim, request: sim.core.scene.delete(request.name)
+)
 
 
 @handles(PlaceObject, in_tick=True)
@@ -212,6 +212,6 @@ def _place(simulation: Simulation, request: PlaceObject) -> None:
     simulation.core.scene.place(state)
 
 
-@handles(ReadContacts, in_tick=True, publishes=False)
-def _contacts(simulation: Simulation, request: ReadContacts) -> tuple[Contact, ...]:
-    return simulation.core.engine.world.contacts()
+handles(ReadContacts, in_tick=True, publishes=False)(
+    lambda sim, _: sim.core.engine.world.contacts()
+)

@@ -119,9 +119,7 @@ def image_of(picture: Picture) -> CameraImage:
     )
 
 
-@handles(ListCameras)
-def _list(simulation: Simulation, request: ListCameras) -> tuple[Camera, ...]:
-    return tuple(simulation.cameras.values())
+handles(ListCameras)(lambda sim, _: tuple(sim.cameras.values()))
 
 
 @handles(TakePicture)

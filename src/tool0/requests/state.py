@@ -119,9 +119,7 @@ def _description(simulation: Simulation, request: ReadDescription) -> Descriptio
     )
 
 
-@handles(ReadSnapshot)
-def _snapshot(simulation: Simulation, request: ReadSnapshot) -> Snapshot:
-    return simulation.snapshot
+handles(ReadSnapshot)(lambda sim, _: sim.snapshot)
 
 
 @handles(ReadLinkPose)
@@ -136,9 +134,7 @@ def _link_pose(simulation: Simulation, request: ReadLinkPose) -> Transform:
     )
 
 
-@handles(ReadSummary)
-def _summary(simulation: Simulation, request: ReadSummary) -> dict[str, Any]:
-    return simulation.summary()
+handles(ReadSummary)(lambda sim, _: sim.summary())
 
 
 def _finite(value: float) -> float | None:

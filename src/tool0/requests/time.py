@@ -60,14 +60,8 @@ class EmergencyStop(Request[None], frozen=True):
     engaged: bool = True
 
 
-@handles(Pause, in_tick=True)
-def _pause(simulation: Simulation, request: Pause) -> None:
-    simulation.loop.set_paused(True)
-
-
-@handles(Resume, in_tick=True)
-def _resume(simulation: Simulation, request: Resume) -> None:
-    simulation.loop.set_paused(False)
+handles(Pause, in_tick=True)(lambda sim, _: sim.loop.set_paused(True))
+handles(Resume, in_tick=True)(lambda sim, _: sim.loop.set_paused(False))
 
 
 @handles(Step, in_tick=True)
@@ -76,21 +70,11 @@ def _step(simulation: Simulation, request: Step) -> float:
     return simulation.loop.time
 
 
-@handles(Run)
-def _run(simulation: Simulation, request: Run) -> None:
-    simulation.loop.run(request.duration)
-
-
-@handles(SetSpeed, in_tick=True)
-def _set_speed(simulation: Simulation, request: SetSpeed) -> None:
-    simulation.loop.set_speed(request.factor)
-
-
-@handles(Reset, in_tick=True)
-def _reset(simulation: Simulation, request: Reset) -> None:
-    simulation.loop.reset(request.position, request.keep_time)
-
-
-@handles(EmergencyStop, in_tick=True, urgent=True)
-def _stop(simulation: Simulation, request: EmergencyStop) -> None:
-    simulation.core.set_stopped(request.engaged)
+handles(Run)(lambda sim, request: sim.loop.run(request.duration))
+handles(SetSpeed, in_tick=True)(lambda sim, request: sim.loop.set_speed(request.factor))
+handles(Reset, in_tick=True)(
+    lambda sim, request: sim.loop.reset(request.position, request.keep_time)
+)
+handles(EmergencyStop, in_tick=True, urgent=True)(
+    lambda sim, request: sim.core.set_stopped(request.engaged)
+)
