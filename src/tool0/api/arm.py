@@ -49,8 +49,7 @@ class Arm:
     @property
     def joints(self) -> Mapping[str, float]:
         """Measured positions [rad], from the base on."""
-        snapshot = self._channel.snapshot
-        position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
+        position = self._channel.snapshot.positions
         return {name: position[name] for name in self.joint_names}
 
     @cached_property
@@ -142,14 +141,8 @@ class Arm:
         The motion is the shortest within the joints' velocities, accelerations and
         jerks, as that of ``Robot.move_joints``; the tool's path is a curve.
 
-        Args:
-            pose: As for ``inverse_kinematics``, whose nearest solution is taken.
-            speed: Fraction of each joint's largest velocity, 0.01 … 1.
-            tip: As there.
-            tool: As there.
-            relative_to: As there.
-            near: As there.
-            branch: As there.
+        ``speed`` is a fraction of each joint's largest velocity, 0.01 … 1.  The other
+        arguments are those of ``inverse_kinematics``; its nearest solution is taken.
 
         Raises:
             UnreachableError: If no posture reaches the pose.
@@ -185,16 +178,10 @@ class Arm:
         its velocity or acceleration.  The whole line is checked before anything moves.
         The arm must be at rest.
 
-        Args:
-            pose: As for ``inverse_kinematics``.
-            speed: Of the tool [m/s]; this and ``acceleration`` are the defaults of
-                UR's movel.
-            acceleration: Of the tool [m/s²]; the rotation gets a ramp of the same
-                duration.
-            angular_speed: Of the tool [rad/s].
-            tip: As for ``inverse_kinematics``.
-            tool: As there.
-            relative_to: As there.
+        ``speed`` [m/s], ``acceleration`` [m/s²] and ``angular_speed`` [rad/s] are those
+        of the tool; the first two default to those of UR's movel, and the rotation
+        gets a ramp of the same duration.  The other arguments are those of
+        ``inverse_kinematics``.
 
         Raises:
             UnreachableError: If the arm cannot follow the line without a jump of its

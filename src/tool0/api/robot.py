@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
+
+from msgspec.structs import asdict
 
 from tool0.api.channel import Channel, LocalChannel
 from tool0.api.controller import ControllerHandle, GoalHandle
@@ -38,6 +39,7 @@ from tool0.requests.time import (
     SetSpeed,
     Step,
 )
+from tool0.runtime.simulation import only_part
 
 if TYPE_CHECKING:
     from tool0.api.arm import Arm
@@ -106,13 +108,9 @@ class Robot(AbstractContextManager["Robot"]):
     @property
     def joint_limits(self) -> Mapping[str, JointLimits]:
         """Limits of each driven joint: the URDF's, or those of the YAML."""
-        infinity = math.inf
         return {
             name: JointLimits(
-                lower=-infinity if limits.lower is None else limits.lower,
-                upper=infinity if limits.upper is None else limits.upper,
-                velocity=infinity if limits.velocity is None else limits.velocity,
-                effort=infinity if limits.effort is None else limits.effort,
+                **{k: v for k, v in asdict(limits).items() if v is not None}
             )
             for name, limits in self.info.joint_limits.items()
         }
@@ -161,7 +159,7 @@ class Robot(AbstractContextManager["Robot"]):
         names = snapshot.joint_names
         return JointValues(
             time=snapshot.time,
-            position=dict(zip(names, snapshot.position, strict=True)),
+            position=snapshot.positions,
             velocity=dict(zip(names, snapshot.velocity, strict=True)),
             effort=dict(zip(names, snapshot.effort, strict=True)),
         )
@@ -303,12 +301,7 @@ class Robot(AbstractContextManager["Robot"]):
     @property
     def gripper(self) -> Gripper:
         """The robot's gripper, if it has exactly one."""
-        if len(self.grippers) != 1:
-            names = ", ".join(self.grippers) or "none"
-            raise ControlError(
-                f"'gripper' needs exactly one gripper, this robot has: {names}"
-            )
-        return next(iter(self.grippers.values()))
+        return only_part(self.grippers, "gripper", self.description.model)
 
     @cached_property
     def arms(self) -> Mapping[str, Arm]:
@@ -321,17 +314,7 @@ class Robot(AbstractContextManager["Robot"]):
     @property
     def arm(self) -> Arm:
         """The robot's arm, if it has exactly one: poses, inverse kinematics, motion."""
-        if len(self.arms) == 1:
-            return next(iter(self.arms.values()))
-        if self.arms:
-            raise ControlError(
-                f"'arm' needs exactly one arm, this robot has: {', '.join(self.arms)}; "
-                "use arms[name]"
-            )
-        from tool0.kinematics.chain import why_no_arm
-
-        why = why_no_arm(self.description.model)
-        raise ControlError(f"this robot has no arm that poses could be given to: {why}")
+        return only_part(self.arms, "arm", self.description.model)
 
     @property
     def force_torque(self) -> ForceTorque:

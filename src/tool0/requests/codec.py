@@ -333,7 +333,7 @@ def decode_request(text: bytes | str) -> tuple[int | str | None, Request[Any]]:
         problem = f"unknown method '{method[:_SHOWN]}'{near}"
         raise RequestReadError(envelope.id, TransportError(problem))
     try:
-        return envelope.id, _params_decoder(entry.request).decode(envelope.params)
+        return envelope.id, _decoder(entry.request).decode(envelope.params)
     except (msgspec.DecodeError, RecursionError, Tool0Error) as error:
         raise RequestReadError(
             envelope.id, _explained(entry, envelope.params, error)
@@ -367,11 +367,6 @@ def decode_response(request: Request[Any], result: Raw) -> Any:
 
 @cache
 def _decoder(kind: Any) -> Any:
-    return msgspec.json.Decoder(kind)
-
-
-@cache
-def _params_decoder(kind: type[Request[Any]]) -> Any:
     return msgspec.json.Decoder(kind)
 
 

@@ -24,11 +24,7 @@ squeezing [m]."""
 
 
 class Grip(Request[GoalStarted], frozen=True):
-    """Move the pads of a gripper to an opening.
-
-    Speed and force are settings of the drive, as on the real gripper: they hold until
-    another goal moves its joint.
-    """
+    """Move the pads of a gripper to an opening."""
 
     gripper: Name | None = None
     """The robot's only one, if left out."""

@@ -35,10 +35,7 @@ class GoalStarted(Struct, frozen=True, kw_only=True):
 
 
 class FollowTrajectory(Request[GoalStarted], frozen=True):
-    """Send a trajectory as a goal, as ROS's FollowJointTrajectory action does.
-
-    No points stop the motion.
-    """
+    """Send a trajectory as a goal, as ROS's action does; no points stop the motion."""
 
     unchecked = ("points", "path_tolerance", "goal_tolerance")
 
@@ -59,10 +56,7 @@ class FollowTrajectory(Request[GoalStarted], frozen=True):
 
 
 class CommandTrajectory(Request[None], frozen=True):
-    """Send a trajectory without a goal, as ROS's ``command`` topic does.
-
-    No points stop the motion.
-    """
+    """Send a trajectory without a goal; no points stop the motion."""
 
     unchecked = ("points",)
 
@@ -75,11 +69,7 @@ class CommandTrajectory(Request[None], frozen=True):
 
 
 class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
-    """Move joints smoothly by the running trajectory controllers that claim them.
-
-    There is a goal for each controller concerned.  Their other joints continue to
-    where they are going.
-    """
+    """Move joints smoothly; there is a goal for each trajectory controller."""
 
     positions: JointPositions
     speed: SpeedScale = 0.5
@@ -91,11 +81,7 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
 
 
 class SteerJoints(Request[None], frozen=True):
-    """Move joints of a trajectory controller smoothly, without a goal.
-
-    It is made for streams of setpoints: position, velocity and acceleration stay
-    continuous however often it is sent.
-    """
+    """Move joints of a trajectory controller smoothly, as streams of setpoints do."""
 
     controller: Name
     positions: JointPositions
@@ -259,8 +245,7 @@ handles(ListPoses)(lambda sim, _: dict(sim.poses.all()))
 
 @handles(SavePose)
 def _save_pose(simulation: Simulation, request: SavePose) -> None:
-    model, snapshot = simulation.description.model, simulation.snapshot
-    position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
+    model, position = simulation.description.model, simulation.snapshot.positions
     driven = [item.joint for item in model.transmissions]
     joints = model.joint_by_name
     simulation.poses.save(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import zlib
-from typing import Annotated, Generic
+from typing import Annotated, Any, Generic
 
 from msgspec import Meta, Struct
 
@@ -14,7 +14,11 @@ from tool0.errors import ControlError
 from tool0.requests.table import Name, Request, Response, Vector3, handles
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.cameras import CameraImage
-from tool0.sensing.force_torque import DEFAULT_CUTOFF, WrenchReading
+from tool0.sensing.force_torque import (
+    DEFAULT_CUTOFF,
+    ForceTorqueSensor,
+    WrenchReading,
+)
 
 POLL_PERIOD = 0.05  # [wall s] between checks whether the loop still runs
 
@@ -120,12 +124,9 @@ def image_of(picture: Picture) -> CameraImage:
 
 
 handles(ListCameras)(lambda sim, _: tuple(sim.cameras.values()))
-
-
-@handles(TakePicture)
-def _picture(simulation: Simulation, request: TakePicture) -> CameraImage:
-    cameras = simulation.cameras
-    return cameras.render(cameras[request.camera])
+handles(TakePicture)(
+    lambda sim, request: sim.cameras.render(sim.cameras[request.camera])
+)
 
 
 @handles(StartForceTorque)
@@ -134,36 +135,27 @@ def _start(simulation: Simulation, request: StartForceTorque) -> float:
     return sensors.start(sensors.link(request.link), request.rate, request.cutoff)
 
 
-@handles(StopForceTorque)
-def _stop(simulation: Simulation, request: StopForceTorque) -> None:
+def _sensor(simulation: Simulation, request: _OfLink[Any]) -> ForceTorqueSensor:
+    """Return the sensor of a request; the first request starts it."""
     sensors = simulation.force_torque
-    sensors.stop(sensors.link(request.link))
+    return sensors.sensor(sensors.link(request.link))
 
 
-@handles(ReadForceTorqueRate)
-def _rate(simulation: Simulation, request: ReadForceTorqueRate) -> float:
-    sensors = simulation.force_torque
-    return sensors.rate(sensors.link(request.link))
-
-
-@handles(TareForceTorque)
-def _tare(simulation: Simulation, request: TareForceTorque) -> None:
-    sensors = simulation.force_torque
-    sensors.sensor(sensors.link(request.link)).zero()
-
-
-@handles(ReadForceTorque)
-def _read(simulation: Simulation, request: ReadForceTorque) -> WrenchReading:
-    sensors = simulation.force_torque
-    return sensors.sensor(sensors.link(request.link)).latest()
+handles(StopForceTorque)(
+    lambda sim, request: sim.force_torque.stop(sim.force_torque.link(request.link))
+)
+handles(ReadForceTorqueRate)(
+    lambda sim, request: sim.force_torque.rate(sim.force_torque.link(request.link))
+)
+handles(TareForceTorque)(lambda sim, request: _sensor(sim, request).zero())
+handles(ReadForceTorque)(lambda sim, request: _sensor(sim, request).latest())
 
 
 @handles(ReadForceTorqueSamples)
 def _samples(
     simulation: Simulation, request: ReadForceTorqueSamples
 ) -> tuple[WrenchReading, ...]:
-    sensors, loop = simulation.force_torque, simulation.loop
-    sensor = sensors.sensor(sensors.link(request.link))
+    sensor, loop = _sensor(simulation, request), simulation.loop
     end = time.monotonic() + request.timeout
     while True:
         left = max(0.0, end - time.monotonic())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Annotated, Any
 
 from msgspec import Meta, Struct
@@ -94,10 +95,7 @@ def _info(simulation: Simulation, request: ReadInfo) -> SimulationInfo:
         grasp_assist=simulation.grasp_assist,
         joint_limits={
             name: LimitsInfo(
-                lower=_finite(limits.lower),
-                upper=_finite(limits.upper),
-                velocity=_finite(limits.velocity),
-                effort=_finite(limits.effort),
+                **{key: _finite(value) for key, value in asdict(limits).items()}
             )
             for name, limits in simulation.joint_limits.items()
         },
@@ -124,11 +122,9 @@ handles(ReadSnapshot)(lambda sim, _: sim.snapshot)
 
 @handles(ReadLinkPose)
 def _link_pose(simulation: Simulation, request: ReadLinkPose) -> Transform:
-    snapshot = simulation.snapshot
-    position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
     return link_pose(
         simulation.description.model,
-        position,
+        simulation.snapshot.positions,
         request.link,
         relative_to=request.relative_to,
     )

@@ -39,10 +39,7 @@ class SetSpeed(Request[None], frozen=True):
 
 
 class Reset(Request[None], frozen=True):
-    """Return to the initial pose at time zero, objects to where they started.
-
-    Active goals are PREEMPTED; running controllers hold the pose.
-    """
+    """Return to the initial pose; goals are PREEMPTED, objects go to their start."""
 
     position: JointPositions = field(default_factory=dict)
     """Joint → position instead of the initial one [rad | m]."""
@@ -51,11 +48,7 @@ class Reset(Request[None], frozen=True):
 
 
 class EmergencyStop(Request[None], frozen=True):
-    """Brake every joint at once, or release the brakes.
-
-    Goals are PREEMPTED; after the release the controllers hold where the joints are.
-    It overtakes requests of the same connection that wait.
-    """
+    """Brake every joint at once, or release the brakes; goals are PREEMPTED."""
 
     engaged: bool = True
 
