@@ -8,7 +8,7 @@ import math
 import socket
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from functools import cached_property
@@ -154,8 +154,9 @@ class SocketChannel:
                 raise self._failure
             self._pending[number] = future
         self._send(line)
-        method = method_name(type(request))
-        reply = self._awaited(future, _timeout(request), method)
+        # What lets time pass answers when it has passed.
+        timeout = None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
+        reply = self._awaited(future, timeout, method_name(type(request)))
         if not isinstance(reply.error, UnsetType):
             raise error_of(reply.error)
         result = b"null" if isinstance(reply.result, UnsetType) else reply.result
@@ -291,11 +292,6 @@ Message = Hello | Reply | SnapshotMessage | GoalEnded | Fault | ResetDone | Late
 _decoder: Final = msgspec.json.Decoder(Message)
 
 
-def _timeout(request: Request[Any]) -> float | None:
-    """Return how long an answer may take [wall s]; None for what lets time pass."""
-    return None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
-
-
 def _connect(name: str) -> socket.socket:
     check_supported()
     paths = [socket_path(folder, name) for folder in folders()]
@@ -310,14 +306,10 @@ def _connect(name: str) -> socket.socket:
             raise TransportError(f"cannot reach {path}: {error}") from None
         else:
             return peer
-    raise TransportError(_nobody_there(name, paths))
-
-
-def _nobody_there(name: str, paths: Sequence[Path]) -> str:
     others = [other for other in running_names() if other != name]
     hint = (
         f"running: {', '.join(others)} (use --name)"
         if others
         else "start one with `tool0 bringup`"
     )
-    return f"no bringup named '{name}' is running ({paths[0]}); {hint}"
+    raise TransportError(f"no bringup named '{name}' is running ({paths[0]}); {hint}")

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, final
 from msgspec.structs import asdict
 
 from tool0.api.channel import Channel, LocalChannel
-from tool0.api.controller import ControllerHandle, GoalHandle
-from tool0.api.gripper import Gripper
+from tool0.api.controller import ControllerHandle, GoalHandle, Gripper
 from tool0.api.scene import SceneHandle
 from tool0.api.sensors import CameraHandle, ForceTorque
 from tool0.control.controller_types import TYPES
@@ -319,18 +318,12 @@ class Robot(AbstractContextManager["Robot"]):
     @property
     def force_torque(self) -> ForceTorque:
         """What the tool exerts on ``tool0``, if the robot has one link of that name."""
-        sensor = ForceTorque(None, self.channel)
-        _ = sensor.rate  # ControlError, if there is no such link
-        return sensor
+        return self.force_torque_of(None)
 
-    def force_torque_of(self, link: str) -> ForceTorque:
-        """Return what ``link`` and all beyond it exert on what carries it.
-
-        Raises:
-            ModelError: If there is no such link.
-        """
+    def force_torque_of(self, link: str | None) -> ForceTorque:
+        """Return what ``link`` and all beyond it exert; ModelError if there is none."""
         sensor = ForceTorque(link, self.channel)
-        _ = sensor.rate
+        _ = sensor.rate  # ModelError or ControlError, if there is no such link
         return sensor
 
     @cached_property

@@ -12,6 +12,7 @@ from tool0.description.camera import Camera
 from tool0.description.transform import Transform
 from tool0.errors import ControlError
 from tool0.requests.table import Name, Request, Response, Vector3, handles
+from tool0.runtime.loop import POLL_PERIOD
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.cameras import CameraImage
 from tool0.sensing.force_torque import (
@@ -19,8 +20,6 @@ from tool0.sensing.force_torque import (
     ForceTorqueSensor,
     WrenchReading,
 )
-
-POLL_PERIOD = 0.05  # [wall s] between checks whether the loop still runs
 
 
 class ListCameras(Request[tuple[Camera, ...]], frozen=True):

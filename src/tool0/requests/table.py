@@ -55,7 +55,9 @@ class Entry:
     request: type[Request[Any]]
     handler: Handler
     in_tick: bool
-    """Whether the handler runs in the thread of the tick, between two ticks."""
+    """Whether the handler runs in the thread of the tick, between two ticks: quick, and
+    with the engine and the controllers at hand.  Otherwise it runs in the thread that
+    asks, and may take its time."""
     publishes: bool
     """Whether a snapshot follows, so that the next reader sees the effect."""
     is_urgent: bool
@@ -81,16 +83,9 @@ def handles(
     urgent: bool = False,
     local: bool = False,
 ) -> Callable[[Callable[[Simulation, RequestType], Any]], Handler]:
-    """Register the decorated function as the handler of ``request``.
+    """Register the decorated function as the handler of ``request``, with a new name.
 
-    Args:
-        request: The request; its name must be new.
-        in_tick: Whether to run the handler in the thread of the tick, between two
-            ticks: quick, and with the engine and the controllers at hand.  Otherwise
-            it runs in the thread that asks, and may take its time.
-        publishes: Whether a snapshot follows; as ``in_tick`` if left out.
-        urgent: Whether it overtakes waiting requests of the same connection.
-        local: Whether only this process can ask for it.
+    The options are those of ``Entry``; ``publishes`` is as ``in_tick`` if left out.
     """
     name = method_name(request)
     if name in _BY_NAME:
@@ -133,20 +128,9 @@ def load_all() -> None:
     """Import every module that declares requests of our own."""
     from importlib import import_module
 
-    for module in _MODULES:
+    modules = "arm controllers gripper motion objects sensors state time"
+    for module in modules.split():
         import_module(f"tool0.requests.{module}")
-
-
-_MODULES = (
-    "arm",
-    "controllers",
-    "gripper",
-    "motion",
-    "objects",
-    "sensors",
-    "state",
-    "time",
-)
 
 
 # ---- types of fields -------------------------------------------------------------

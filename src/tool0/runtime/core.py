@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, final
+from typing import TypeVar, final
 
 from tool0.control.forward_command import ForwardCommandController
 from tool0.control.goal import Goal
@@ -25,6 +25,8 @@ from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp_assist import GraspAssist
 
+C = TypeVar("C")
+
 
 @final
 class Core:
@@ -44,16 +46,9 @@ class Core:
     ) -> None:
         """Put the robot into its initial pose.
 
-        Args:
-            model: The robot.
-            engine: The physics.
-            hardware: The drives, over the engine's joints.
-            manager: The controllers, over the drives.
-            initial_position: [rad | m], shape (n_joints,), in the engine's order.
-            scene: What the engine was made with around the robot.
-            control_period: Time between updates of the controllers [s]; a whole
-                multiple of the engine's step, and that step if left out.
-            grasp_assist: Whether to cheat: to fix to the gripper what it grips.
+        ``initial_position`` [rad | m] has shape (n_joints,), in the engine's order;
+        ``scene`` is what the engine was made with.  ``control_period`` [s] is a whole
+        multiple of the engine's step, and that step if left out.
         """
         self._model = model
         self.engine = engine
@@ -81,8 +76,7 @@ class Core:
 
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
-        state = self.state
-        engine, hardware = self.engine, self.hardware
+        state, engine, hardware = self.state, self.engine, self.hardware
         self.manager.update(state, self.control_period)
         for _ in range(self._steps_per_tick):
             before = state
@@ -102,13 +96,7 @@ class Core:
         goal: TrajectoryGoal,
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> Goal:
-        """Start a trajectory goal, as ROS's action does.
-
-        Args:
-            controller: A running JointTrajectoryController.
-            goal: The trajectory with its tolerances.
-            bounds: Joint → limits of its drive until the joint's next goal.
-        """
+        """Start a trajectory goal; ``bounds`` hold until a joint's next goal."""
         trajectory = self._drivable(controller, JointTrajectoryController)
         accepted = trajectory.follow(goal, self.time)
         self._set_drive_limits(controller, goal.joint_names, bounds)
@@ -126,10 +114,7 @@ class Core:
     ) -> tuple[Goal, ...]:
         """Start smooth motions of every controller concerned at one instant, or none.
 
-        Args:
-            positions: Joint → target [rad | m].
-            speed: Fraction of each joint's largest velocity.
-            controller: The controller of the joints; None for those that claim them.
+        Without a ``controller``, the joints are moved by those that claim them.
         """
         moves: Mapping[str, Mapping[str, float]]
         if controller is None:
@@ -155,11 +140,6 @@ class Core:
 
         It is a cubic that ends at rest; the controller's other joints keep their
         setpoints.
-
-        Args:
-            positions: Joint → target [rad | m].
-            duration: [s]
-            controller: The controller of the joints; None for the one that claims them.
         """
         name = controller
         if name is None:
@@ -228,9 +208,7 @@ class Core:
 
     def trajectory_controller(self, name: str) -> JointTrajectoryController:
         """Return a running trajectory controller, or raise ControlError."""
-        controller: JointTrajectoryController
-        controller = self._running(name, JointTrajectoryController)
-        return controller
+        return self._running(name, JointTrajectoryController)
 
     # ---- sensors, time, safety ------------------------------------------------------
 
@@ -246,12 +224,9 @@ class Core:
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
         """Return to the initial pose changed by ``position``, objects to their start.
 
-        Args:
-            position: Joint → position [rad | m].
-            keep_time: Whether simulated time continues, as after ROS's reset_world.
+        ``keep_time`` lets simulated time continue, as after ROS's reset_world.
         """
-        start = joint_positions(self._model, position, self._initial)
-        self._start = start
+        self._start = start = joint_positions(self._model, position, self._initial)
         self.ticks = self.ticks if keep_time else 0
         self.engine.reset(start, self.time)
         self.state = self._before = self.engine.read()
@@ -278,15 +253,10 @@ class Core:
         position, initial = self.state.position, self._start
         index = self.hardware.index
         uncommanded = self.hardware.interfaces.keys() - self._commanded
-        return max(
-            (
-                abs(position[i] - initial[i])
-                for i in (index[name] for name in uncommanded)
-            ),
-            default=0.0,
-        )
+        indices = (index[name] for name in uncommanded)
+        return max((abs(position[i] - initial[i]) for i in indices), default=0.0)
 
-    def _running(self, name: str, kind: type[Any]) -> Any:
+    def _running(self, name: str, kind: type[C]) -> C:
         controller = self.manager.running(name)
         if not isinstance(controller, kind):
             raise ControlError(
@@ -295,7 +265,7 @@ class Core:
             )
         return controller
 
-    def _drivable(self, name: str, kind: type[Any]) -> Any:
+    def _drivable(self, name: str, kind: type[C]) -> C:
         """Return a controller that may move joints now."""
         if self.hardware.is_stopped:
             raise ControlError(
@@ -311,10 +281,7 @@ class Core:
     ) -> None:
         """Limit the drives that a goal moves, and lift the limits of earlier goals.
 
-        Args:
-            controller: The controller that accepted the goal.
-            joints: The joints that the goal names; None for all of the controller.
-            bounds: Joint → limits of its drive.
+        ``joints`` are those that the goal names; None for all of the controller.
         """
         for _, claimed in self.manager.status(controller).claimed:
             for joint in claimed:

@@ -95,14 +95,7 @@ class Simulation:
         return snapshot
 
     def subscribe(self, rate: float | None = None) -> Subscription:
-        """Return a reader of snapshots and events.
-
-        Args:
-            rate: Snapshots per simulated second, up to 500 [Hz]; 125 if left out.
-
-        Raises:
-            ControlError: If the rate is out of range.
-        """
+        """Return a reader of snapshots and events; ControlError for a bad rate [Hz]."""
         if rate is None:
             return self.bus.subscribe()
         if not 0.0 < rate <= MAX_SNAPSHOT_RATE:
