@@ -18,14 +18,12 @@ from tool0.requests.table import Entry, entries
 
 DOCUMENT = Path(__file__).parent.parent / "docs" / "requests.md"
 TITLES = {
-    "state": "State and streams",
-    "motion": "Motion, goals and named poses",
+    "state": "State, streams, time and safety",
+    "motion": "Motion, goals, named poses and controllers",
     "gripper": "Gripper",
     "arm": "Arm",
-    "controllers": "Controllers",
     "objects": "Objects and contacts",
     "sensors": "Cameras and force-torque sensors",
-    "time": "Time and safety",
     "view": "Robot without physics (`tool0 view`)",
 }
 HEAD = """\

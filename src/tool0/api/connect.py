@@ -48,9 +48,15 @@ from tool0.requests.codec import (
     snapshot_of,
 )
 from tool0.requests.motion import GoalStarted
-from tool0.requests.state import ReadDescription, ReadSnapshot, Subscribe, Unsubscribe
+from tool0.requests.state import (
+    ReadDescription,
+    ReadSnapshot,
+    Run,
+    Step,
+    Subscribe,
+    Unsubscribe,
+)
 from tool0.requests.table import Request, checked, method_name
-from tool0.requests.time import Run, Step
 from tool0.runtime.bus import (
     Bus,
     Faulted,

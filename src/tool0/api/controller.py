@@ -11,7 +11,6 @@ from tool0.control.goal import GoalStatus, Result, ToleranceOverride
 from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
 from tool0.description.model import ParallelGripper
 from tool0.errors import GoalTimeoutError
-from tool0.requests.controllers import QueryState, ReadController, ReadControllerSpec
 from tool0.requests.gripper import Grip, ReadGripper
 from tool0.requests.motion import (
     CancelGoal,
@@ -21,6 +20,9 @@ from tool0.requests.motion import (
     FollowTrajectory,
     GoalStarted,
     MoveJoints,
+    QueryState,
+    ReadController,
+    ReadControllerSpec,
     SteerJoints,
 )
 from tool0.sensing.grasp import GraspState

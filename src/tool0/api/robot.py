@@ -18,24 +18,31 @@ from tool0.control.controller_types import TYPES
 from tool0.description.model import JointLimits
 from tool0.errors import ControlError, RenderError, did_you_mean
 from tool0.requests.arm import ListArms
-from tool0.requests.controllers import (
+from tool0.requests.motion import (
+    DeletePose,
+    GoToPose,
     ListControllers,
+    ListPoses,
     LoadController,
     LoadControllerWith,
+    MoveJoints,
+    SavePose,
     SwitchControllers,
     UnloadController,
 )
-from tool0.requests.motion import DeletePose, GoToPose, ListPoses, MoveJoints, SavePose
 from tool0.requests.objects import ReadContacts
 from tool0.requests.sensors import ListCameras
-from tool0.requests.state import ReadInfo, ReadLinkPose, ReadSummary, SimulationInfo
-from tool0.requests.time import (
+from tool0.requests.state import (
     EmergencyStop,
     Pause,
+    ReadInfo,
+    ReadLinkPose,
+    ReadSummary,
     Reset,
     Resume,
     Run,
     SetSpeed,
+    SimulationInfo,
     Step,
 )
 from tool0.runtime.simulation import only_part

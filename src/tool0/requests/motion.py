@@ -1,19 +1,28 @@
-"""Requests that move joints through their controllers, and the goals they start."""
+"""Requests to controllers and their manager, and the goals that they start."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Generic
 
 from msgspec import Meta, Struct, field
 
+from tool0.control.config import ControllerConfig
+from tool0.control.controller_types import ControllerSpec
 from tool0.control.goal import Goal, GoalStatus, ToleranceOverride
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.manager import ControllerStatus, Strictness
+from tool0.control.trajectory import (
+    JointsMotion,
+    TrajectoryGoal,
+    TrajectoryPoint,
+    TrajectoryState,
+)
 from tool0.errors import ControlError
 from tool0.hardware.drive_limits import DriveLimits
 from tool0.requests.table import (
     JointPositions,
     Name,
     Request,
+    Response,
     SpeedScale,
     answer,
     handles,
@@ -34,8 +43,8 @@ class GoalStarted(Struct, frozen=True, kw_only=True):
     controller: str
 
 
-class FollowTrajectory(Request[GoalStarted], frozen=True):
-    """Send a trajectory as a goal, as ROS's action does; no points stop the motion."""
+class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
+    """What every request with a trajectory has."""
 
     unchecked = ("points", "path_tolerance", "goal_tolerance")
 
@@ -47,6 +56,11 @@ class FollowTrajectory(Request[GoalStarted], frozen=True):
     """The controller's, if left out."""
     stamp: float | None = None
     """Simulated time at which the trajectory starts [s]; now, if left out."""
+
+
+class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):
+    """Send a trajectory as a goal, as ROS's action does; no points stop the motion."""
+
     path_tolerance: Tolerances = field(default_factory=dict)
     """Joint → largest error on the way [rad | m]; below 0 disables the check."""
     goal_tolerance: Tolerances = field(default_factory=dict)
@@ -55,17 +69,10 @@ class FollowTrajectory(Request[GoalStarted], frozen=True):
     """Grace after the last point [s]; below 0 disables the check."""
 
 
-class CommandTrajectory(Request[None], frozen=True):
+class CommandTrajectory(_OfTrajectory[None], frozen=True):
     """Send a trajectory without a goal; no points stop the motion."""
 
-    unchecked = ("points",)
-
-    controller: Name
     points: Points = ()
-    joint_names: tuple[str, ...] | None = None
-    """The controller's, if left out."""
-    stamp: float | None = None
-    """Simulated time at which the trajectory starts [s]; now, if left out."""
 
 
 class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
@@ -261,3 +268,100 @@ handles(DeletePose)(lambda sim, request: sim.poses.delete(request.name))
 def _go(simulation: Simulation, request: GoToPose) -> tuple[GoalStarted, ...]:
     positions = dict(simulation.poses.find(request.name).positions)
     return answer(simulation, MoveJoints(positions=positions, speed=request.speed))
+
+
+# ---- the controllers themselves -----------------------------------------------------
+
+Names = Annotated[tuple[Name, ...], Meta(max_length=100)]
+
+
+class ListControllers(Request[tuple[ControllerStatus, ...]], frozen=True):
+    """Every loaded controller with its state and claims."""
+
+
+class LoadController(Request[None], frozen=True):
+    """Load a controller that the bring-up's configuration defines."""
+
+    name: Name
+
+
+class LoadControllerWith(Request[None], frozen=True):
+    """Load a controller with parameters of its own."""
+
+    unchecked = ("config",)
+
+    name: Name
+    config: ControllerConfig
+
+
+class UnloadController(Request[None], frozen=True):
+    """Unload a controller that is not running."""
+
+    name: Name
+
+
+class SwitchControllers(Request[None], frozen=True):
+    """Stop and start controllers at one instant."""
+
+    start: Names = ()
+    stop: Names = ()
+    strict: bool = True
+    """Whether one impossible change refuses all; otherwise it is skipped."""
+
+
+class ReadController(Request[TrajectoryState], frozen=True):
+    """Desired, actual and error of a trajectory controller."""
+
+    controller: Name
+
+
+class QueryState(Request[JointsMotion], frozen=True):
+    """The setpoint of a trajectory controller at a time."""
+
+    controller: Name
+    time: float | None = None
+    """Simulated time [s]; now, if left out."""
+
+
+class ReadControllerSpec(Request[ControllerSpec], frozen=True):
+    """The parameters that a controller was loaded with."""
+
+    controller: Name
+
+
+handles(ListControllers)(lambda sim, _: sim.snapshot.controllers)
+handles(LoadController, in_tick=True)(
+    lambda sim, request: sim.core.manager.load(request.name)
+)
+handles(LoadControllerWith, in_tick=True, local=True)(
+    lambda sim, request: sim.core.manager.load(request.name, request.config)
+)
+handles(UnloadController, in_tick=True)(
+    lambda sim, request: sim.core.manager.unload(request.name)
+)
+
+
+@handles(SwitchControllers, in_tick=True)
+def _switch(simulation: Simulation, request: SwitchControllers) -> None:
+    core = simulation.core
+    strictness = Strictness.STRICT if request.strict else Strictness.BEST_EFFORT
+    core.manager.switch(request.start, request.stop, strictness, core.state)
+
+
+handles(ReadController, in_tick=True, publishes=False)(
+    lambda sim, request: (
+        sim.core.trajectory_controller(request.controller).setpoint().state()
+    )
+)
+
+
+@handles(QueryState, in_tick=True, publishes=False)
+def _query(simulation: Simulation, request: QueryState) -> JointsMotion:
+    core = simulation.core
+    time = core.time if request.time is None else request.time
+    return core.trajectory_controller(request.controller).query_state(time)
+
+
+handles(ReadControllerSpec, in_tick=True, publishes=False, local=True)(
+    lambda sim, request: sim.core.manager.spec(request.controller)
+)

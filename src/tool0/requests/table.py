@@ -128,8 +128,7 @@ def load_all() -> None:
     """Import every module that declares requests of our own."""
     from importlib import import_module
 
-    modules = "arm controllers gripper motion objects sensors state time"
-    for module in modules.split():
+    for module in ("arm", "gripper", "motion", "objects", "sensors", "state"):
         import_module(f"tool0.requests.{module}")
 
 

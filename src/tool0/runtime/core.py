@@ -99,15 +99,14 @@ class Core:
         """Start a trajectory goal; ``bounds`` hold until a joint's next goal."""
         trajectory = self._drivable(controller, JointTrajectoryController)
         accepted = trajectory.follow(goal, self.time)
-        self._set_drive_limits(controller, goal.joint_names, bounds)
+        self._note_command(controller, goal.joint_names, bounds)
         return self._started(accepted)
 
     def command_trajectory(self, controller: str, goal: TrajectoryGoal) -> None:
         """Follow a trajectory without a goal, as ROS's topic does."""
         trajectory = self._drivable(controller, JointTrajectoryController)
         trajectory.command(goal, self.time)
-        self._set_drive_limits(controller, goal.joint_names)
-        self._note_commanded(controller)
+        self._note_command(controller, goal.joint_names)
 
     def move_joints(
         self, positions: Mapping[str, float], speed: float, controller: str | None
@@ -127,7 +126,7 @@ class Core:
             plan = planned_motion(trajectory, targets, speed=speed, now=self.time)
             planned.append((trajectory, plan))
         for name, targets in moves.items():
-            self._set_drive_limits(name, targets)
+            self._note_command(name, targets)
         return tuple(
             self._started(trajectory.follow_plan(plan, self.time))
             for trajectory, plan in planned
@@ -173,8 +172,7 @@ class Core:
         trajectory = self._drivable(controller, JointTrajectoryController)
         plan = planned_motion(trajectory, positions, speed=speed, now=self.time)
         trajectory.command_plan(plan, self.time)
-        self._set_drive_limits(controller, positions)
-        self._note_commanded(controller)
+        self._note_command(controller, positions)
 
     def command_gripper(
         self,
@@ -187,16 +185,15 @@ class Core:
         gripper = self._drivable(controller, GripperActionController)
         goal = gripper.command(position, max_effort, self.time, bounds)
         joint = gripper.spec.joint.name
-        self._set_drive_limits(controller, (joint,), {joint: bounds})
+        self._note_command(controller, (joint,), {joint: bounds})
         return self._started(goal)
 
     def command_joints(self, controller: str, values: tuple[float, ...]) -> None:
         """Set the setpoints of a forwarding controller, in its joints' order."""
         forward = self._drivable(controller, ForwardCommandController)
         forward.command(values)
-        self._set_drive_limits(controller)
+        self._note_command(controller)
         self.manager.release_brakes(controller, self.state)
-        self._note_commanded(controller)
 
     def cancel(self, goal: Goal) -> None:
         """Stop the motion of an active goal; one that has ended is left alone."""
@@ -273,27 +270,23 @@ class Core:
             )
         return self._running(name, kind)
 
-    def _set_drive_limits(
+    def _note_command(
         self,
         controller: str,
         joints: Collection[str] | None = None,
         bounds: Mapping[str, DriveLimits | None] | None = None,
     ) -> None:
-        """Limit the drives that a goal moves, and lift the limits of earlier goals.
+        """Note a command; limit the drives it moves, and lift the limits of others.
 
         ``joints`` are those that the goal names; None for all of the controller.
         """
         for _, claimed in self.manager.status(controller).claimed:
+            self._commanded.update(claimed)
             for joint in claimed:
                 if joints is None or joint in joints:
                     self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))
 
-    def _note_commanded(self, controller: str) -> None:
-        for _, joints in self.manager.status(controller).claimed:
-            self._commanded.update(joints)
-
     def _started(self, goal: Goal) -> Goal:
-        self._note_commanded(goal.controller)
         self.when_goal_starts(goal)
         return goal
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, final
 
 from tool0.errors import ControlError, did_you_mean
 from tool0.requests.arm import MoveLinear, MoveTo
-from tool0.requests.controllers import SwitchControllers
 from tool0.requests.gripper import Grip
 from tool0.requests.motion import (
     CommandTrajectory,
@@ -15,9 +14,10 @@ from tool0.requests.motion import (
     GoToPose,
     MoveJoints,
     SteerJoints,
+    SwitchControllers,
 )
+from tool0.requests.state import EmergencyStop, Reset
 from tool0.requests.table import Request, answer
-from tool0.requests.time import EmergencyStop, Reset
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
