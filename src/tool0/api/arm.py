@@ -10,14 +10,7 @@ from tool0.api.channel import Channel
 from tool0.api.controller import GoalHandle
 from tool0.description.transform import Pose, Transform
 from tool0.kinematics.inverse import Branch, Solution
-from tool0.requests.arm import (
-    ArmInfo,
-    MoveLinear,
-    MoveTo,
-    ReadBranch,
-    ReadToolPose,
-    SolveInverseKinematics,
-)
+from tool0.requests import arm
 from tool0.requests.table import plain
 
 if TYPE_CHECKING:
@@ -38,7 +31,7 @@ class Arm:
     the controller do not add up over many motions.
     """
 
-    def __init__(self, info: ArmInfo, channel: Channel) -> None:
+    def __init__(self, info: arm.ArmInfo, channel: Channel) -> None:
         self.name = info.name
         self.joint_names: tuple[str, ...] = info.joint_names
         """Its six joints, from the base on."""
@@ -69,7 +62,7 @@ class Arm:
     @property
     def branch(self) -> Branch:
         """The kind of posture in which it stands, of eight."""
-        return self._channel.call(ReadBranch(arm=self.name))
+        return self._channel.call(arm.ReadBranch(arm=self.name))
 
     def pose(
         self,
@@ -80,7 +73,7 @@ class Arm:
     ) -> Transform:
         """Return the measured pose of the tool."""
         return self._channel.call(
-            ReadToolPose(
+            arm.ReadToolPose(
                 arm=self.name, tip=tip, tool=_sendable(tool), relative_to=relative_to
             )
         )
@@ -114,7 +107,7 @@ class Arm:
             ControlError: If the arm is not built like a UR.
         """
         return self._channel.call(
-            SolveInverseKinematics(
+            arm.SolveInverseKinematics(
                 arm=self.name,
                 pose=_sendable(pose),
                 tip=tip,
@@ -149,7 +142,7 @@ class Arm:
             ControlError: If no running JointTrajectoryController has the arm's joints,
                 or it refuses; nothing moves then.
         """
-        request = MoveTo(
+        request = arm.MoveTo(
             arm=self.name,
             pose=_sendable(pose),
             speed=speed,
@@ -189,7 +182,7 @@ class Arm:
             ControlError: If the arm is moving, if it is there already, if no running
                 JointTrajectoryController has the arm's joints, or it refuses.
         """
-        request = MoveLinear(
+        request = arm.MoveLinear(
             arm=self.name,
             pose=_sendable(pose),
             speed=speed,

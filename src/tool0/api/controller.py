@@ -11,20 +11,8 @@ from tool0.control.goal import GoalStatus, Result, ToleranceOverride
 from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
 from tool0.description.model import ParallelGripper
 from tool0.errors import GoalTimeoutError
+from tool0.requests import motion
 from tool0.requests.gripper import Grip, ReadGripper
-from tool0.requests.motion import (
-    CancelGoal,
-    CommandGripper,
-    CommandJoints,
-    CommandTrajectory,
-    FollowTrajectory,
-    GoalStarted,
-    MoveJoints,
-    QueryState,
-    ReadController,
-    ReadControllerSpec,
-    SteerJoints,
-)
 from tool0.sensing.grasp import GraspState
 
 
@@ -32,7 +20,7 @@ from tool0.sensing.grasp import GraspState
 class GoalHandle:
     """A goal that a controller accepted: wait for it, or cancel it."""
 
-    def __init__(self, started: GoalStarted, channel: Channel) -> None:
+    def __init__(self, started: motion.GoalStarted, channel: Channel) -> None:
         self._number = started.goal
         self._goal = channel.goal(started)
         self._channel = channel
@@ -72,7 +60,7 @@ class GoalHandle:
     def cancel(self) -> None:
         """Stop as ROS does: ramp down, and the goal is PREEMPTED."""
         if self._goal.result is None:
-            self._channel.call(CancelGoal(goal=self._number))
+            self._channel.call(motion.CancelGoal(goal=self._number))
 
     def when_finished(self, callback: Callable[[GoalHandle], None]) -> None:
         """Call ``callback(handle)`` when the goal ends, or now if it has ended.
@@ -117,7 +105,7 @@ class ControllerHandle:
         Raises:
             GoalRejectedError: If the controller refuses; its motion continues.
         """
-        request = FollowTrajectory(
+        request = motion.FollowTrajectory(
             controller=self.name,
             points=tuple(points),
             joint_names=None if joint_names is None else tuple(joint_names),
@@ -136,7 +124,7 @@ class ControllerHandle:
         stamp: float | None = None,
     ) -> None:
         """Send a trajectory without a goal, as the ``command`` topic does."""
-        request = CommandTrajectory(
+        request = motion.CommandTrajectory(
             controller=self.name,
             points=tuple(points),
             joint_names=None if joint_names is None else tuple(joint_names),
@@ -165,7 +153,7 @@ class ControllerHandle:
             GoalRejectedError: If a joint is not the controller's, or a position is out
                 of its limits; the controller's motion continues.
         """
-        request = MoveJoints(
+        request = motion.MoveJoints(
             positions=dict(positions),
             speed=speed,
             duration=duration,
@@ -181,14 +169,16 @@ class ControllerHandle:
         velocity and acceleration stay continuous.
         """
         self._channel.call(
-            SteerJoints(controller=self.name, positions=dict(positions), speed=speed)
+            motion.SteerJoints(
+                controller=self.name, positions=dict(positions), speed=speed
+            )
         )
 
     def command_gripper(
         self, position: float, max_effort: float | None = None
     ) -> GoalHandle:
         """Send a gripper goal in joint units: [rad | m] and [N·m | N]."""
-        request = CommandGripper(
+        request = motion.CommandGripper(
             controller=self.name, position=position, max_effort=max_effort
         )
         return GoalHandle(self._channel.call(request), self._channel)
@@ -196,24 +186,24 @@ class ControllerHandle:
     def command(self, values: float | Sequence[float]) -> None:
         """Send the setpoints of a forwarding controller, in its joints' order."""
         given = tuple(values) if isinstance(values, Sequence) else (values,)
-        self._channel.call(CommandJoints(controller=self.name, values=given))
+        self._channel.call(motion.CommandJoints(controller=self.name, values=given))
 
     def query_state(self, time: float | None = None) -> JointsMotion:
         """Return the setpoint of a trajectory controller at simulated ``time`` [s].
 
         The present one, if it is left out.
         """
-        return self._channel.call(QueryState(controller=self.name, time=time))
+        return self._channel.call(motion.QueryState(controller=self.name, time=time))
 
     @property
     def state(self) -> TrajectoryState:
         """Desired, actual and error of a trajectory controller."""
-        return self._channel.call(ReadController(controller=self.name))
+        return self._channel.call(motion.ReadController(controller=self.name))
 
     @property
     def spec(self) -> ControllerSpec:
         """The parameters it was loaded with; not from another process."""
-        return self._channel.call(ReadControllerSpec(controller=self.name))
+        return self._channel.call(motion.ReadControllerSpec(controller=self.name))
 
     def __repr__(self) -> str:
         return f"ControllerHandle({self.name!r})"

@@ -28,14 +28,7 @@ from tool0.errors import (
 from tool0.hardware.engine import ObjectState
 from tool0.requests.objects import ObjectInfo, info_of, object_of
 from tool0.requests.sensors import Picture, image_of, picture_of
-from tool0.requests.table import (
-    Entry,
-    Request,
-    entries,
-    entry_of,
-    method_name,
-    plain,
-)
+from tool0.requests.table import Entry, Request, entries, entry_of, method_name, plain
 from tool0.sensing.cameras import CameraImage
 from tool0.sensing.snapshot import JointSetpoint, Snapshot
 

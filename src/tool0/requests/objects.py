@@ -7,12 +7,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from tool0.description.scene import (
-    DEFAULT_FRICTION,
-    PALETTE,
-    STILL_RGBA,
-    SceneObject,
-)
+from tool0.description.scene import DEFAULT_FRICTION, PALETTE, STILL_RGBA, SceneObject
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere, mesh
 from tool0.description.transform import Pose, to_transform
 from tool0.errors import ConfigError

@@ -15,11 +15,7 @@ from tool0.requests.table import Name, Request, Response, Vector3, handles
 from tool0.runtime.loop import POLL_PERIOD
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.cameras import CameraImage
-from tool0.sensing.force_torque import (
-    DEFAULT_CUTOFF,
-    ForceTorqueSensor,
-    WrenchReading,
-)
+from tool0.sensing.force_torque import DEFAULT_CUTOFF, ForceTorqueSensor, WrenchReading
 
 
 class ListCameras(Request[tuple[Camera, ...]], frozen=True):
