@@ -10,8 +10,7 @@ from typing import Any, get_args
 import msgspec
 
 from tool0.interfaces.panel.protocol import ViewMessage
-from tool0.requests.codec import Reply
-from tool0.requests.messages import EventMessage, Hello
+from tool0.requests.codec import EventMessage, Hello, Reply
 from tool0.requests.table import entries
 
 SCHEMA = Path(__file__).parent.parent / "web" / "protocol.schema.json"

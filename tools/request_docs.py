@@ -18,16 +18,12 @@ from tool0.requests.table import Entry, entries
 
 DOCUMENT = Path(__file__).parent.parent / "docs" / "requests.md"
 TITLES = {
-    "state": "State",
-    "streams": "Streams",
-    "motion": "Motion and goals",
+    "state": "State, streams, time and safety",
+    "motion": "Motion, goals, named poses and controllers",
     "gripper": "Gripper",
     "arm": "Arm",
-    "controllers": "Controllers",
-    "poses": "Named poses",
     "objects": "Objects and contacts",
     "sensors": "Cameras and force-torque sensors",
-    "time": "Time and safety",
     "view": "Robot without physics (`tool0 view`)",
 }
 HEAD = """\
@@ -137,15 +133,18 @@ def _json(value: object) -> str:
     return "unset" if value is msgspec.UNSET else msgspec.json.encode(value).decode()
 
 
-def _field_docs(kind: Any) -> dict[str, str]:
-    """Return what stands below each field in the source of its class."""
+def _field_docs(kind: type) -> dict[str, str]:
+    """Return what stands below each field in the source of its class, or of a base."""
     found: dict[str, str] = {}
-    tree = ast.parse(textwrap.dedent(inspect.getsource(kind)))
-    body = tree.body[0].body  # type: ignore[attr-defined]
-    for field, after in zip(body, [*body[1:], None], strict=True):
-        if isinstance(field, ast.AnnAssign) and isinstance(after, ast.Expr):
-            text = getattr(after.value, "value", "")
-            found[field.target.id] = _text(text)  # type: ignore[union-attr]
+    for parent in reversed(kind.__mro__):
+        if not parent.__module__.startswith("tool0."):
+            continue
+        tree = ast.parse(textwrap.dedent(inspect.getsource(parent)))
+        body = tree.body[0].body  # type: ignore[attr-defined]
+        for field, after in zip(body, [*body[1:], None], strict=True):
+            if isinstance(field, ast.AnnAssign) and isinstance(after, ast.Expr):
+                text = getattr(after.value, "value", "")
+                found[field.target.id] = _text(text)  # type: ignore[union-attr]
     return found
 
 

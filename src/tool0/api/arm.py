@@ -10,14 +10,7 @@ from tool0.api.channel import Channel
 from tool0.api.controller import GoalHandle
 from tool0.description.transform import Pose, Transform
 from tool0.kinematics.inverse import Branch, Solution
-from tool0.requests.arm import (
-    ArmInfo,
-    MoveLinear,
-    MoveTo,
-    ReadBranch,
-    ReadToolPose,
-    SolveInverseKinematics,
-)
+from tool0.requests import arm
 from tool0.requests.table import plain
 
 if TYPE_CHECKING:
@@ -38,7 +31,7 @@ class Arm:
     the controller do not add up over many motions.
     """
 
-    def __init__(self, info: ArmInfo, channel: Channel) -> None:
+    def __init__(self, info: arm.ArmInfo, channel: Channel) -> None:
         self.name = info.name
         self.joint_names: tuple[str, ...] = info.joint_names
         """Its six joints, from the base on."""
@@ -49,8 +42,7 @@ class Arm:
     @property
     def joints(self) -> Mapping[str, float]:
         """Measured positions [rad], from the base on."""
-        snapshot = self._channel.snapshot
-        position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
+        position = self._channel.snapshot.positions
         return {name: position[name] for name in self.joint_names}
 
     @cached_property
@@ -70,7 +62,7 @@ class Arm:
     @property
     def branch(self) -> Branch:
         """The kind of posture in which it stands, of eight."""
-        return self._channel.call(ReadBranch(arm=self.name))
+        return self._channel.call(arm.ReadBranch(arm=self.name))
 
     def pose(
         self,
@@ -81,7 +73,7 @@ class Arm:
     ) -> Transform:
         """Return the measured pose of the tool."""
         return self._channel.call(
-            ReadToolPose(
+            arm.ReadToolPose(
                 arm=self.name, tip=tip, tool=_sendable(tool), relative_to=relative_to
             )
         )
@@ -115,7 +107,7 @@ class Arm:
             ControlError: If the arm is not built like a UR.
         """
         return self._channel.call(
-            SolveInverseKinematics(
+            arm.SolveInverseKinematics(
                 arm=self.name,
                 pose=_sendable(pose),
                 tip=tip,
@@ -142,21 +134,15 @@ class Arm:
         The motion is the shortest within the joints' velocities, accelerations and
         jerks, as that of ``Robot.move_joints``; the tool's path is a curve.
 
-        Args:
-            pose: As for ``inverse_kinematics``, whose nearest solution is taken.
-            speed: Fraction of each joint's largest velocity, 0.01 … 1.
-            tip: As there.
-            tool: As there.
-            relative_to: As there.
-            near: As there.
-            branch: As there.
+        ``speed`` is a fraction of each joint's largest velocity, 0.01 … 1.  The other
+        arguments are those of ``inverse_kinematics``; its nearest solution is taken.
 
         Raises:
             UnreachableError: If no posture reaches the pose.
             ControlError: If no running JointTrajectoryController has the arm's joints,
                 or it refuses; nothing moves then.
         """
-        request = MoveTo(
+        request = arm.MoveTo(
             arm=self.name,
             pose=_sendable(pose),
             speed=speed,
@@ -185,16 +171,10 @@ class Arm:
         its velocity or acceleration.  The whole line is checked before anything moves.
         The arm must be at rest.
 
-        Args:
-            pose: As for ``inverse_kinematics``.
-            speed: Of the tool [m/s]; this and ``acceleration`` are the defaults of
-                UR's movel.
-            acceleration: Of the tool [m/s²]; the rotation gets a ramp of the same
-                duration.
-            angular_speed: Of the tool [rad/s].
-            tip: As for ``inverse_kinematics``.
-            tool: As there.
-            relative_to: As there.
+        ``speed`` [m/s], ``acceleration`` [m/s²] and ``angular_speed`` [rad/s] are those
+        of the tool; the first two default to those of UR's movel, and the rotation
+        gets a ramp of the same duration.  The other arguments are those of
+        ``inverse_kinematics``.
 
         Raises:
             UnreachableError: If the arm cannot follow the line without a jump of its
@@ -202,7 +182,7 @@ class Arm:
             ControlError: If the arm is moving, if it is there already, if no running
                 JointTrajectoryController has the arm's joints, or it refuses.
         """
-        request = MoveLinear(
+        request = arm.MoveLinear(
             arm=self.name,
             pose=_sendable(pose),
             speed=speed,

@@ -11,6 +11,7 @@ from tool0.control.goal import Goal
 from tool0.errors import ControlError
 from tool0.requests.motion import GoalStarted
 from tool0.requests.table import Request, answer, checked
+from tool0.runtime.loop import POLL_PERIOD
 from tool0.sensing.snapshot import SNAPSHOT_PERIOD
 
 if TYPE_CHECKING:
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from tool0.sensing.snapshot import Snapshot
 
 R = TypeVar("R")
-
-POLL_PERIOD = 0.05
-"""Longest wall time between checks whether the simulation still runs [s]."""
 
 
 class Channel(Protocol):
@@ -59,11 +57,7 @@ class Channel(Protocol):
         """Let time pass until ``goal`` ends, as ``wait_until`` does."""
 
     def subscribe(self, rate: float | None = None) -> Subscription:
-        """Return a reader of snapshots and events.
-
-        Args:
-            rate: Snapshots per simulated second, up to 500 [Hz]; 125 if left out.
-        """
+        """Return a reader of snapshots and events at ``rate`` [Hz]."""
 
     def close(self) -> None:
         """End the simulation, or the connection to it."""

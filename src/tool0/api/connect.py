@@ -8,7 +8,7 @@ import math
 import socket
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from functools import cached_property
@@ -31,23 +31,17 @@ from tool0.description.catalogue import RobotDescription
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.errors import Tool0Error, TransportError
-from tool0.requests.codec import (
-    PROTOCOL,
-    ErrorInfo,
-    Reply,
-    SnapshotMessage,
-    decode_response,
-    encode_request,
-    error_of,
-    result_of,
-    snapshot_of,
-)
-from tool0.requests.messages import Fault, GoalEnded, Hello, LateTicks, ResetDone
+from tool0.requests import codec
 from tool0.requests.motion import GoalStarted
-from tool0.requests.state import ReadDescription, ReadSnapshot
-from tool0.requests.streams import Subscribe, Unsubscribe
+from tool0.requests.state import (
+    ReadDescription,
+    ReadSnapshot,
+    Run,
+    Step,
+    Subscribe,
+    Unsubscribe,
+)
 from tool0.requests.table import Request, checked, method_name
-from tool0.requests.time import Run, Step
 from tool0.runtime.bus import (
     Bus,
     Faulted,
@@ -56,7 +50,7 @@ from tool0.runtime.bus import (
     Subscription,
     WasReset,
 )
-from tool0.runtime.goals import GOALS_KEPT
+from tool0.runtime.simulation import GOALS_KEPT
 from tool0.sensing.snapshot import Snapshot
 
 R = TypeVar("R")
@@ -99,11 +93,11 @@ class SocketChannel:
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
         self._sending = threading.Lock()
-        self._pending: dict[int, Future[Reply]] = {}
+        self._pending: dict[int, Future[codec.Reply]] = {}
         self._goals: dict[int, Goal] = {}
         self._bus = Bus()
         self._failure: TransportError | None = None
-        self._hello: Future[Hello] = Future()
+        self._hello: Future[codec.Hello] = Future()
         self._reader = threading.Thread(
             target=self._read, name="tool0-connection", daemon=True
         )
@@ -139,24 +133,25 @@ class SocketChannel:
         """
         request = checked(request)
         number = next(self._numbers)
-        line = encode_request(number, request) + b"\n"
+        line = codec.encode_request(number, request) + b"\n"
         if len(line) > MAX_REQUEST:
             raise TransportError(
                 f"a request of {len(line)} bytes is longer than {MAX_REQUEST}; "
                 "send fewer waypoints"
             )
-        future: Future[Reply] = Future()
+        future: Future[codec.Reply] = Future()
         with self._lock:
             if self._failure is not None:
                 raise self._failure
             self._pending[number] = future
         self._send(line)
-        method = method_name(type(request))
-        reply = self._awaited(future, _timeout(request), method)
+        # What lets time pass answers when it has passed.
+        timeout = None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
+        reply = self._awaited(future, timeout, method_name(type(request)))
         if not isinstance(reply.error, UnsetType):
-            raise error_of(reply.error)
+            raise codec.error_of(reply.error)
         result = b"null" if isinstance(reply.result, UnsetType) else reply.result
-        response: R = decode_response(request, Raw(result))
+        response: R = codec.decode_response(request, Raw(result))
         return response
 
     def goal(self, started: GoalStarted) -> Goal:
@@ -194,12 +189,12 @@ class SocketChannel:
             self._reader.join()
         self._peer.close()
 
-    def _greeted(self) -> Hello:
+    def _greeted(self) -> codec.Hello:
         hello = self._awaited(self._hello, ANSWER_TIMEOUT, "hello")
-        if hello.protocol != PROTOCOL:
+        if hello.protocol != codec.PROTOCOL:
             raise TransportError(
                 f"this bring-up speaks protocol {hello.protocol}, the client "
-                f"{PROTOCOL}; run both from the same version of tool0"
+                f"{codec.PROTOCOL}; run both from the same version of tool0"
             )
         return hello
 
@@ -240,27 +235,27 @@ class SocketChannel:
 
     def _take(self, message: Message) -> None:
         match message:
-            case Reply(id=int(number)):
+            case codec.Reply(id=int(number)):
                 with self._lock:
                     future = self._pending.pop(number, None)
                 if future is not None:
                     future.set_result(message)
-            case Reply(error=ErrorInfo() as error):
-                raise error_of(error)
-            case SnapshotMessage():
-                self._bus.publish(snapshot_of(message, self._bus.latest))
-            case GoalEnded(goal=int(number)):
+            case codec.Reply(error=codec.ErrorInfo() as error):
+                raise codec.error_of(error)
+            case codec.SnapshotMessage():
+                self._bus.publish(codec.snapshot_of(message, self._bus.latest))
+            case codec.GoalEnded(goal=int(number)):
                 goal = self._goal(number, message.controller)
                 if not goal.status.is_terminal:
-                    goal.finish(result_of(message.outcome))
+                    goal.finish(codec.result_of(message.outcome))
                     self._bus.announce(GoalFinished(goal))
-            case Fault(message=text, time=at):
+            case codec.Fault(message=text, time=at):
                 self._bus.announce(Faulted(text, at))
-            case ResetDone(time=at):
+            case codec.ResetDone(time=at):
                 self._bus.announce(WasReset(at))
-            case LateTicks(count=count, time=at):
+            case codec.LateTicks(count=count, time=at):
                 self._bus.announce(Overran(count, at))
-            case Hello():
+            case codec.Hello():
                 self._hello.set_result(message)
 
     def _goal(self, number: int, controller: str) -> Goal:
@@ -284,13 +279,8 @@ class SocketChannel:
                 future.set_exception(failure)
 
 
-Message = Hello | Reply | SnapshotMessage | GoalEnded | Fault | ResetDone | LateTicks
+Message = codec.Hello | codec.Reply | codec.SnapshotMessage | codec.EventMessage
 _decoder: Final = msgspec.json.Decoder(Message)
-
-
-def _timeout(request: Request[Any]) -> float | None:
-    """Return how long an answer may take [wall s]; None for what lets time pass."""
-    return None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
 
 
 def _connect(name: str) -> socket.socket:
@@ -307,14 +297,10 @@ def _connect(name: str) -> socket.socket:
             raise TransportError(f"cannot reach {path}: {error}") from None
         else:
             return peer
-    raise TransportError(_nobody_there(name, paths))
-
-
-def _nobody_there(name: str, paths: Sequence[Path]) -> str:
     others = [other for other in running_names() if other != name]
     hint = (
         f"running: {', '.join(others)} (use --name)"
         if others
         else "start one with `tool0 bringup`"
     )
-    return f"no bringup named '{name}' is running ({paths[0]}); {hint}"
+    raise TransportError(f"no bringup named '{name}' is running ({paths[0]}); {hint}")

@@ -1,4 +1,4 @@
-"""Handles on a loaded controller and on a goal that it accepted."""
+"""Handles on a controller, on a goal that it accepted, and on a gripper."""
 
 from __future__ import annotations
 
@@ -9,25 +9,18 @@ from tool0.api.channel import Channel
 from tool0.control.controller_types import ControllerSpec
 from tool0.control.goal import GoalStatus, Result, ToleranceOverride
 from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
+from tool0.description.model import ParallelGripper
 from tool0.errors import GoalTimeoutError
-from tool0.requests.controllers import QueryState, ReadController, ReadControllerSpec
-from tool0.requests.motion import (
-    CancelGoal,
-    CommandGripper,
-    CommandJoints,
-    CommandTrajectory,
-    FollowTrajectory,
-    GoalStarted,
-    MoveJoints,
-    SteerJoints,
-)
+from tool0.requests import motion
+from tool0.requests.gripper import Grip, ReadGripper
+from tool0.sensing.grasp import GraspState
 
 
 @final
 class GoalHandle:
     """A goal that a controller accepted: wait for it, or cancel it."""
 
-    def __init__(self, started: GoalStarted, channel: Channel) -> None:
+    def __init__(self, started: motion.GoalStarted, channel: Channel) -> None:
         self._number = started.goal
         self._goal = channel.goal(started)
         self._channel = channel
@@ -67,7 +60,7 @@ class GoalHandle:
     def cancel(self) -> None:
         """Stop as ROS does: ramp down, and the goal is PREEMPTED."""
         if self._goal.result is None:
-            self._channel.call(CancelGoal(goal=self._number))
+            self._channel.call(motion.CancelGoal(goal=self._number))
 
     def when_finished(self, callback: Callable[[GoalHandle], None]) -> None:
         """Call ``callback(handle)`` when the goal ends, or now if it has ended.
@@ -112,7 +105,7 @@ class ControllerHandle:
         Raises:
             GoalRejectedError: If the controller refuses; its motion continues.
         """
-        request = FollowTrajectory(
+        request = motion.FollowTrajectory(
             controller=self.name,
             points=tuple(points),
             joint_names=None if joint_names is None else tuple(joint_names),
@@ -131,7 +124,7 @@ class ControllerHandle:
         stamp: float | None = None,
     ) -> None:
         """Send a trajectory without a goal, as the ``command`` topic does."""
-        request = CommandTrajectory(
+        request = motion.CommandTrajectory(
             controller=self.name,
             points=tuple(points),
             joint_names=None if joint_names is None else tuple(joint_names),
@@ -160,7 +153,7 @@ class ControllerHandle:
             GoalRejectedError: If a joint is not the controller's, or a position is out
                 of its limits; the controller's motion continues.
         """
-        request = MoveJoints(
+        request = motion.MoveJoints(
             positions=dict(positions),
             speed=speed,
             duration=duration,
@@ -176,14 +169,16 @@ class ControllerHandle:
         velocity and acceleration stay continuous.
         """
         self._channel.call(
-            SteerJoints(controller=self.name, positions=dict(positions), speed=speed)
+            motion.SteerJoints(
+                controller=self.name, positions=dict(positions), speed=speed
+            )
         )
 
     def command_gripper(
         self, position: float, max_effort: float | None = None
     ) -> GoalHandle:
         """Send a gripper goal in joint units: [rad | m] and [N·m | N]."""
-        request = CommandGripper(
+        request = motion.CommandGripper(
             controller=self.name, position=position, max_effort=max_effort
         )
         return GoalHandle(self._channel.call(request), self._channel)
@@ -191,24 +186,111 @@ class ControllerHandle:
     def command(self, values: float | Sequence[float]) -> None:
         """Send the setpoints of a forwarding controller, in its joints' order."""
         given = tuple(values) if isinstance(values, Sequence) else (values,)
-        self._channel.call(CommandJoints(controller=self.name, values=given))
+        self._channel.call(motion.CommandJoints(controller=self.name, values=given))
 
     def query_state(self, time: float | None = None) -> JointsMotion:
         """Return the setpoint of a trajectory controller at simulated ``time`` [s].
 
         The present one, if it is left out.
         """
-        return self._channel.call(QueryState(controller=self.name, time=time))
+        return self._channel.call(motion.QueryState(controller=self.name, time=time))
 
     @property
     def state(self) -> TrajectoryState:
         """Desired, actual and error of a trajectory controller."""
-        return self._channel.call(ReadController(controller=self.name))
+        return self._channel.call(motion.ReadController(controller=self.name))
 
     @property
     def spec(self) -> ControllerSpec:
         """The parameters it was loaded with; not from another process."""
-        return self._channel.call(ReadControllerSpec(controller=self.name))
+        return self._channel.call(motion.ReadControllerSpec(controller=self.name))
 
     def __repr__(self) -> str:
         return f"ControllerHandle({self.name!r})"
+
+
+@final
+class Gripper:
+    """Moves one parallel gripper through the controller that claims its joint."""
+
+    def __init__(self, geometry: ParallelGripper, channel: Channel) -> None:
+        self.geometry = geometry
+        self._channel = channel
+
+    @property
+    def name(self) -> str:
+        return self.geometry.name
+
+    @property
+    def opening(self) -> float:
+        """Distance between the pads [m], 0 closed."""
+        snapshot = self._channel.snapshot
+        index = snapshot.joint_names.index(self.geometry.joint)
+        return max(0.0, self.geometry.opening(snapshot.position[index]))
+
+    @property
+    def state(self) -> GraspState:
+        """Whether it moves, has arrived or holds something, and how wide that is.
+
+        Computed from the last tenth of a second.
+        """
+        return self._channel.call(ReadGripper(gripper=self.name))
+
+    def wait(self, timeout: float | None = None) -> GraspState:
+        """Wait until it no longer moves, and return its state then.
+
+        A change of force alone is no motion: it takes no time here.  ``timeout`` is as
+        for ``GoalHandle.wait``.
+
+        Raises:
+            GoalTimeoutError: If it still moves then.
+        """
+        state = self.state
+
+        def stands_still() -> bool:
+            nonlocal state
+            state = self.state
+            return state.motion != "moving"
+
+        if not self._channel.wait_until(stands_still, timeout):
+            raise GoalTimeoutError(f"the gripper still moves after {timeout} s")
+        return state
+
+    def move(
+        self,
+        *,
+        opening: float | None = None,
+        position: float | None = None,
+        speed: float | None = None,
+        force: float | None = None,
+        effort: float | None = None,
+    ) -> GoalHandle:
+        """Move the pads to ``opening`` and return the goal.
+
+        Speed and force are settings of the drive, as on the real gripper: they hold
+        until another goal moves its joint.
+
+        Args:
+            opening: Distance between the pads [m], 0 … ``geometry.max_opening``.
+            position: Instead of an opening: position of the driven joint [rad].
+            speed: Of the pads relative to each other [m/s], within
+                ``geometry.speed``; the fastest, if left out.
+            force: Largest force at each pad [N], within ``geometry.force``: an object
+                in between is gripped with it.  The strongest, if left out.
+            effort: Instead of a force: largest torque of the driven joint [N·m], as
+                ``max_effort`` of ROS's GripperCommand.
+
+        Raises:
+            ModelError: If the opening is out of reach.
+            ControlError: If speed, force or effort are out of range, or no running
+                controller takes the command; nothing has changed then.
+        """
+        request = Grip(
+            gripper=self.name,
+            opening=opening,
+            position=position,
+            speed=speed,
+            force=force,
+            effort=effort,
+        )
+        return GoalHandle(self._channel.call(request), self._channel)

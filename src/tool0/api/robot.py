@@ -2,43 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
+from msgspec.structs import asdict
+
 from tool0.api.channel import Channel, LocalChannel
-from tool0.api.controller import ControllerHandle, GoalHandle
-from tool0.api.gripper import Gripper
+from tool0.api.controller import ControllerHandle, GoalHandle, Gripper
 from tool0.api.scene import SceneHandle
 from tool0.api.sensors import CameraHandle, ForceTorque
 from tool0.control.controller_types import TYPES
 from tool0.description.model import JointLimits
 from tool0.errors import ControlError, RenderError, did_you_mean
+from tool0.requests import motion, state
 from tool0.requests.arm import ListArms
-from tool0.requests.controllers import (
-    ListControllers,
-    LoadController,
-    LoadControllerWith,
-    SwitchControllers,
-    UnloadController,
-)
-from tool0.requests.motion import MoveJoints
 from tool0.requests.objects import ReadContacts
-from tool0.requests.poses import DeletePose, GoToPose, ListPoses, SavePose
 from tool0.requests.sensors import ListCameras
-from tool0.requests.state import ReadInfo, ReadLinkPose, ReadSummary, SimulationInfo
-from tool0.requests.time import (
-    EmergencyStop,
-    Pause,
-    Reset,
-    Resume,
-    Run,
-    SetSpeed,
-    Step,
-)
+from tool0.runtime.simulation import only_part
 
 if TYPE_CHECKING:
     from tool0.api.arm import Arm
@@ -85,9 +68,9 @@ class Robot(AbstractContextManager["Robot"]):
     # ---- state ----------------------------------------------------------------------
 
     @cached_property
-    def info(self) -> SimulationInfo:
+    def info(self) -> state.SimulationInfo:
         """What does not change: engine, period, ground, limits, YAML."""
-        return self.channel.call(ReadInfo())
+        return self.channel.call(state.ReadInfo())
 
     @property
     def description(self) -> RobotDescription:
@@ -107,13 +90,9 @@ class Robot(AbstractContextManager["Robot"]):
     @property
     def joint_limits(self) -> Mapping[str, JointLimits]:
         """Limits of each driven joint: the URDF's, or those of the YAML."""
-        infinity = math.inf
         return {
             name: JointLimits(
-                lower=-infinity if limits.lower is None else limits.lower,
-                upper=infinity if limits.upper is None else limits.upper,
-                velocity=infinity if limits.velocity is None else limits.velocity,
-                effort=infinity if limits.effort is None else limits.effort,
+                **{k: v for k, v in asdict(limits).items() if v is not None}
             )
             for name, limits in self.info.joint_limits.items()
         }
@@ -162,7 +141,7 @@ class Robot(AbstractContextManager["Robot"]):
         names = snapshot.joint_names
         return JointValues(
             time=snapshot.time,
-            position=dict(zip(names, snapshot.position, strict=True)),
+            position=snapshot.positions,
             velocity=dict(zip(names, snapshot.velocity, strict=True)),
             effort=dict(zip(names, snapshot.effort, strict=True)),
         )
@@ -178,17 +157,17 @@ class Robot(AbstractContextManager["Robot"]):
 
     def pose(self, link: str, relative_to: str | None = None) -> Transform:
         """Return the frame of ``link`` in ``relative_to``, the root if left out."""
-        return self.channel.call(ReadLinkPose(link=link, relative_to=relative_to))
+        return self.channel.call(state.ReadLinkPose(link=link, relative_to=relative_to))
 
     def summary(self) -> dict[str, Any]:
         """Return the run so far as plain values that JSON can hold."""
-        return self.channel.call(ReadSummary())
+        return self.channel.call(state.ReadSummary())
 
     # ---- controllers ----------------------------------------------------------------
 
     def controllers(self) -> tuple[ControllerStatus, ...]:
         """Return every loaded controller with its state and claims."""
-        return self.channel.call(ListControllers())
+        return self.channel.call(motion.ListControllers())
 
     @staticmethod
     def controller_types() -> tuple[str, ...]:
@@ -207,13 +186,13 @@ class Robot(AbstractContextManager["Robot"]):
     def load(self, name: str, config: ControllerConfig | None = None) -> None:
         """Load a controller that the configuration defines, or ``config`` instead."""
         if config is None:
-            self.channel.call(LoadController(name=name))
+            self.channel.call(motion.LoadController(name=name))
         else:
-            self.channel.call(LoadControllerWith(name=name, config=config))
+            self.channel.call(motion.LoadControllerWith(name=name, config=config))
 
     def unload(self, name: str) -> None:
         """Unload a controller that is not running."""
-        self.channel.call(UnloadController(name=name))
+        self.channel.call(motion.UnloadController(name=name))
 
     def switch(
         self,
@@ -233,7 +212,9 @@ class Robot(AbstractContextManager["Robot"]):
             ControlError: If the manager refuses; nothing has changed then.
         """
         self.channel.call(
-            SwitchControllers(start=tuple(start), stop=tuple(stop), strict=strict)
+            motion.SwitchControllers(
+                start=tuple(start), stop=tuple(stop), strict=strict
+            )
         )
 
     # ---- motion ---------------------------------------------------------------------
@@ -261,7 +242,9 @@ class Robot(AbstractContextManager["Robot"]):
             ControlError: If no such controller claims a joint, or one of them refuses;
                 nothing moves then.
         """
-        request = MoveJoints(positions=dict(positions), speed=speed, duration=duration)
+        request = motion.MoveJoints(
+            positions=dict(positions), speed=speed, duration=duration
+        )
         goals = self.channel.call(request)
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
@@ -271,7 +254,7 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ConfigError: If the file of saved poses cannot be read.
         """
-        return self.channel.call(ListPoses())
+        return self.channel.call(motion.ListPoses())
 
     def save_pose(self, name: str) -> None:
         """Save the measured positions of the driven joints under ``name``.
@@ -280,15 +263,15 @@ class Robot(AbstractContextManager["Robot"]):
             ControlError: If it is the name of one of the robot's own poses, or none.
             ConfigError: If the file of saved poses cannot be read or written.
         """
-        self.channel.call(SavePose(name=name))
+        self.channel.call(motion.SavePose(name=name))
 
     def delete_pose(self, name: str) -> None:
         """Delete a saved pose, or raise ControlError."""
-        self.channel.call(DeletePose(name=name))
+        self.channel.call(motion.DeletePose(name=name))
 
     def go_to_pose(self, name: str, *, speed: float = 0.5) -> tuple[GoalHandle, ...]:
         """Move every joint of a pose there, as ``move_joints`` does."""
-        goals = self.channel.call(GoToPose(name=name, speed=speed))
+        goals = self.channel.call(motion.GoToPose(name=name, speed=speed))
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
     # ---- parts ----------------------------------------------------------------------
@@ -304,12 +287,7 @@ class Robot(AbstractContextManager["Robot"]):
     @property
     def gripper(self) -> Gripper:
         """The robot's gripper, if it has exactly one."""
-        if len(self.grippers) != 1:
-            names = ", ".join(self.grippers) or "none"
-            raise ControlError(
-                f"'gripper' needs exactly one gripper, this robot has: {names}"
-            )
-        return next(iter(self.grippers.values()))
+        return only_part(self.grippers, "gripper", self.description.model)
 
     @cached_property
     def arms(self) -> Mapping[str, Arm]:
@@ -322,33 +300,17 @@ class Robot(AbstractContextManager["Robot"]):
     @property
     def arm(self) -> Arm:
         """The robot's arm, if it has exactly one: poses, inverse kinematics, motion."""
-        if len(self.arms) == 1:
-            return next(iter(self.arms.values()))
-        if self.arms:
-            raise ControlError(
-                f"'arm' needs exactly one arm, this robot has: {', '.join(self.arms)}; "
-                "use arms[name]"
-            )
-        from tool0.kinematics.chain import why_no_arm
-
-        why = why_no_arm(self.description.model)
-        raise ControlError(f"this robot has no arm that poses could be given to: {why}")
+        return only_part(self.arms, "arm", self.description.model)
 
     @property
     def force_torque(self) -> ForceTorque:
         """What the tool exerts on ``tool0``, if the robot has one link of that name."""
-        sensor = ForceTorque(None, self.channel)
-        _ = sensor.rate  # ControlError, if there is no such link
-        return sensor
+        return self.force_torque_of(None)
 
-    def force_torque_of(self, link: str) -> ForceTorque:
-        """Return what ``link`` and all beyond it exert on what carries it.
-
-        Raises:
-            ModelError: If there is no such link.
-        """
+    def force_torque_of(self, link: str | None) -> ForceTorque:
+        """Return what ``link`` and all beyond it exert; ModelError if there is none."""
         sensor = ForceTorque(link, self.channel)
-        _ = sensor.rate
+        _ = sensor.rate  # ModelError or ControlError, if there is no such link
         return sensor
 
     @cached_property
@@ -368,23 +330,23 @@ class Robot(AbstractContextManager["Robot"]):
 
     def run(self, duration: float) -> None:
         """Let ``duration`` simulated seconds pass."""
-        self.channel.call(Run(duration=duration))
+        self.channel.call(state.Run(duration=duration))
 
     def pause(self) -> None:
         """Hold simulated time."""
-        self.channel.call(Pause())
+        self.channel.call(state.Pause())
 
     def resume(self) -> None:
         """Let simulated time run."""
-        self.channel.call(Resume())
+        self.channel.call(state.Resume())
 
     def step(self, ticks: int = 1) -> None:
         """Run ``ticks`` control periods while paused."""
-        self.channel.call(Step(ticks=ticks))
+        self.channel.call(state.Step(ticks=ticks))
 
     def set_speed(self, factor: float) -> None:
         """Run at ``factor`` times real time."""
-        self.channel.call(SetSpeed(factor=factor))
+        self.channel.call(state.SetSpeed(factor=factor))
 
     def reset(
         self,
@@ -401,14 +363,16 @@ class Robot(AbstractContextManager["Robot"]):
             position: Joint → position instead of the initial one [rad | m].
             keep_time: Whether simulated time continues; otherwise it is zero again.
         """
-        self.channel.call(Reset(position=dict(position or {}), keep_time=keep_time))
+        self.channel.call(
+            state.Reset(position=dict(position or {}), keep_time=keep_time)
+        )
 
     def emergency_stop(self, engaged: bool = True) -> None:
         """Brake every joint at once, or release the brakes.
 
         Goals are PREEMPTED; after the release the controllers hold where they are.
         """
-        self.channel.call(EmergencyStop(engaged=engaged))
+        self.channel.call(state.EmergencyStop(engaged=engaged))
 
     def close(self) -> None:
         """End the simulation, or the connection to it; closing twice is allowed."""

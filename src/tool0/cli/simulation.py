@@ -9,7 +9,7 @@ import tyro
 from tool0.cli.connection import DEFAULT, Bringup
 from tool0.cli.text import columns
 from tool0.errors import ConfigError
-from tool0.requests.time import EmergencyStop
+from tool0.requests.state import EmergencyStop
 
 Names = Annotated[tuple[str, ...], tyro.conf.Positional]
 

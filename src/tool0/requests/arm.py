@@ -1,10 +1,4 @@
-"""Requests to an arm, by poses of its tool.
-
-Poses are those of ``tool`` in link ``tip`` (of ``tip`` itself, if left out; of the
-arm's flange, if that is left out too) in the frame of link ``relative_to`` (of the
-robot's root, if left out).  The start of a motion is the commanded posture: errors of
-the controller do not add up over many motions.
-"""
+"""Requests to an arm, by poses of its tool."""
 
 from __future__ import annotations
 
@@ -18,9 +12,8 @@ from tool0.description.forward_kinematics import link_poses
 from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
 from tool0.kinematics.inverse import Branch, Solution
-from tool0.requests.fields import JointPositions, SpeedScale
 from tool0.requests.motion import GoalStarted, follow, started
-from tool0.requests.table import Request, Response, handles
+from tool0.requests.table import JointPositions, Request, Response, SpeedScale, handles
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -80,11 +73,7 @@ class ReadBranch(Request[Branch], frozen=True):
 
 
 class SolveInverseKinematics(_OfTool[tuple[Solution, ...]], frozen=True, kw_only=True):
-    """The postures that put the tool at a pose, the nearest first.
-
-    One for each branch, with the whole turns that bring every joint nearest to
-    ``near`` within its limits.  Collisions are not considered.
-    """
+    """The postures that put the tool at a pose: one per branch, nearest first."""
 
     pose: AnyPose
     near: JointPositions = field(default_factory=dict)
@@ -94,10 +83,7 @@ class SolveInverseKinematics(_OfTool[tuple[Solution, ...]], frozen=True, kw_only
 
 
 class MoveTo(_OfTool[GoalStarted], frozen=True, kw_only=True):
-    """Move the tool to a pose, the joints as fast as their limits allow.
-
-    The tool's path is a curve; the nearest posture is taken.
-    """
+    """Move the tool to a pose along a curve, the joints as fast as allowed."""
 
     pose: AnyPose
     speed: SpeedScale = 0.5
@@ -106,11 +92,7 @@ class MoveTo(_OfTool[GoalStarted], frozen=True, kw_only=True):
 
 
 class MoveLinear(_OfTool[GoalStarted], frozen=True, kw_only=True):
-    """Move the tool to a pose along a straight line, from rest.
-
-    It rotates about one axis meanwhile, and slows down where a joint would exceed its
-    velocity or acceleration.  The whole line is checked before anything moves.
-    """
+    """Move the tool to a pose along a straight line that was checked before."""
 
     pose: AnyPose
     speed: Annotated[float, Meta(gt=0.0)] = 0.25
@@ -136,7 +118,7 @@ def _pose(simulation: Simulation, request: ReadToolPose) -> Transform:
     from tool0.description.transform import from_matrix
 
     chain, model = simulation.arm(request.arm), simulation.description.model
-    found = link_poses(model, _measured(simulation))
+    found = link_poses(model, simulation.snapshot.positions)
     T_tip_tool = from_matrix(_tool(simulation, chain, request))
     T_root_tool = found[chain.tip] @ T_tip_tool
     if request.relative_to is None:
@@ -148,7 +130,7 @@ def _pose(simulation: Simulation, request: ReadToolPose) -> Transform:
 def _branch(simulation: Simulation, request: ReadBranch) -> Branch:
     import numpy as np
 
-    chain, measured = simulation.arm(request.arm), _measured(simulation)
+    chain, measured = simulation.arm(request.arm), simulation.snapshot.positions
     q = np.array([measured[name] for name in chain.joint_names])
     return _kinematics(chain).branch(q)
 
@@ -207,7 +189,7 @@ def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
     start = np.array([standing[name] for name in chain.joint_names])
     T_tip_tool = _tool(simulation, chain, request)
     T_base_tip = chain.forward(start[None]).T_base_tip[0]
-    positions = {**_measured(simulation), **standing}
+    positions = {**simulation.snapshot.positions, **standing}
     end = _in_base(simulation, chain, request, positions)
     T_root_base = link_poses(model, positions)[chain.base].matrix
     line = LinePath(T_base_tip @ T_tip_tool, end, T_tip_tool, T_root_base)
@@ -228,11 +210,6 @@ def _kinematics(chain: ArmChain) -> InverseKinematics:
     return InverseKinematics(chain)
 
 
-def _measured(simulation: Simulation) -> dict[str, float]:
-    snapshot = simulation.snapshot
-    return dict(zip(snapshot.joint_names, snapshot.position, strict=True))
-
-
 def _controller(simulation: Simulation, chain: ArmChain) -> str:
     """Return the running trajectory controller of the arm's joints."""
     for status in simulation.snapshot.controllers:
@@ -251,7 +228,7 @@ def _controller(simulation: Simulation, chain: ArmChain) -> str:
 
 def _commanded(simulation: Simulation, chain: ArmChain) -> Mapping[str, float]:
     """Return the positions of all joints: the arm's as commanded, if they are."""
-    measured, core = _measured(simulation), simulation.core
+    measured, core = simulation.snapshot.positions, simulation.core
     try:
         name = _controller(simulation, chain)
         state = simulation.loop.call(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any, Final, NamedTuple, final
+from typing import Any, Final, Literal, NamedTuple, final
 
 import msgspec
 from msgspec import UNSET, Raw, Struct, UnsetType
@@ -28,14 +28,7 @@ from tool0.errors import (
 from tool0.hardware.engine import ObjectState
 from tool0.requests.objects import ObjectInfo, info_of, object_of
 from tool0.requests.sensors import Picture, image_of, picture_of
-from tool0.requests.table import (
-    Entry,
-    Request,
-    entries,
-    entry_of,
-    method_name,
-    plain,
-)
+from tool0.requests.table import Entry, Request, entries, entry_of, method_name, plain
 from tool0.sensing.cameras import CameraImage
 from tool0.sensing.snapshot import JointSetpoint, Snapshot
 
@@ -201,6 +194,59 @@ def snapshot_of(message: SnapshotMessage, before: Snapshot | None = None) -> Sna
     )
 
 
+# ---- messages besides replies and snapshots --------------------------------------
+
+Mode = Literal["simulation", "view"]
+
+
+class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
+    """The first message of the server."""
+
+    protocol: int
+    version: str
+    """Of tool0."""
+    name: str
+    """Of the bring-up."""
+    pid: int
+    mode: Mode
+    """``view`` is a robot without physics and controllers."""
+
+
+class GoalEnded(Struct, frozen=True, kw_only=True, tag="goal_finished"):
+    """A goal ended: to the connection that started it, and to subscribers."""
+
+    goal: int | None
+    """Its number; null for a goal that no request started."""
+    controller: str
+    outcome: Outcome
+
+
+class Fault(Struct, frozen=True, kw_only=True, tag="fault"):
+    """The physics or a controller failed: the simulation waits for a reset."""
+
+    message: str
+    time: float
+    """Simulated [s]."""
+
+
+class ResetDone(Struct, frozen=True, kw_only=True, tag="reset"):
+    """Robot and objects are where they started."""
+
+    time: float
+    """Simulated time, which may have continued [s]."""
+
+
+class LateTicks(Struct, frozen=True, kw_only=True, tag="overrun"):
+    """Ticks began late within the last second of wall time."""
+
+    count: int
+    time: float
+    """Simulated [s]."""
+
+
+EventMessage = GoalEnded | Fault | ResetDone | LateTicks
+
+
 # ---- requests and replies ------------------------------------------------------------
 
 
@@ -280,7 +326,7 @@ def decode_request(text: bytes | str) -> tuple[int | str | None, Request[Any]]:
         problem = f"unknown method '{method[:_SHOWN]}'{near}"
         raise RequestReadError(envelope.id, TransportError(problem))
     try:
-        return envelope.id, _params_decoder(entry.request).decode(envelope.params)
+        return envelope.id, _decoder(entry.request).decode(envelope.params)
     except (msgspec.DecodeError, RecursionError, Tool0Error) as error:
         raise RequestReadError(
             envelope.id, _explained(entry, envelope.params, error)
@@ -314,11 +360,6 @@ def decode_response(request: Request[Any], result: Raw) -> Any:
 
 @cache
 def _decoder(kind: Any) -> Any:
-    return msgspec.json.Decoder(kind)
-
-
-@cache
-def _params_decoder(kind: type[Request[Any]]) -> Any:
     return msgspec.json.Decoder(kind)
 
 

@@ -12,9 +12,8 @@ from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError, ModelError
 from tool0.hardware.drive_limits import DriveLimits
-from tool0.requests.fields import Name
 from tool0.requests.motion import GoalStarted, follow, started
-from tool0.requests.table import Request, handles
+from tool0.requests.table import Name, Request, handles
 from tool0.runtime.gripper_motion import opening_motion
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.grasp import GraspState, judge, wanted_openings
@@ -25,11 +24,7 @@ squeezing [m]."""
 
 
 class Grip(Request[GoalStarted], frozen=True):
-    """Move the pads of a gripper to an opening.
-
-    Speed and force are settings of the drive, as on the real gripper: they hold until
-    another goal moves its joint.
-    """
+    """Move the pads of a gripper to an opening."""
 
     gripper: Name | None = None
     """The robot's only one, if left out."""
@@ -86,9 +81,9 @@ def _grip(simulation: Simulation, request: Grip) -> GoalStarted:
     )
 
 
-@handles(ReadGripper)
-def _read(simulation: Simulation, request: ReadGripper) -> GraspState:
-    return judge(simulation.gripper(request.gripper), simulation.bus.history())
+handles(ReadGripper)(
+    lambda sim, request: judge(sim.gripper(request.gripper), sim.bus.history())
+)
 
 
 def _opening(gripper: ParallelGripper, request: Grip) -> float:

@@ -1,18 +1,34 @@
-"""Requests that move joints through their controllers, and the goals they start."""
+"""Requests to controllers and their manager, and the goals that they start."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Generic
 
 from msgspec import Meta, Struct, field
 
+from tool0.control.config import ControllerConfig
+from tool0.control.controller_types import ControllerSpec
 from tool0.control.goal import Goal, GoalStatus, ToleranceOverride
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.manager import ControllerStatus, Strictness
+from tool0.control.trajectory import (
+    JointsMotion,
+    TrajectoryGoal,
+    TrajectoryPoint,
+    TrajectoryState,
+)
 from tool0.errors import ControlError
 from tool0.hardware.drive_limits import DriveLimits
-from tool0.requests.fields import JointPositions, Name, SpeedScale
-from tool0.requests.table import Request, handles
+from tool0.requests.table import (
+    JointPositions,
+    Name,
+    Request,
+    Response,
+    SpeedScale,
+    answer,
+    handles,
+)
 from tool0.runtime.joint_motion import import_planner
+from tool0.runtime.poses import NamedPose
 from tool0.runtime.simulation import Simulation
 
 Points = tuple[TrajectoryPoint, ...]
@@ -27,11 +43,8 @@ class GoalStarted(Struct, frozen=True, kw_only=True):
     controller: str
 
 
-class FollowTrajectory(Request[GoalStarted], frozen=True):
-    """Send a trajectory as a goal, as ROS's FollowJointTrajectory action does.
-
-    No points stop the motion.
-    """
+class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
+    """What every request with a trajectory has."""
 
     unchecked = ("points", "path_tolerance", "goal_tolerance")
 
@@ -43,6 +56,11 @@ class FollowTrajectory(Request[GoalStarted], frozen=True):
     """The controller's, if left out."""
     stamp: float | None = None
     """Simulated time at which the trajectory starts [s]; now, if left out."""
+
+
+class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):
+    """Send a trajectory as a goal, as ROS's action does; no points stop the motion."""
+
     path_tolerance: Tolerances = field(default_factory=dict)
     """Joint → largest error on the way [rad | m]; below 0 disables the check."""
     goal_tolerance: Tolerances = field(default_factory=dict)
@@ -51,28 +69,14 @@ class FollowTrajectory(Request[GoalStarted], frozen=True):
     """Grace after the last point [s]; below 0 disables the check."""
 
 
-class CommandTrajectory(Request[None], frozen=True):
-    """Send a trajectory without a goal, as ROS's ``command`` topic does.
+class CommandTrajectory(_OfTrajectory[None], frozen=True):
+    """Send a trajectory without a goal; no points stop the motion."""
 
-    No points stop the motion.
-    """
-
-    unchecked = ("points",)
-
-    controller: Name
     points: Points = ()
-    joint_names: tuple[str, ...] | None = None
-    """The controller's, if left out."""
-    stamp: float | None = None
-    """Simulated time at which the trajectory starts [s]; now, if left out."""
 
 
 class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
-    """Move joints smoothly by the running trajectory controllers that claim them.
-
-    There is a goal for each controller concerned.  Their other joints continue to
-    where they are going.
-    """
+    """Move joints smoothly; there is a goal for each trajectory controller."""
 
     positions: JointPositions
     speed: SpeedScale = 0.5
@@ -84,11 +88,7 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
 
 
 class SteerJoints(Request[None], frozen=True):
-    """Move joints of a trajectory controller smoothly, without a goal.
-
-    It is made for streams of setpoints: position, velocity and acceleration stay
-    continuous however often it is sent.
-    """
+    """Move joints of a trajectory controller smoothly, as streams of setpoints do."""
 
     controller: Name
     positions: JointPositions
@@ -212,16 +212,156 @@ def _command_gripper(simulation: Simulation, request: CommandGripper) -> GoalSta
     return started(simulation, goal)
 
 
-@handles(CommandJoints, in_tick=True)
-def _command_joints(simulation: Simulation, request: CommandJoints) -> None:
-    simulation.core.command_joints(request.controller, request.values)
+handles(CommandJoints, in_tick=True)(
+    lambda sim, request: sim.core.command_joints(request.controller, request.values)
+)
+handles(CancelGoal, in_tick=True)(
+    lambda sim, request: sim.core.cancel(sim.goals.find(request.goal))
+)
+handles(ReadGoal)(lambda sim, request: sim.goals.find(request.goal).status)
 
 
-@handles(CancelGoal, in_tick=True)
-def _cancel(simulation: Simulation, request: CancelGoal) -> None:
-    simulation.core.cancel(simulation.goals.find(request.goal))
+# ---- named poses ------------------------------------------------------------------
 
 
-@handles(ReadGoal)
-def _read_goal(simulation: Simulation, request: ReadGoal) -> GoalStatus:
-    return simulation.goals.find(request.goal).status
+class ListPoses(Request[dict[str, NamedPose]], frozen=True):
+    """The robot's own poses and the saved ones, by name."""
+
+
+class SavePose(Request[None], frozen=True):
+    """Save the measured positions of the driven joints on the simulation's machine."""
+
+    name: Name
+
+
+class DeletePose(Request[None], frozen=True):
+    """Delete a saved pose; the robot's own poses stay."""
+
+    name: Name
+
+
+class GoToPose(Request[tuple[GoalStarted, ...]], frozen=True):
+    """Move every joint of a named pose there, as ``MoveJoints`` does."""
+
+    name: Name
+    speed: SpeedScale = 0.5
+
+
+handles(ListPoses)(lambda sim, _: dict(sim.poses.all()))
+
+
+@handles(SavePose)
+def _save_pose(simulation: Simulation, request: SavePose) -> None:
+    model, position = simulation.description.model, simulation.snapshot.positions
+    driven = [item.joint for item in model.transmissions]
+    joints = model.joint_by_name
+    simulation.poses.save(
+        request.name,
+        {joint: joints[joint].limits.clamp(position[joint]) for joint in driven},
+    )
+
+
+handles(DeletePose)(lambda sim, request: sim.poses.delete(request.name))
+
+
+@handles(GoToPose)
+def _go(simulation: Simulation, request: GoToPose) -> tuple[GoalStarted, ...]:
+    positions = dict(simulation.poses.find(request.name).positions)
+    return answer(simulation, MoveJoints(positions=positions, speed=request.speed))
+
+
+# ---- the controllers themselves -----------------------------------------------------
+
+Names = Annotated[tuple[Name, ...], Meta(max_length=100)]
+
+
+class ListControllers(Request[tuple[ControllerStatus, ...]], frozen=True):
+    """Every loaded controller with its state and claims."""
+
+
+class LoadController(Request[None], frozen=True):
+    """Load a controller that the bring-up's configuration defines."""
+
+    name: Name
+
+
+class LoadControllerWith(Request[None], frozen=True):
+    """Load a controller with parameters of its own."""
+
+    unchecked = ("config",)
+
+    name: Name
+    config: ControllerConfig
+
+
+class UnloadController(Request[None], frozen=True):
+    """Unload a controller that is not running."""
+
+    name: Name
+
+
+class SwitchControllers(Request[None], frozen=True):
+    """Stop and start controllers at one instant."""
+
+    start: Names = ()
+    stop: Names = ()
+    strict: bool = True
+    """Whether one impossible change refuses all; otherwise it is skipped."""
+
+
+class ReadController(Request[TrajectoryState], frozen=True):
+    """Desired, actual and error of a trajectory controller."""
+
+    controller: Name
+
+
+class QueryState(Request[JointsMotion], frozen=True):
+    """The setpoint of a trajectory controller at a time."""
+
+    controller: Name
+    time: float | None = None
+    """Simulated time [s]; now, if left out."""
+
+
+class ReadControllerSpec(Request[ControllerSpec], frozen=True):
+    """The parameters that a controller was loaded with."""
+
+    controller: Name
+
+
+handles(ListControllers)(lambda sim, _: sim.snapshot.controllers)
+handles(LoadController, in_tick=True)(
+    lambda sim, request: sim.core.manager.load(request.name)
+)
+handles(LoadControllerWith, in_tick=True, local=True)(
+    lambda sim, request: sim.core.manager.load(request.name, request.config)
+)
+handles(UnloadController, in_tick=True)(
+    lambda sim, request: sim.core.manager.unload(request.name)
+)
+
+
+@handles(SwitchControllers, in_tick=True)
+def _switch(simulation: Simulation, request: SwitchControllers) -> None:
+    core = simulation.core
+    strictness = Strictness.STRICT if request.strict else Strictness.BEST_EFFORT
+    core.manager.switch(request.start, request.stop, strictness, core.state)
+
+
+handles(ReadController, in_tick=True, publishes=False)(
+    lambda sim, request: (
+        sim.core.trajectory_controller(request.controller).setpoint().state()
+    )
+)
+
+
+@handles(QueryState, in_tick=True, publishes=False)
+def _query(simulation: Simulation, request: QueryState) -> JointsMotion:
+    core = simulation.core
+    time = core.time if request.time is None else request.time
+    return core.trajectory_controller(request.controller).query_state(time)
+
+
+handles(ReadControllerSpec, in_tick=True, publishes=False, local=True)(
+    lambda sim, request: sim.core.manager.spec(request.controller)
+)

@@ -7,18 +7,21 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from tool0.description.scene import (
-    DEFAULT_FRICTION,
-    PALETTE,
-    STILL_RGBA,
-    SceneObject,
-)
+from tool0.description.scene import DEFAULT_FRICTION, PALETTE, STILL_RGBA, SceneObject
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere, mesh
 from tool0.description.transform import Pose, to_transform
 from tool0.errors import ConfigError
 from tool0.hardware.engine import Contact, ObjectState
-from tool0.requests.fields import RGBA, Length, Name, Place, Quaternion, Vector3
-from tool0.requests.table import Request, handles
+from tool0.requests.table import (
+    RGBA,
+    Length,
+    Name,
+    Place,
+    Quaternion,
+    Request,
+    Vector3,
+    handles,
+)
 from tool0.runtime.simulation import Simulation
 
 MOST_OBJECTS = 500
@@ -189,9 +192,9 @@ def _add(simulation: Simulation, request: AddObject) -> None:
     simulation.loop.call(lambda: simulation.core.scene.spawn(item))
 
 
-@handles(RemoveObject, in_tick=True)
-def _remove(simulation: Simulation, request: RemoveObject) -> None:
-    simulation.core.scene.delete(request.name)
+handles(RemoveObject, in_tick=True)(
+    lambda sim, request: sim.core.scene.delete(request.name)
+)
 
 
 @handles(PlaceObject, in_tick=True)
@@ -204,6 +207,6 @@ def _place(simulation: Simulation, request: PlaceObject) -> None:
     simulation.core.scene.place(state)
 
 
-@handles(ReadContacts, in_tick=True, publishes=False)
-def _contacts(simulation: Simulation, request: ReadContacts) -> tuple[Contact, ...]:
-    return simulation.core.engine.world.contacts()
+handles(ReadContacts, in_tick=True, publishes=False)(
+    lambda sim, _: sim.core.engine.world.contacts()
+)

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import time
 import zlib
-from typing import Annotated, Generic
+from typing import Annotated, Any, Generic
 
 from msgspec import Meta, Struct
 
 from tool0.description.camera import Camera
 from tool0.description.transform import Transform
 from tool0.errors import ControlError
-from tool0.requests.fields import Name, Vector3
-from tool0.requests.table import Request, Response, handles
+from tool0.requests.table import Name, Request, Response, Vector3, handles
+from tool0.runtime.loop import POLL_PERIOD
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.cameras import CameraImage
-from tool0.sensing.force_torque import DEFAULT_CUTOFF, WrenchReading
-
-POLL_PERIOD = 0.05  # [wall s] between checks whether the loop still runs
+from tool0.sensing.force_torque import DEFAULT_CUTOFF, ForceTorqueSensor, WrenchReading
 
 
 class ListCameras(Request[tuple[Camera, ...]], frozen=True):
@@ -120,15 +118,10 @@ def image_of(picture: Picture) -> CameraImage:
     )
 
 
-@handles(ListCameras)
-def _list(simulation: Simulation, request: ListCameras) -> tuple[Camera, ...]:
-    return tuple(simulation.cameras.values())
-
-
-@handles(TakePicture)
-def _picture(simulation: Simulation, request: TakePicture) -> CameraImage:
-    cameras = simulation.cameras
-    return cameras.render(cameras[request.camera])
+handles(ListCameras)(lambda sim, _: tuple(sim.cameras.values()))
+handles(TakePicture)(
+    lambda sim, request: sim.cameras.render(sim.cameras[request.camera])
+)
 
 
 @handles(StartForceTorque)
@@ -137,36 +130,27 @@ def _start(simulation: Simulation, request: StartForceTorque) -> float:
     return sensors.start(sensors.link(request.link), request.rate, request.cutoff)
 
 
-@handles(StopForceTorque)
-def _stop(simulation: Simulation, request: StopForceTorque) -> None:
+def _sensor(simulation: Simulation, request: _OfLink[Any]) -> ForceTorqueSensor:
+    """Return the sensor of a request; the first request starts it."""
     sensors = simulation.force_torque
-    sensors.stop(sensors.link(request.link))
+    return sensors.sensor(sensors.link(request.link))
 
 
-@handles(ReadForceTorqueRate)
-def _rate(simulation: Simulation, request: ReadForceTorqueRate) -> float:
-    sensors = simulation.force_torque
-    return sensors.rate(sensors.link(request.link))
-
-
-@handles(TareForceTorque)
-def _tare(simulation: Simulation, request: TareForceTorque) -> None:
-    sensors = simulation.force_torque
-    sensors.sensor(sensors.link(request.link)).zero()
-
-
-@handles(ReadForceTorque)
-def _read(simulation: Simulation, request: ReadForceTorque) -> WrenchReading:
-    sensors = simulation.force_torque
-    return sensors.sensor(sensors.link(request.link)).latest()
+handles(StopForceTorque)(
+    lambda sim, request: sim.force_torque.stop(sim.force_torque.link(request.link))
+)
+handles(ReadForceTorqueRate)(
+    lambda sim, request: sim.force_torque.rate(sim.force_torque.link(request.link))
+)
+handles(TareForceTorque)(lambda sim, request: _sensor(sim, request).zero())
+handles(ReadForceTorque)(lambda sim, request: _sensor(sim, request).latest())
 
 
 @handles(ReadForceTorqueSamples)
 def _samples(
     simulation: Simulation, request: ReadForceTorqueSamples
 ) -> tuple[WrenchReading, ...]:
-    sensors, loop = simulation.force_torque, simulation.loop
-    sensor = sensors.sensor(sensors.link(request.link))
+    sensor, loop = _sensor(simulation, request), simulation.loop
     end = time.monotonic() + request.timeout
     while True:
         left = max(0.0, end - time.monotonic())

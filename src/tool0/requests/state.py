@@ -1,17 +1,18 @@
-"""Requests that read the robot: what it is, its state, its run so far."""
+"""Requests about the whole robot: state, streams, time and safety."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from dataclasses import asdict
+from typing import Annotated, Any
 
-from msgspec import Struct
+from msgspec import Meta, Struct, field
 
 from tool0.description.forward_kinematics import link_pose
 from tool0.description.transform import Transform
-from tool0.requests.fields import Name
-from tool0.requests.table import Request, handles
-from tool0.runtime.simulation import Simulation
+from tool0.errors import ControlError
+from tool0.requests.table import JointPositions, Name, Request, handles
+from tool0.runtime.simulation import MAX_SNAPSHOT_RATE, Simulation
 from tool0.sensing.snapshot import Snapshot
 
 
@@ -94,10 +95,7 @@ def _info(simulation: Simulation, request: ReadInfo) -> SimulationInfo:
         grasp_assist=simulation.grasp_assist,
         joint_limits={
             name: LimitsInfo(
-                lower=_finite(limits.lower),
-                upper=_finite(limits.upper),
-                velocity=_finite(limits.velocity),
-                effort=_finite(limits.effort),
+                **{key: _finite(value) for key, value in asdict(limits).items()}
             )
             for name, limits in simulation.joint_limits.items()
         },
@@ -119,27 +117,116 @@ def _description(simulation: Simulation, request: ReadDescription) -> Descriptio
     )
 
 
-@handles(ReadSnapshot)
-def _snapshot(simulation: Simulation, request: ReadSnapshot) -> Snapshot:
-    return simulation.snapshot
+handles(ReadSnapshot)(lambda sim, _: sim.snapshot)
 
 
 @handles(ReadLinkPose)
 def _link_pose(simulation: Simulation, request: ReadLinkPose) -> Transform:
-    snapshot = simulation.snapshot
-    position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
     return link_pose(
         simulation.description.model,
-        position,
+        simulation.snapshot.positions,
         request.link,
         relative_to=request.relative_to,
     )
 
 
-@handles(ReadSummary)
-def _summary(simulation: Simulation, request: ReadSummary) -> dict[str, Any]:
-    return simulation.summary()
+handles(ReadSummary)(lambda sim, _: sim.summary())
 
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
+
+
+class Subscribe(Request[None], frozen=True):
+    """Receive every snapshot as a ``snapshot`` message, and events as they happen.
+
+    A second request changes the rate.  A slow reader loses the oldest snapshots; the
+    next one says how many.
+    """
+
+    rate: Annotated[float, Meta(gt=0.0, le=MAX_SNAPSHOT_RATE)] = 125.0
+    """Snapshots per simulated second [Hz]: the next divisor of the control rate."""
+
+
+class Unsubscribe(Request[None], frozen=True):
+    """Receive no more snapshots and events."""
+
+
+class SubscribeView(Request[None], frozen=True):
+    """Receive ``view``, ``scene``, ``status``, ``frame`` and ``notice``: the panel.
+
+    Frames come at most 60 times a second of wall time, the newest only.
+    """
+
+
+@handles(Subscribe)
+@handles(Unsubscribe)
+@handles(SubscribeView)
+def _only_on_connections(simulation: Simulation, request: Any) -> None:
+    raise ControlError("streams are for connections; here, use robot.subscribe()")
+
+
+# ---- time and safety ----------------------------------------------------------------
+
+
+class Pause(Request[None], frozen=True):
+    """Hold simulated time."""
+
+
+class Resume(Request[None], frozen=True):
+    """Let simulated time run."""
+
+
+class Step(Request[float], frozen=True):
+    """Run control periods while paused; the response is the time then [s]."""
+
+    ticks: Annotated[int, Meta(ge=1, le=1_000_000)] = 1
+
+
+class Run(Request[None], frozen=True):
+    """Let simulated time pass; without real time this is what makes it pass."""
+
+    duration: Annotated[float, Meta(ge=0.0)]
+    """[s]"""
+
+
+class SetSpeed(Request[None], frozen=True):
+    """Change the speed of a simulation in real time."""
+
+    factor: Annotated[float, Meta(gt=0.0, le=1000.0)]
+    """Simulated seconds per wall second."""
+
+
+class Reset(Request[None], frozen=True):
+    """Return to the initial pose; goals are PREEMPTED, objects go to their start."""
+
+    position: JointPositions = field(default_factory=dict)
+    """Joint → position instead of the initial one [rad | m]."""
+    keep_time: bool = False
+    """Whether simulated time continues."""
+
+
+class EmergencyStop(Request[None], frozen=True):
+    """Brake every joint at once, or release the brakes; goals are PREEMPTED."""
+
+    engaged: bool = True
+
+
+handles(Pause, in_tick=True)(lambda sim, _: sim.loop.set_paused(True))
+handles(Resume, in_tick=True)(lambda sim, _: sim.loop.set_paused(False))
+
+
+@handles(Step, in_tick=True)
+def _step(simulation: Simulation, request: Step) -> float:
+    simulation.loop.step(request.ticks)
+    return simulation.loop.time
+
+
+handles(Run)(lambda sim, request: sim.loop.run(request.duration))
+handles(SetSpeed, in_tick=True)(lambda sim, request: sim.loop.set_speed(request.factor))
+handles(Reset, in_tick=True)(
+    lambda sim, request: sim.loop.reset(request.position, request.keep_time)
+)
+handles(EmergencyStop, in_tick=True, urgent=True)(
+    lambda sim, request: sim.core.set_stopped(request.engaged)
+)

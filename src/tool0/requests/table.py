@@ -15,9 +15,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from numbers import Integral, Real
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, final
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, TypeVar, final
 
 import msgspec
+from msgspec import Meta
 
 from tool0.errors import RequestError
 
@@ -54,7 +55,9 @@ class Entry:
     request: type[Request[Any]]
     handler: Handler
     in_tick: bool
-    """Whether the handler runs in the thread of the tick, between two ticks."""
+    """Whether the handler runs in the thread of the tick, between two ticks: quick, and
+    with the engine and the controllers at hand.  Otherwise it runs in the thread that
+    asks, and may take its time."""
     publishes: bool
     """Whether a snapshot follows, so that the next reader sees the effect."""
     is_urgent: bool
@@ -80,16 +83,9 @@ def handles(
     urgent: bool = False,
     local: bool = False,
 ) -> Callable[[Callable[[Simulation, RequestType], Any]], Handler]:
-    """Register the decorated function as the handler of ``request``.
+    """Register the decorated function as the handler of ``request``, with a new name.
 
-    Args:
-        request: The request; its name must be new.
-        in_tick: Whether to run the handler in the thread of the tick, between two
-            ticks: quick, and with the engine and the controllers at hand.  Otherwise
-            it runs in the thread that asks, and may take its time.
-        publishes: Whether a snapshot follows; as ``in_tick`` if left out.
-        urgent: Whether it overtakes waiting requests of the same connection.
-        local: Whether only this process can ask for it.
+    The options are those of ``Entry``; ``publishes`` is as ``in_tick`` if left out.
     """
     name = method_name(request)
     if name in _BY_NAME:
@@ -132,22 +128,27 @@ def load_all() -> None:
     """Import every module that declares requests of our own."""
     from importlib import import_module
 
-    for module in _MODULES:
+    for module in ("arm", "gripper", "motion", "objects", "sensors", "state"):
         import_module(f"tool0.requests.{module}")
 
 
-_MODULES = (
-    "arm",
-    "controllers",
-    "gripper",
-    "motion",
-    "objects",
-    "poses",
-    "sensors",
-    "state",
-    "streams",
-    "time",
-)
+# ---- types of fields -------------------------------------------------------------
+
+Name = Annotated[str, Meta(min_length=1, max_length=200)]
+"""Of a controller, a joint, a link, a pose …"""
+SpeedScale = Annotated[float, Meta(ge=0.01, le=1.0)]
+"""Fraction of each joint's largest velocity."""
+Vector3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+"""w, x, y, z."""
+RGBA = tuple[float, float, float, float]
+Length = Annotated[float, Meta(gt=0.0, le=1000.0)]
+"""[m]"""
+Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
+"""[m]"""
+Place = tuple[Coordinate, Coordinate, Coordinate]
+JointPositions = Annotated[dict[str, float], Meta(max_length=1000)]
+"""Joint → position [rad | m]."""
 
 
 # ---- checking ------------------------------------------------------------------------

@@ -80,8 +80,7 @@ class Subscription:
     def next(self, timeout: float | None = None) -> Snapshot | None:
         """Wait for a snapshot newer than the last one; None after ``timeout``."""
         newer = self._bus.newer_than(self._seen, timeout)
-        if newer is not None:
-            self._seen = newer
+        self._seen = newer or self._seen
         return newer
 
     def following(self, timeout: float | None = None) -> Snapshot | None:
@@ -89,9 +88,10 @@ class Subscription:
 
         No snapshot is left out unless the reader falls ``SNAPSHOTS_KEPT`` behind.
         """
-        following = self._bus.following(self._seen, timeout)
-        if following is not None:
-            self._seen = following
+        following = self._bus.newer_than(self._seen, timeout)
+        if following is not None and self._seen is not None:
+            following = self._bus.since(self._seen)[0]
+        self._seen = following or self._seen
         return following
 
     def pending(self) -> list[Snapshot]:
@@ -112,19 +112,15 @@ class Bus:
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
-        self._latest: Snapshot | None = None
+        self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
         self._history: deque[Snapshot] = deque(maxlen=HISTORY_LENGTH)
         self._subscriptions: tuple[Subscription, ...] = ()
 
-    @property
-    def latest(self) -> Snapshot | None:
-        return self._latest
-
     def history(self) -> tuple[Snapshot, ...]:
         """Return the last half second of simulated time, the newest at the end."""
         with self._changed:
-            kept, latest = tuple(self._history), self._latest
+            kept, latest = tuple(self._history), self.latest
         return kept if latest is None or kept[-1] is latest else (*kept, latest)
 
     def subscribe(
@@ -155,7 +151,7 @@ class Bus:
 
     def publish(self, snapshot: Snapshot) -> None:
         with self._changed:
-            self._latest = snapshot
+            self.latest = snapshot
             self._recent.append(snapshot)
             before = self._history[-1].time if self._history else -SNAPSHOT_PERIOD
             if not 0.0 <= snapshot.time - before < SNAPSHOT_PERIOD - _ROUNDING:
@@ -171,8 +167,8 @@ class Bus:
     ) -> Snapshot | None:
         """Return a snapshot other than ``seen``, or None after ``timeout`` [s]."""
         with self._changed:
-            self._changed.wait_for(lambda: self._latest is not seen, timeout)
-            return None if self._latest is seen else self._latest
+            self._changed.wait_for(lambda: self.latest is not seen, timeout)
+            return None if self.latest is seen else self.latest
 
     def since(self, seen: Snapshot | None) -> list[Snapshot]:
         """Return the snapshots after ``seen``, oldest first; the newest to begin with.
@@ -181,7 +177,7 @@ class Bus:
         """
         with self._changed:
             if seen is None:
-                return [] if self._latest is None else [self._latest]
+                return [] if self.latest is None else [self.latest]
             found: list[Snapshot] = []
             for snapshot in reversed(self._recent):
                 if snapshot is seen:
@@ -189,16 +185,3 @@ class Bus:
                 found.append(snapshot)
         found.reverse()
         return found
-
-    def following(
-        self, seen: Snapshot | None, timeout: float | None
-    ) -> Snapshot | None:
-        """Return the snapshot after ``seen``, or None after ``timeout`` [s].
-
-        The oldest that is kept, if ``seen`` was dropped since; the newest to begin
-        with.
-        """
-        newest = self.newer_than(seen, timeout)
-        if newest is None or seen is None:
-            return newest
-        return self.since(seen)[0]

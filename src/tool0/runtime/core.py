@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, final
+from typing import TypeVar, final
 
 from tool0.control.forward_command import ForwardCommandController
 from tool0.control.goal import Goal
@@ -25,6 +25,8 @@ from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp_assist import GraspAssist
 
+C = TypeVar("C")
+
 
 @final
 class Core:
@@ -44,16 +46,9 @@ class Core:
     ) -> None:
         """Put the robot into its initial pose.
 
-        Args:
-            model: The robot.
-            engine: The physics.
-            hardware: The drives, over the engine's joints.
-            manager: The controllers, over the drives.
-            initial_position: [rad | m], shape (n_joints,), in the engine's order.
-            scene: What the engine was made with around the robot.
-            control_period: Time between updates of the controllers [s]; a whole
-                multiple of the engine's step, and that step if left out.
-            grasp_assist: Whether to cheat: to fix to the gripper what it grips.
+        ``initial_position`` [rad | m] has shape (n_joints,), in the engine's order;
+        ``scene`` is what the engine was made with.  ``control_period`` [s] is a whole
+        multiple of the engine's step, and that step if left out.
         """
         self._model = model
         self.engine = engine
@@ -81,8 +76,7 @@ class Core:
 
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
-        state = self.state
-        engine, hardware = self.engine, self.hardware
+        state, engine, hardware = self.state, self.engine, self.hardware
         self.manager.update(state, self.control_period)
         for _ in range(self._steps_per_tick):
             before = state
@@ -102,34 +96,24 @@ class Core:
         goal: TrajectoryGoal,
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> Goal:
-        """Start a trajectory goal, as ROS's action does.
-
-        Args:
-            controller: A running JointTrajectoryController.
-            goal: The trajectory with its tolerances.
-            bounds: Joint → limits of its drive until the joint's next goal.
-        """
+        """Start a trajectory goal; ``bounds`` hold until a joint's next goal."""
         trajectory = self._drivable(controller, JointTrajectoryController)
         accepted = trajectory.follow(goal, self.time)
-        self._set_drive_limits(controller, goal.joint_names, bounds)
+        self._note_command(controller, goal.joint_names, bounds)
         return self._started(accepted)
 
     def command_trajectory(self, controller: str, goal: TrajectoryGoal) -> None:
         """Follow a trajectory without a goal, as ROS's topic does."""
         trajectory = self._drivable(controller, JointTrajectoryController)
         trajectory.command(goal, self.time)
-        self._set_drive_limits(controller, goal.joint_names)
-        self._note_commanded(controller)
+        self._note_command(controller, goal.joint_names)
 
     def move_joints(
         self, positions: Mapping[str, float], speed: float, controller: str | None
     ) -> tuple[Goal, ...]:
         """Start smooth motions of every controller concerned at one instant, or none.
 
-        Args:
-            positions: Joint → target [rad | m].
-            speed: Fraction of each joint's largest velocity.
-            controller: The controller of the joints; None for those that claim them.
+        Without a ``controller``, the joints are moved by those that claim them.
         """
         moves: Mapping[str, Mapping[str, float]]
         if controller is None:
@@ -142,7 +126,7 @@ class Core:
             plan = planned_motion(trajectory, targets, speed=speed, now=self.time)
             planned.append((trajectory, plan))
         for name, targets in moves.items():
-            self._set_drive_limits(name, targets)
+            self._note_command(name, targets)
         return tuple(
             self._started(trajectory.follow_plan(plan, self.time))
             for trajectory, plan in planned
@@ -155,11 +139,6 @@ class Core:
 
         It is a cubic that ends at rest; the controller's other joints keep their
         setpoints.
-
-        Args:
-            positions: Joint → target [rad | m].
-            duration: [s]
-            controller: The controller of the joints; None for the one that claims them.
         """
         name = controller
         if name is None:
@@ -193,8 +172,7 @@ class Core:
         trajectory = self._drivable(controller, JointTrajectoryController)
         plan = planned_motion(trajectory, positions, speed=speed, now=self.time)
         trajectory.command_plan(plan, self.time)
-        self._set_drive_limits(controller, positions)
-        self._note_commanded(controller)
+        self._note_command(controller, positions)
 
     def command_gripper(
         self,
@@ -207,16 +185,15 @@ class Core:
         gripper = self._drivable(controller, GripperActionController)
         goal = gripper.command(position, max_effort, self.time, bounds)
         joint = gripper.spec.joint.name
-        self._set_drive_limits(controller, (joint,), {joint: bounds})
+        self._note_command(controller, (joint,), {joint: bounds})
         return self._started(goal)
 
     def command_joints(self, controller: str, values: tuple[float, ...]) -> None:
         """Set the setpoints of a forwarding controller, in its joints' order."""
         forward = self._drivable(controller, ForwardCommandController)
         forward.command(values)
-        self._set_drive_limits(controller)
+        self._note_command(controller)
         self.manager.release_brakes(controller, self.state)
-        self._note_commanded(controller)
 
     def cancel(self, goal: Goal) -> None:
         """Stop the motion of an active goal; one that has ended is left alone."""
@@ -228,9 +205,7 @@ class Core:
 
     def trajectory_controller(self, name: str) -> JointTrajectoryController:
         """Return a running trajectory controller, or raise ControlError."""
-        controller: JointTrajectoryController
-        controller = self._running(name, JointTrajectoryController)
-        return controller
+        return self._running(name, JointTrajectoryController)
 
     # ---- sensors, time, safety ------------------------------------------------------
 
@@ -246,12 +221,9 @@ class Core:
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
         """Return to the initial pose changed by ``position``, objects to their start.
 
-        Args:
-            position: Joint → position [rad | m].
-            keep_time: Whether simulated time continues, as after ROS's reset_world.
+        ``keep_time`` lets simulated time continue, as after ROS's reset_world.
         """
-        start = joint_positions(self._model, position, self._initial)
-        self._start = start
+        self._start = start = joint_positions(self._model, position, self._initial)
         self.ticks = self.ticks if keep_time else 0
         self.engine.reset(start, self.time)
         self.state = self._before = self.engine.read()
@@ -278,15 +250,10 @@ class Core:
         position, initial = self.state.position, self._start
         index = self.hardware.index
         uncommanded = self.hardware.interfaces.keys() - self._commanded
-        return max(
-            (
-                abs(position[i] - initial[i])
-                for i in (index[name] for name in uncommanded)
-            ),
-            default=0.0,
-        )
+        indices = (index[name] for name in uncommanded)
+        return max((abs(position[i] - initial[i]) for i in indices), default=0.0)
 
-    def _running(self, name: str, kind: type[Any]) -> Any:
+    def _running(self, name: str, kind: type[C]) -> C:
         controller = self.manager.running(name)
         if not isinstance(controller, kind):
             raise ControlError(
@@ -295,7 +262,7 @@ class Core:
             )
         return controller
 
-    def _drivable(self, name: str, kind: type[Any]) -> Any:
+    def _drivable(self, name: str, kind: type[C]) -> C:
         """Return a controller that may move joints now."""
         if self.hardware.is_stopped:
             raise ControlError(
@@ -303,30 +270,23 @@ class Core:
             )
         return self._running(name, kind)
 
-    def _set_drive_limits(
+    def _note_command(
         self,
         controller: str,
         joints: Collection[str] | None = None,
         bounds: Mapping[str, DriveLimits | None] | None = None,
     ) -> None:
-        """Limit the drives that a goal moves, and lift the limits of earlier goals.
+        """Note a command; limit the drives it moves, and lift the limits of others.
 
-        Args:
-            controller: The controller that accepted the goal.
-            joints: The joints that the goal names; None for all of the controller.
-            bounds: Joint → limits of its drive.
+        ``joints`` are those that the goal names; None for all of the controller.
         """
         for _, claimed in self.manager.status(controller).claimed:
+            self._commanded.update(claimed)
             for joint in claimed:
                 if joints is None or joint in joints:
                     self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))
 
-    def _note_commanded(self, controller: str) -> None:
-        for _, joints in self.manager.status(controller).claimed:
-            self._commanded.update(joints)
-
     def _started(self, goal: Goal) -> Goal:
-        self._note_commanded(goal.controller)
         self.when_goal_starts(goal)
         return goal
 

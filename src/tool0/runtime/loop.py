@@ -7,6 +7,7 @@ loop's own; otherwise the thread that asks for progress, for as long as it asks.
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import queue
@@ -20,15 +21,14 @@ from typing import Any, NamedTuple, TypeVar, final
 from tool0.control.goal import Goal
 from tool0.errors import ControlError, EngineError
 from tool0.runtime.bus import Bus, Faulted, GoalFinished, Overran, WasReset
-from tool0.runtime.clock import Pacer, SpeedMeter
 from tool0.runtime.core import Core
 from tool0.sensing.grasp_assist import GraspAssist
 from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 logger = logging.getLogger(__name__)
 
-_POLL_PERIOD = 0.05  # [wall s] between checks whether the loop still runs
-
+POLL_PERIOD = 0.05
+"""Longest time between checks whether the loop still runs [wall s]."""
 
 R = TypeVar("R")
 
@@ -53,12 +53,8 @@ class Loop:
     ) -> None:
         """Publish the first snapshot; nothing runs yet.
 
-        Args:
-            core: What to step.
-            bus: Where snapshots go.
-            paused: Whether to begin paused.
-            speed: Simulated seconds per wall second; None runs only when asked, as
-                fast as possible.
+        ``speed`` is in simulated seconds per wall second; None runs only when asked, as
+        fast as possible.
         """
         self._core = core
         self._mailbox: queue.SimpleQueue[_Operation] = queue.SimpleQueue()
@@ -68,10 +64,8 @@ class Loop:
         self._pacer = Pacer(core.control_period, speed or 1.0)
         self._meter = SpeedMeter()
         self._overruns_announced = 0
-        self._default_snapshot_ticks = max(
-            1, round(SNAPSHOT_PERIOD / core.control_period)
-        )
-        self._snapshot_ticks = self._default_snapshot_ticks
+        default = max(1, round(SNAPSHOT_PERIOD / core.control_period))
+        self._default_snapshot_ticks = self._snapshot_ticks = default
         self._owner = threading.RLock()
         self._closing = False
         self._fault: Exception | None = None
@@ -80,7 +74,9 @@ class Loop:
         """Ticks since the start; unlike time, no reset sets it back."""
         self.max_drift = 0.0
         """Largest departure of an uncommanded joint from its initial pose so far."""
-        core.when_goal_starts = self._announce_when_finished
+        core.when_goal_starts = lambda goal: goal.when_finished(
+            lambda done: bus.announce(GoalFinished(done))
+        )
         self._publish()
         self._thread: threading.Thread | None = None
         if speed is not None:
@@ -114,9 +110,7 @@ class Loop:
     def call(self, operation: Callable[[], R], *, publishes: bool = True) -> R:
         """Carry out ``operation`` between two ticks, and return what it returns.
 
-        Args:
-            operation: Runs in the thread of the tick.
-            publishes: Whether a snapshot follows.
+        It runs in the thread of the tick; a snapshot follows if it ``publishes``.
 
         Raises:
             ControlError: If the simulation is closed.
@@ -132,7 +126,7 @@ class Loop:
                 finally:
                     self._owner.release()
             try:
-                return future.result(_POLL_PERIOD)
+                return future.result(POLL_PERIOD)
             except FutureTimeoutError:
                 if self._closing:
                     raise ControlError("the simulation was closed") from None
@@ -153,7 +147,7 @@ class Loop:
                 raise ControlError("the simulation is paused; resume it, or step it")
             if self._thread is not None or not self._owner.acquire(blocking=False):
                 left = (end - self.steps) * self._core.control_period
-                time.sleep(min(_POLL_PERIOD, max(left / (self._speed or 1.0), 0.0005)))
+                time.sleep(min(POLL_PERIOD, max(left / (self._speed or 1.0), 0.0005)))
                 continue
             try:
                 while self.steps < end and self._is_running and not until():
@@ -166,10 +160,8 @@ class Loop:
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
         """Let time pass until ``goal`` ends; return whether it has.
 
-        Args:
-            goal: The goal.
-            timeout: Longest wait [s]: of wall time in real time, otherwise of simulated
-                time; None for ever.
+        ``timeout`` [s] is of wall time in real time, otherwise of simulated time; None
+        waits for ever.
 
         Raises:
             EngineError: If the physics failed: the goal would never end.
@@ -182,7 +174,7 @@ class Loop:
             self.run(limit, until=lambda: goal.status.is_terminal)
             return goal.status.is_terminal
         end = time.monotonic() + limit
-        while not goal.wait(min(_POLL_PERIOD, max(0.0, end - time.monotonic()))):
+        while not goal.wait(min(POLL_PERIOD, max(0.0, end - time.monotonic()))):
             self.check()
             if not time.monotonic() < end:
                 return False
@@ -260,10 +252,10 @@ class Loop:
         with self._owner:
             while not self._closing:
                 if not self._is_running:
-                    self._answer(self._next_operation(_POLL_PERIOD))
+                    self._answer_next(POLL_PERIOD)
                     continue
                 if (wait := self._pacer.wait_time()) > 0.0:
-                    self._answer(self._next_operation(min(wait, _POLL_PERIOD)))
+                    self._answer_next(min(wait, POLL_PERIOD))
                     continue
                 self._pacer.tick()
                 self._cycle()
@@ -311,19 +303,15 @@ class Loop:
         self._bus.announce(Faulted(str(error), self._core.time))
         self._publish()
 
-    def _next_operation(self, timeout: float) -> _Operation | None:
-        try:
-            return self._mailbox.get(timeout=timeout)
-        except queue.Empty:
-            return None
+    def _answer_next(self, timeout: float) -> None:
+        with contextlib.suppress(queue.Empty):
+            self._answer(self._mailbox.get(timeout=timeout))
 
     def _drain(self) -> None:
         while not self._mailbox.empty():
             self._answer(self._mailbox.get())
 
-    def _answer(self, operation: _Operation | None) -> None:
-        if operation is None:
-            return
+    def _answer(self, operation: _Operation) -> None:
         run, future, publishes = operation
         if not future.set_running_or_notify_cancel():
             return
@@ -343,9 +331,6 @@ class Loop:
         overruns = self._pacer.overruns
         self._pacer = Pacer(self._core.control_period, self._speed or 1.0)
         self._pacer.overruns = overruns
-
-    def _announce_when_finished(self, goal: Goal) -> None:
-        goal.when_finished(lambda done: self._bus.announce(GoalFinished(done)))
 
     def _publish(self) -> None:
         core = self._core
@@ -386,3 +371,65 @@ def _checked_speed(factor: float) -> float:
     if not 0.0 < factor <= 1000.0:
         raise ControlError(f"speed must be in (0, 1000], got {factor}")
     return factor
+
+
+# ---- simulated time against the wall clock ----------------------------------------
+
+CATCH_UP = 0.1
+"""Wall time that the simulation may lag behind and still catch up [s].
+
+What is lost beyond it is given up, so that a machine that slept does not come back to
+a robot that races through the missed hours.
+"""
+
+
+@final
+class Pacer:
+    """Says when the next tick is due, and counts those that came too late."""
+
+    def __init__(
+        self,
+        period: float,
+        speed: float = 1.0,
+        now: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        """Begin now; ``period`` and ``now`` are in [s] of simulated and wall time."""
+        self._wall_period = period / speed
+        self._now = now
+        self._due = now()
+        self.overruns = 0
+
+    def wait_time(self) -> float:
+        """Return how long to wait for the next tick [wall s]; at most 0 if due."""
+        return self._due - self._now()
+
+    def tick(self) -> None:
+        """Note that the tick that was due begins now."""
+        late = self._now() - self._due
+        if late > self._wall_period:
+            self.overruns += 1
+        if late > CATCH_UP:
+            self._due += late - CATCH_UP
+        self._due += self._wall_period
+
+
+@final
+class SpeedMeter:
+    """Measures simulated per wall time over about the last second."""
+
+    def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:
+        self._now = now
+        self._since = now(), 0.0
+        self.factor = 0.0
+
+    def measure(self, sim_time: float, *, window: float = 1.0) -> bool:
+        """Take ``sim_time`` [s] into account; return whether a window ended."""
+        wall = self._now()
+        since, start = self._since
+        if sim_time < start or wall - since < window:
+            if sim_time < start:
+                self._since = wall, sim_time
+            return False
+        self.factor = (sim_time - start) / (wall - since)
+        self._since = wall, sim_time
+        return True

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, TypeVar, final
 
+from tool0.control.goal import Goal
 from tool0.description.camera import Camera
 from tool0.description.catalogue import RobotDescription
 from tool0.description.finding import Finding
-from tool0.description.model import JointLimits, ParallelGripper
+from tool0.description.model import JointLimits, ParallelGripper, RobotModel
 from tool0.errors import ControlError, did_you_mean
 from tool0.runtime.bus import Bus, Subscription
 from tool0.runtime.core import Core
-from tool0.runtime.goals import GoalRegistry
 from tool0.runtime.loop import Loop
 from tool0.runtime.poses import PoseBook
 from tool0.sensing.cameras import Cameras
@@ -23,6 +24,8 @@ from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from tool0.kinematics.chain import ArmChain
+
+Part = TypeVar("Part")
 
 MAX_SNAPSHOT_RATE = 500.0
 """Snapshots per simulated second that a subscriber may ask for [Hz]."""
@@ -92,14 +95,7 @@ class Simulation:
         return snapshot
 
     def subscribe(self, rate: float | None = None) -> Subscription:
-        """Return a reader of snapshots and events.
-
-        Args:
-            rate: Snapshots per simulated second, up to 500 [Hz]; 125 if left out.
-
-        Raises:
-            ControlError: If the rate is out of range.
-        """
+        """Return a reader of snapshots and events; ControlError for a bad rate [Hz]."""
         if rate is None:
             return self.bus.subscribe()
         if not 0.0 < rate <= MAX_SNAPSHOT_RATE:
@@ -125,12 +121,7 @@ class Simulation:
         """Return a gripper by name, or the only one; raise ControlError otherwise."""
         grippers = {item.name: item for item in self.description.model.grippers}
         if name is None:
-            if len(grippers) != 1:
-                names = ", ".join(grippers) or "none"
-                raise ControlError(
-                    f"'gripper' needs exactly one gripper, this robot has: {names}"
-                )
-            return next(iter(grippers.values()))
+            return only_part(grippers, "gripper", self.description.model)
         if name not in grippers:
             hint = did_you_mean(name, set(grippers))
             raise ControlError(f"unknown gripper '{name}'{hint}")
@@ -145,22 +136,12 @@ class Simulation:
 
     def arm(self, name: str | None) -> ArmChain:
         """Return an arm by name, or the only one; raise ControlError otherwise."""
-        from tool0.kinematics.chain import why_no_arm
-
         arms = self.arms
         if name is not None:
             if name not in arms:
                 raise ControlError(f"no arm '{name}'{did_you_mean(name, set(arms))}")
             return arms[name]
-        if len(arms) == 1:
-            return next(iter(arms.values()))
-        if arms:
-            raise ControlError(
-                f"'arm' needs exactly one arm, this robot has: {', '.join(arms)}; "
-                "use arms[name]"
-            )
-        why = why_no_arm(self.description.model)
-        raise ControlError(f"this robot has no arm that poses could be given to: {why}")
+        return only_part(arms, "arm", self.description.model)
 
     def summary(self) -> dict[str, object]:
         """Return the run so far as plain values, for JSON."""
@@ -212,3 +193,58 @@ class Simulation:
             self.cameras.close()
         finally:
             self.loop.close()
+
+
+def only_part(parts: Mapping[str, Part], kind: str, model: RobotModel) -> Part:
+    """Return the robot's only ``kind``, arm or gripper; ControlError otherwise."""
+    if len(parts) == 1:
+        return next(iter(parts.values()))
+    if kind == "arm" and not parts:
+        from tool0.kinematics.chain import why_no_arm
+
+        why = why_no_arm(model)
+        raise ControlError(f"this robot has no arm that poses could be given to: {why}")
+    names = ", ".join(parts) or "none"
+    raise ControlError(f"'{kind}' needs exactly one {kind}, this robot has: {names}")
+
+
+GOALS_KEPT = 1000
+"""Goals that are remembered; the oldest finished ones are forgotten."""
+
+
+@final
+class GoalRegistry:
+    """Numbers goals and finds them again.  Any thread may use it."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._goals: dict[int, Goal] = {}
+        self._last = 0
+
+    def add(self, goal: Goal) -> int:
+        """Remember ``goal`` and return its number."""
+        with self._lock:
+            self._last += 1
+            self._goals[self._last] = goal
+            if len(self._goals) > GOALS_KEPT:
+                ended = (n for n, g in self._goals.items() if g.status.is_terminal)
+                oldest = next(ended, None)
+                if oldest is not None:
+                    del self._goals[oldest]
+            return self._last
+
+    def number(self, goal: Goal) -> int | None:
+        """Return a goal's number; None if no request started it, or it is old."""
+        with self._lock:
+            found = (number for number, item in self._goals.items() if item is goal)
+            return next(found, None)
+
+    def find(self, number: int) -> Goal:
+        """Return the goal, or raise ControlError if there is none or it is old."""
+        with self._lock:
+            goal = self._goals.get(number)
+        if goal is None:
+            raise ControlError(
+                f"there is no goal {number}; the last {GOALS_KEPT} are remembered"
+            )
+        return goal

@@ -153,7 +153,7 @@ class GraspDetector:
 
 def _is_parallel(gripper: ParallelGripper, snapshot: Snapshot) -> bool:
     """Return whether the pads are parallel: the fingers do not wrap."""
-    position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
+    position = snapshot.positions
     drive = position[gripper.joint]
     return all(
         abs(position[name] - way.multiplier * drive - way.offset) <= PARALLEL

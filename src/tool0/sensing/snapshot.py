@@ -65,6 +65,11 @@ class Snapshot:
     objects: tuple[ObjectState, ...] = ()
     """Poses and velocities of the objects, in the order of ``scene``."""
 
+    @property
+    def positions(self) -> dict[str, float]:
+        """Joint → position [rad | m]."""
+        return dict(zip(self.joint_names, self.position, strict=True))
+
     def setpoints(self) -> Mapping[str, JointSetpoint]:
         """Return the setpoint of each joint that a controller moves by position.
 

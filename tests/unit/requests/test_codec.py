@@ -24,9 +24,8 @@ from tool0.errors import (
 from tool0.requests import codec
 from tool0.requests.motion import FollowTrajectory, MoveJoints
 from tool0.requests.objects import AddObject, BoxShape
-from tool0.requests.state import ReadSnapshot
+from tool0.requests.state import EmergencyStop, ReadSnapshot, Step
 from tool0.requests.table import Request, checked
-from tool0.requests.time import EmergencyStop, Step
 
 
 @pytest.mark.parametrize(

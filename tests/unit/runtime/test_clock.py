@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tool0.runtime.clock import CATCH_UP, Pacer, SpeedMeter
+from tool0.runtime.loop import CATCH_UP, Pacer, SpeedMeter
 
 
 class WallClock:

@@ -13,8 +13,8 @@ from typing import Literal
 from msgspec import Struct
 
 from tool0.description.catalogue import DisplayName
-from tool0.requests.fields import RGBA, Quaternion, Vector3
-from tool0.requests.messages import Mode
+from tool0.requests.codec import Mode
+from tool0.requests.table import RGBA, Quaternion, Vector3
 
 Severity = Literal["info", "warning", "error"]
 NoticeCode = Literal[

@@ -20,10 +20,9 @@ from tool0.interfaces.panel.protocol import (
 )
 from tool0.interfaces.panel.robot_info import ONE_AXIS, RobotFiles, robot_info
 from tool0.requests.gripper import Grip
-from tool0.requests.motion import PoseJoints
-from tool0.requests.poses import DeletePose, GoToPose, SavePose
+from tool0.requests.motion import DeletePose, GoToPose, PoseJoints, SavePose
+from tool0.requests.state import Reset
 from tool0.requests.table import Request, method_name
-from tool0.requests.time import Reset
 from tool0.runtime.poses import PoseBook
 
 FIRST_POSE: Final = "home"

@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, final
 
 from tool0.errors import ControlError, did_you_mean
 from tool0.requests.arm import MoveLinear, MoveTo
-from tool0.requests.controllers import SwitchControllers
 from tool0.requests.gripper import Grip
 from tool0.requests.motion import (
     CommandTrajectory,
     FollowTrajectory,
+    GoToPose,
     MoveJoints,
     SteerJoints,
+    SwitchControllers,
 )
-from tool0.requests.poses import GoToPose
+from tool0.requests.state import EmergencyStop, Reset
 from tool0.requests.table import Request, answer
-from tool0.requests.time import EmergencyStop, Reset
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
-    from tool0.requests.messages import Mode
+    from tool0.requests.codec import Mode
 
 
 class Backend(Protocol):

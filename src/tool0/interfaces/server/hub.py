@@ -19,14 +19,15 @@ from tool0.interfaces.server.setpoint_streams import SetpointStreams, StreamedSe
 from tool0.interfaces.server.snapshot_streams import SnapshotStreams
 from tool0.requests.codec import (
     PROTOCOL,
+    GoalEnded,
+    Hello,
     encode,
     encode_error,
     encode_reply,
     outcome_of,
 )
-from tool0.requests.messages import GoalEnded, Hello
 from tool0.requests.motion import GoalStarted, SteerJoints
-from tool0.requests.streams import Subscribe, SubscribeView, Unsubscribe
+from tool0.requests.state import Subscribe, SubscribeView, Unsubscribe
 from tool0.requests.table import Request
 
 logger = logging.getLogger(__name__)

@@ -11,13 +11,15 @@ import logging
 from typing import Final, final
 
 from tool0.interfaces.server.session import Session
-from tool0.requests.codec import encode, outcome_of, snapshot_message
-from tool0.requests.messages import (
+from tool0.requests.codec import (
     EventMessage,
     Fault,
     GoalEnded,
     LateTicks,
     ResetDone,
+    encode,
+    outcome_of,
+    snapshot_message,
 )
 from tool0.runtime.bus import Event, Faulted, GoalFinished, Overran, Subscription
 from tool0.runtime.simulation import Simulation
