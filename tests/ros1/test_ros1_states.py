@@ -129,7 +129,7 @@ def test_ctrl_c_unregisters_its_names(ros: Ros) -> None:
 
 @pytest.mark.usefixtures("rospy")
 def test_two_clocks_can_change_roles_while_time_advances() -> None:
-    from tool0.interfaces.ros1.clock import RosClock
+    from tool0.interfaces.ros1.node import RosClock
 
     clock = RosClock(publish=True)
     is_over, errors = threading.Event(), []

@@ -6,8 +6,8 @@ import asyncio
 import logging
 import threading
 from collections.abc import Awaitable, Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, final
 
 from starlette.responses import PlainTextResponse
@@ -84,16 +84,13 @@ class WebService:
         self._make_source = source
         self._endpoint = endpoint
         self.listener = endpoint.listener
+        self.url = endpoint.url
+        """The page's address, with the token if it needs one."""
         self._setpoint_requests = setpoint_requests
         self._shown = threading.Event()
         self._feed: ViewFeed | None = None
         self._server: uvicorn.Server | None = None
         self._serving: asyncio.Task[None] | None = None
-
-    @property
-    def url(self) -> str:
-        """The page's address, with the token if it needs one."""
-        return self._endpoint.url
 
     def await_page(self, timeout: float | None = None) -> bool:
         """Wait until a page has connected, at any time; return whether one has.
@@ -214,7 +211,7 @@ class _PageTransport:
 
 
 @final
-class Panel:
+class Panel(AbstractContextManager["Panel"]):
     """Serves a robot as a web page, from construction to ``close``."""
 
     def __init__(
@@ -240,35 +237,16 @@ class Panel:
         """
         endpoint = endpoint or open_endpoint(host, port, token)
         backend, service = panel_service(robot, endpoint)
-        self._service = service
-        self._server = Server(backend, [service])
-
-    @property
-    def url(self) -> str:
+        self.url = service.url
         """The page's address, with the token if it needs one."""
-        return self._service.url
-
-    def await_page(self, timeout: float | None = None) -> bool:
-        """Wait until a page has connected, at any time; return whether one has.
-
-        Args:
-            timeout: Longest wait [wall s]; None waits for ever.
-        """
-        return self._service.await_page(timeout)
+        self.await_page = service.await_page
+        self._server = Server(backend, [service])
 
     def close(self) -> None:
         """Close every connection and end; closing twice is allowed."""
         self._server.close()
 
-    def __enter__(self) -> Panel:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

@@ -32,7 +32,7 @@ _SNAPSHOT_TIMEOUT = 0.2
 
 
 @final
-class Ros1Bridge:
+class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
     """Presents one robot as ros_control and gazebo_ros do.  A context manager.
 
     A process can have one bridge in its lifetime, since rospy allows one node.
@@ -108,9 +108,6 @@ class Ros1Bridge:
         for thread in self._threads:
             thread.join()
         self._stack.close()
-
-    def __enter__(self) -> Ros1Bridge:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()

@@ -6,17 +6,21 @@ import asyncio
 import contextlib
 import logging
 import os
-from collections.abc import Callable
+import socket
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Any, Final, final
+from typing import Any, Final, Protocol, final
 
 from tool0.control.goal import Goal
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.server.backend import Backend
 from tool0.interfaces.server.session import Ident, Session, Transport, is_urgent
-from tool0.interfaces.server.setpoint_streams import SetpointStreams, StreamedSetpoint
-from tool0.interfaces.server.snapshot_streams import SnapshotStreams
+from tool0.interfaces.server.streams import (
+    SetpointStreams,
+    SnapshotStreams,
+    StreamedSetpoint,
+)
 from tool0.requests.codec import (
     PROTOCOL,
     encode,
@@ -30,6 +34,30 @@ from tool0.requests.streams import Subscribe, SubscribeView, Unsubscribe
 from tool0.requests.table import Request
 
 logger = logging.getLogger(__name__)
+
+
+class Service(Protocol):
+    """Accepts connections at an address; it listens from its construction on."""
+
+    @property
+    def listener(self) -> socket.socket: ...
+
+    @property
+    def starts_at_once(self) -> bool:
+        """Whether to start before the first peer connects."""
+
+    async def start(self, hub: Hub) -> None:
+        """Accept peers, in the server's event loop."""
+
+    async def stop(self) -> None:
+        """Stop to accept peers; the hub then closes the connections."""
+
+    async def end(self) -> None:
+        """End what is left in the event loop."""
+
+    def release(self) -> None:
+        """Free the address, also if the service was never started."""
+
 
 WORKERS: Final = 16
 """Requests that are carried out at once; further ones wait."""
@@ -223,3 +251,36 @@ def _logged(error: Exception) -> Exception:
     if not isinstance(error, Tool0Error):
         logger.error("a request failed", exc_info=error)
     return error
+
+
+_CHECK_PERIOD: Final = 1.0
+"""Wall time between checks for connections that take nothing [s]."""
+
+
+def run(
+    backend: Backend, services: Sequence[Service], name: str, wake: socket.socket
+) -> None:
+    """Serve until ``wake`` can be read."""
+    asyncio.run(_serve(backend, services, name, wake))
+
+
+async def _serve(
+    backend: Backend, services: Sequence[Service], name: str, wake: socket.socket
+) -> None:
+    wake.setblocking(False)
+    stop = asyncio.create_task(_read(wake))
+    hub = Hub(backend, name)
+    for service in services:
+        await service.start(hub)
+    while not stop.done():
+        await asyncio.wait([stop], timeout=_CHECK_PERIOD)
+        hub.drop_stuck()
+    for service in services:
+        await service.stop()
+    await hub.close()
+    for service in services:
+        await service.end()
+
+
+async def _read(wake: socket.socket) -> None:
+    await asyncio.get_running_loop().sock_recv(wake, 1)

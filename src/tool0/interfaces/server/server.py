@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final, final
 
 if TYPE_CHECKING:
     from tool0.interfaces.server.backend import Backend
-    from tool0.interfaces.server.service import Service
+    from tool0.interfaces.server.hub import Service
 
 logger = logging.getLogger(__name__)
 
@@ -61,7 +61,7 @@ class Server(AbstractContextManager["Server"]):
     def _run(self) -> None:
         try:
             if self._is_needed():
-                from tool0.interfaces.server.event_loop import run
+                from tool0.interfaces.server.hub import run
 
                 run(self._backend, self._services, self._name, self._wake)
         except Exception:  # the robot runs on without its server

@@ -217,3 +217,43 @@ class Session:
 def is_urgent(request: Request[Any]) -> bool:
     """Return whether a request overtakes others."""
     return entry_of(type(request)).is_urgent
+
+
+MAX_LINE: Final = 1 << 20
+"""Longest request [bytes]; 10 000 waypoints of 6 joints fit."""
+
+
+@final
+class LineTransport:
+    """Lines of JSON over the Unix socket."""
+
+    is_trusted: Final = True
+
+    def __init__(
+        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        self._reader = reader
+        self._writer = writer
+
+    async def send(self, text: bytes) -> None:
+        self._writer.write(text + b"\n")
+        await self._writer.drain()
+
+    async def receive(self) -> bytes | None:
+        while True:
+            try:
+                line = await self._reader.readuntil(b"\n")
+            except asyncio.IncompleteReadError:
+                return None
+            except asyncio.LimitOverrunError:
+                raise MessageTooLongError(
+                    f"a line is longer than {MAX_LINE} bytes; send fewer waypoints"
+                ) from None
+            if line.strip():
+                return line
+
+    async def close(self) -> None:
+        self._writer.close()
+
+    def abort(self) -> None:
+        self._writer.transport.abort()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 from typing import TYPE_CHECKING, Final, final
 
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
     import asyncio
 
     from tool0.interfaces.server.hub import Hub
+
+MAX_PEERS: Final = 256
 
 
 @final
@@ -32,9 +35,22 @@ class UnixSocketService:
 
     async def start(self, hub: Hub) -> None:
         """Accept peers."""
-        from tool0.interfaces.server.line_transport import start
+        import asyncio
 
-        self._server = await start(hub, self.listener)
+        from tool0.interfaces.server.session import MAX_LINE, LineTransport
+
+        async def serve(
+            reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+        ) -> None:
+            if len(hub.sessions) < MAX_PEERS:
+                await hub.serve(LineTransport(reader, writer))
+            writer.close()
+            with contextlib.suppress(OSError):  # the peer was faster
+                await writer.wait_closed()
+
+        self._server = await asyncio.start_unix_server(
+            serve, sock=self.listener, limit=MAX_LINE
+        )
 
     async def stop(self) -> None:
         """Stop to accept peers."""

@@ -13,8 +13,12 @@ from tool0.api.robot import Robot
 from tool0.description.forward_kinematics import FrameMotion
 from tool0.description.model import JointType
 from tool0.errors import ControlError, Tool0Error
-from tool0.interfaces.ros1.gazebo.changes import GazeboChanges
-from tool0.interfaces.ros1.gazebo.world import GROUND, GazeboWorld, WorldState
+from tool0.interfaces.ros1.gazebo.world import (
+    GROUND,
+    GazeboChanges,
+    GazeboWorld,
+    WorldState,
+)
 from tool0.interfaces.ros1.messages import Message, pose_message, twist_message
 from tool0.interfaces.ros1.node import RosNode
 from tool0.sensing.snapshot import Snapshot
