@@ -14,7 +14,7 @@ from ros import Bringup, Ros
 from ros_client import call, listening
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, HOME
 
-from tool0.interfaces.ros1.parameter_server import with_mesh_files
+from tool0.interfaces.ros1.bridge import with_mesh_files
 
 ENGINES = ("mujoco", "gazebo")
 JOINTS = tuple(sorted((*ARM_JOINTS, "finger_joint")))

@@ -132,7 +132,7 @@ def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Ser
 
     services: list[Service] = []
     if claim is not None:
-        from tool0.interfaces.server.unix_socket import UnixSocketService
+        from tool0.interfaces.server.server import UnixSocketService
 
         services.append(UnixSocketService(claim))
     if endpoint is not None:

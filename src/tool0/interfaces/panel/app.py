@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import secrets
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, Any, Final, final
 from urllib.parse import parse_qs
 
 from starlette.applications import Starlette
@@ -79,7 +79,8 @@ class Guard:
         headers = Headers(scope=scope)
         host = headers.get("host", "")
         if not self._endpoint.is_known_as(host):
-            return 421, f"this server is not called '{host}'; use {self._address}"
+            address = self._endpoint.url.partition("?")[0]
+            return 421, f"this server is not called '{host}'; use {address}"
         origin = headers.get("origin")
         is_socket = scope["type"] == "websocket"
         changes = is_socket or scope["method"] not in _READING
@@ -96,10 +97,6 @@ class Guard:
             ):
                 return 401, "give the token of the address that bringup printed"
         return None
-
-    @property
-    def _address(self) -> str:
-        return self._endpoint.url.partition("?")[0]
 
 
 def _with_headers(scope: Scope, send: Send) -> Send:
@@ -127,6 +124,17 @@ _MIME: Final = {
     ".dae": "model/vnd.collada+xml",
     ".obj": "model/obj",
 }
+
+
+@final
+class _ImmutableFiles(StaticFiles):
+    """Files that browsers keep: their names change with their contents."""
+
+    def file_response(self, *args: Any, **options: Any) -> Response:
+        response = super().file_response(*args, **options)
+        if response.status_code == 200:
+            response.headers["cache-control"] = _IMMUTABLE
+        return response
 
 
 def build_app(
@@ -176,21 +184,7 @@ def build_app(
             Route(URDF_PATH, urdf),
             Route("/meshes/{name}", mesh),
             WebSocketRoute("/ws", serve_page),
-            Mount("/assets", _cached(StaticFiles(directory=assets, check_dir=False))),
+            Mount("/assets", _ImmutableFiles(directory=assets, check_dir=False)),
         ]
     )
     return Guard(GZipMiddleware(app, minimum_size=1024, compresslevel=6), endpoint)
-
-
-def _cached(app: ASGIApp) -> ASGIApp:
-    """Let browsers keep what ``app`` serves: its names change with its contents."""
-
-    async def serve(scope: Scope, receive: Receive, send: Send) -> None:
-        async def send_cached(message: Message) -> None:
-            if message["type"] == "http.response.start" and message["status"] == 200:
-                MutableHeaders(scope=message)["cache-control"] = _IMMUTABLE
-            await send(message)
-
-        await app(scope, receive, send_cached)
-
-    return serve

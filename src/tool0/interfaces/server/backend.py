@@ -45,12 +45,7 @@ class Backend(Protocol):
         """Raise Tool0Error for a streamed setpoint that can never be carried out."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
-        """Return the streams of setpoints that a request ends, by ``stream_key``."""
-
-
-def stream_key(request: Request[Any]) -> str:
-    """Return which stream a setpoint belongs to: its controller's."""
-    return getattr(request, "controller", "")
+        """Return the controllers whose streams of setpoints a request ends."""
 
 
 @final

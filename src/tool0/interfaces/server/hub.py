@@ -10,12 +10,13 @@ import socket
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from importlib.metadata import version
 from typing import Any, Final, Protocol, final
 
 from tool0.control.goal import Goal
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.server.backend import Backend
-from tool0.interfaces.server.session import Ident, Session, Transport, is_urgent
+from tool0.interfaces.server.session import Ident, Session, Transport
 from tool0.interfaces.server.streams import (
     SetpointStreams,
     SnapshotStreams,
@@ -31,7 +32,7 @@ from tool0.requests.codec import (
 from tool0.requests.messages import GoalEnded, Hello
 from tool0.requests.motion import GoalStarted, SteerJoints
 from tool0.requests.streams import Subscribe, SubscribeView, Unsubscribe
-from tool0.requests.table import Request
+from tool0.requests.table import Request, entry_of
 
 logger = logging.getLogger(__name__)
 
@@ -71,7 +72,6 @@ class Hub:
 
     def __init__(self, backend: Backend, name: str) -> None:
         self.backend = backend
-        self._name = name
         self.sessions: set[Session] = set()
         self._setpoints = SetpointStreams(self._carry_out_setpoint)
         self._snapshots = (
@@ -87,14 +87,23 @@ class Hub:
         """Called when a streamed setpoint was refused."""
         self.setpoint_requests: tuple[type[Request[Any]], ...] = (SteerJoints,)
         """Requests that are streams of setpoints when they have no id."""
+        self._hello = encode(
+            Hello(
+                protocol=PROTOCOL,
+                version=version("tool0"),
+                name=name,
+                pid=os.getpid(),
+                mode=backend.mode,
+            )
+        )
 
     async def serve(self, transport: Transport) -> None:
         """Serve a peer until it disconnects."""
-        session = Session(transport)
+        session = Session(transport, self._take_at_once, self._answer)
         self.sessions.add(session)
-        session.send(encode(self._hello()))
+        session.send(self._hello)
         try:
-            await session.serve(self._take_at_once, self._answer)
+            await session.serve()
         finally:
             self.sessions.discard(session)
             if self._snapshots is not None:
@@ -116,17 +125,6 @@ class Hub:
             if session.is_stuck():
                 session.drop()
 
-    def _hello(self) -> Hello:
-        from importlib.metadata import version
-
-        return Hello(
-            protocol=PROTOCOL,
-            version=version("tool0"),
-            name=self._name,
-            pid=os.getpid(),
-            mode=self.backend.mode,
-        )
-
     # ---- requests -------------------------------------------------------------------
 
     def _take_at_once(
@@ -140,7 +138,7 @@ class Hub:
             else:
                 self._setpoints.submit(StreamedSetpoint(session, request))
             return True
-        if not is_urgent(request):
+        if not entry_of(type(request)).is_urgent:
             return False
         self._setpoints.drop(self.backend.superseded(request))
         answer = self._carry_out(session, ident, request, self._urgent_worker)
@@ -257,18 +255,12 @@ _CHECK_PERIOD: Final = 1.0
 """Wall time between checks for connections that take nothing [s]."""
 
 
-def run(
+async def serve(
     backend: Backend, services: Sequence[Service], name: str, wake: socket.socket
 ) -> None:
     """Serve until ``wake`` can be read."""
-    asyncio.run(_serve(backend, services, name, wake))
-
-
-async def _serve(
-    backend: Backend, services: Sequence[Service], name: str, wake: socket.socket
-) -> None:
     wake.setblocking(False)
-    stop = asyncio.create_task(_read(wake))
+    stop = asyncio.create_task(asyncio.get_running_loop().sock_recv(wake, 1))
     hub = Hub(backend, name)
     for service in services:
         await service.start(hub)
@@ -280,7 +272,3 @@ async def _serve(
     await hub.close()
     for service in services:
         await service.end()
-
-
-async def _read(wake: socket.socket) -> None:
-    await asyncio.get_running_loop().sock_recv(wake, 1)

@@ -10,7 +10,6 @@ from typing import Any, Final, final
 
 import msgspec
 
-from tool0.interfaces.server.backend import stream_key
 from tool0.interfaces.server.session import Session
 from tool0.requests.codec import encode, outcome_of, snapshot_message
 from tool0.requests.messages import (
@@ -61,7 +60,7 @@ class SetpointStreams:
 
         Joints that only the older one of the same sender names keep its positions.
         """
-        key = stream_key(setpoint.request)
+        key = getattr(setpoint.request, "controller", "")
         before = self._waiting.get(key)
         if before is not None and before.sender is setpoint.sender:
             positions = {**before.request.positions, **setpoint.request.positions}

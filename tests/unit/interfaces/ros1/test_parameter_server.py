@@ -2,7 +2,7 @@ import re
 from pathlib import Path
 
 from tool0.description.catalogue import assemble
-from tool0.interfaces.ros1.parameter_server import with_mesh_files
+from tool0.interfaces.ros1.bridge import with_mesh_files
 
 
 def test_bundled_meshes_become_existing_files() -> None:

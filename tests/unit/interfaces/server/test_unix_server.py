@@ -21,9 +21,8 @@ import tool0
 from tool0.api.address import Claim
 from tool0.errors import ControlError, GoalTimeoutError, TransportError
 from tool0.interfaces.server.backend import SimulationBackend
-from tool0.interfaces.server.server import Server
+from tool0.interfaces.server.server import Server, UnixSocketService
 from tool0.interfaces.server.session import MAX_LINE
-from tool0.interfaces.server.unix_socket import UnixSocketService
 from tool0.requests.codec import PROTOCOL
 from tool0.runtime.bus import GoalFinished, WasReset
 from tool0.scene import Box
