@@ -101,7 +101,6 @@ class WebService:
         return self._shown.wait(timeout)
 
     async def start(self, hub: Hub) -> None:
-        """Accept pages."""
         import uvicorn
 
         from tool0.interfaces.panel.app import build_app
@@ -135,18 +134,15 @@ class WebService:
         self._serving = asyncio.create_task(serving)
 
     async def stop(self) -> None:
-        """Stop to show the robot."""
         if self._feed is not None:
             self._feed.close()
 
     async def end(self) -> None:
-        """End the web server."""
         if self._server is not None and self._serving is not None:
             self._server.should_exit = True
             await asyncio.wait([self._serving])
 
     def release(self) -> None:
-        """Close the listening socket."""
         self.listener.close()
 
     def _serve_page(self, hub: Hub) -> Callable[[WebSocket], Awaitable[None]]:

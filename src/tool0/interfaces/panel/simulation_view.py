@@ -9,18 +9,21 @@ from typing import TYPE_CHECKING, Literal, cast, final
 
 from tool0.control.manager import ControllerStatus
 from tool0.description.model import Joint, JointType
-from tool0.errors import ConfigError
 from tool0.interfaces.panel.notices import EventWatcher, Notification
 from tool0.interfaces.panel.protocol import (
     ControllerInfo,
     Frame,
     GripperState,
-    PoseInfo,
     Status,
     ViewInfo,
     ViewScene,
 )
-from tool0.interfaces.panel.robot_info import RobotFiles, object_info, robot_info
+from tool0.interfaces.panel.robot_info import (
+    RobotFiles,
+    object_info,
+    pose_infos,
+    robot_info,
+)
 from tool0.sensing.grasp import GraspDetector
 
 if TYPE_CHECKING:
@@ -101,7 +104,7 @@ class SimulationView:
                 self._joints,
             ),
             grippers=self._grippers,
-            poses=self._poses(),
+            poses=pose_infos(self._simulation.poses, self._watcher.report_once),
             targets={
                 joint: _rounded(setpoint.target)
                 for joint, setpoint in snapshot.setpoints().items()
@@ -118,18 +121,6 @@ class SimulationView:
         self.files.set_objects(objects)
         infos = [object_info(item, self.files) for item in objects]
         return ViewScene(number=number, objects=infos)
-
-    def _poses(self) -> list[PoseInfo]:
-        book = self._simulation.poses
-        try:
-            poses = book.all()
-        except ConfigError as error:
-            self._watcher.report_once("warning", "log", str(error))
-            poses = book.own
-        return [
-            PoseInfo(name=pose.name, saved=pose.saved, positions=dict(pose.positions))
-            for pose in poses.values()
-        ]
 
 
 def _frame_of(snapshot: Snapshot, scene: int) -> Frame:

@@ -90,7 +90,6 @@ class ControllerActionServer:
                 goal.publish_feedback(message)
 
     def close(self) -> None:
-        """Accept no more goals."""
         self._server.stop()
 
     def _accept(self, goal: Message) -> None:
@@ -159,7 +158,6 @@ class JointTrajectoryBridge:
         )
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish the state, if the controller runs and it is due."""
         setpoint = snapshot.controller_setpoints.get(self._name)
         if setpoint is None:
             return
@@ -172,7 +170,6 @@ class JointTrajectoryBridge:
         )
 
     def close(self) -> None:
-        """Unregister its topics and services."""
         self._action.close()
         self._publisher.unregister()
         self._subscriber.unregister()
@@ -246,7 +243,6 @@ class JointStatePublisher:
         self._publisher = node.publisher("joint_states", JointState, queue_size=100)
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish the joints, if it is due."""
         if not self._rate.is_due(snapshot.time):
             return
         joints = self._spec.message(
@@ -261,7 +257,6 @@ class JointStatePublisher:
         )
 
     def close(self) -> None:
-        """Unregister its topic."""
         self._publisher.unregister()
 
 
@@ -282,7 +277,6 @@ class ForwardCommandBridge:
         """Publish nothing: such a controller has no state topic here."""
 
     def close(self) -> None:
-        """Unregister its topic."""
         self._subscriber.unregister()
 
 
@@ -307,7 +301,6 @@ class GripperActionBridge:
         )
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish status and feedback, if they are due."""
         index = snapshot.joint_names.index(self._joint)
         self._position = position = snapshot.position[index]
         effort = snapshot.effort[index]
@@ -317,7 +310,6 @@ class GripperActionBridge:
         )
 
     def close(self) -> None:
-        """Accept no more goals."""
         self._action.close()
 
     def _start(self, goal: Message) -> GoalHandle:

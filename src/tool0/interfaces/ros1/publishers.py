@@ -77,7 +77,6 @@ class WrenchPublisher:
             self._publisher.publish(self._message(reading))
 
     def close(self) -> None:
-        """Unregister its topic and service."""
         self._service.shutdown()
         self._publisher.unregister()
 

@@ -45,7 +45,6 @@ class UnixSocketService:
         self._server: asyncio.Server | None = None
 
     async def start(self, hub: Hub) -> None:
-        """Accept peers."""
         import asyncio
 
         from tool0.interfaces.server.session import MAX_LINE, LineTransport
@@ -64,7 +63,6 @@ class UnixSocketService:
         )
 
     async def stop(self) -> None:
-        """Stop to accept peers."""
         if self._server is not None:
             self._server.close()
 
@@ -72,7 +70,6 @@ class UnixSocketService:
         """Do nothing: the hub has closed the connections."""
 
     def release(self) -> None:
-        """Remove the socket file."""
         self.listener.close()
         self._claim.close()
 

@@ -192,7 +192,6 @@ class GazeboStatePublisher:
         self._links = node.publisher(f"{node.options.node}/link_states", msg.LinkStates)
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish pose and velocity of models and links."""
         state = WorldState(self._world, snapshot)
         if self._models.get_num_connections():
             self._publish(self._models, state.models())
@@ -200,7 +199,6 @@ class GazeboStatePublisher:
             self._publish(self._links, state.links())
 
     def close(self) -> None:
-        """Unregister the topics."""
         self._models.unregister()
         self._links.unregister()
 
