@@ -158,21 +158,12 @@ class WebService:
             n_pages += 1
             self._shown.set()
             try:
-                await hub.serve(_PageTransport(socket, self._abort))
+                assert self._server is not None  # it accepted the page
+                await hub.serve(_PageTransport(socket, self._server))
             finally:
                 n_pages -= 1
 
         return serve
-
-    def _abort(self, socket: WebSocket) -> None:
-        """End a connection at once: closing would wait until the page reads."""
-        if self._server is None:
-            return
-        peer = socket.scope["client"], socket.scope["server"]
-        connection: Any  # each protocol of uvicorn has these, and no common type
-        for connection in list(self._server.server_state.connections):
-            if (connection.client, connection.server) == peer:
-                connection.transport.abort()
 
 
 @final
@@ -181,9 +172,9 @@ class _PageTransport:
 
     is_trusted: Final = False
 
-    def __init__(self, socket: WebSocket, abort: Callable[[WebSocket], None]) -> None:
+    def __init__(self, socket: WebSocket, server: uvicorn.Server) -> None:
         self._socket = socket
-        self._abort = abort
+        self._server = server
 
     async def send(self, text: bytes) -> None:
         try:
@@ -203,7 +194,12 @@ class _PageTransport:
         await self._socket.close(GOING_AWAY, "the server ends")
 
     def abort(self) -> None:
-        self._abort(self._socket)
+        # Closing would wait until the page reads.
+        peer = self._socket.scope["client"], self._socket.scope["server"]
+        connection: Any  # each protocol of uvicorn has these, and no common type
+        for connection in list(self._server.server_state.connections):
+            if (connection.client, connection.server) == peer:
+                connection.transport.abort()
 
 
 @final
@@ -223,8 +219,8 @@ class Panel(AbstractContextManager["Panel"]):
 
         Args:
             robot: A robot of this process, or one without physics.
-            host: The name or address to listen at; the loopback if left out.
-            port: 8085 if left out, or a free one if that is taken.
+            host: A name or address of this machine; the loopback if left out.
+            port: If left out the default one, or a free one if that is taken.
             token: Required from pages; see ``open_endpoint``.
             endpoint: A listening socket, instead of host, port and token.
 

@@ -180,25 +180,23 @@ def controller_infos(
         joints: Each joint with its limits.
     """
     status_of = {status.name: status for status in loaded}
-    return [
-        _info(name, kind, status_of.get(name), joints) for name, kind in defined.items()
-    ]
-
-
-def _info(
-    name: str, kind: str, status: ControllerStatus | None, joints: Mapping[str, Joint]
-) -> ControllerInfo:
-    claims = () if status is None else status.claimed
-    claimed = [joint for _, names in claims for joint in names]
-    state = "unloaded" if status is None else cast(_State, status.state)
-    return ControllerInfo(
-        name=name,
-        type=kind,
-        state=state,
-        interface=claims[0][0] if claims else None,
-        joints=claimed,
-        undrivable=_obstacle(kind, state, [joints[joint] for joint in claimed]),
-    )
+    infos = []
+    for name, kind in defined.items():
+        status = status_of.get(name)
+        claims = () if status is None else status.claimed
+        claimed = [joint for _, names in claims for joint in names]
+        state = "unloaded" if status is None else cast(_State, status.state)
+        infos.append(
+            ControllerInfo(
+                name=name,
+                type=kind,
+                state=state,
+                interface=claims[0][0] if claims else None,
+                joints=claimed,
+                undrivable=_obstacle(kind, state, [joints[item] for item in claimed]),
+            )
+        )
+    return infos
 
 
 def _obstacle(kind: str, state: _State, joints: Sequence[Joint]) -> str | None:

@@ -15,7 +15,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.control.forward_command import ForwardCommandSpec
-from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Result
+from tool0.control.goal import GoalStatus, GripperResult, Result
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_state import JointStateSpec
 from tool0.control.joint_trajectory import JointTrajectorySpec
@@ -147,7 +147,9 @@ class JointTrajectoryBridge:
             msg.FollowJointTrajectoryAction,
             start=self._start,
             rejection=self._rejection,
-            result=self._result,
+            result=lambda outcome: msg.FollowJointTrajectoryResult(
+                error_code=outcome.error_code, error_string=outcome.error_string
+            ),
             monitor_rate=spec.action_monitor_rate,
         )
         self._subscriber = node.subscriber(
@@ -210,11 +212,6 @@ class JointTrajectoryBridge:
         return msg.FollowJointTrajectoryResult(
             error_code=GoalRejectedError.INVALID_GOAL if code is None else code,
             error_string=str(error),
-        )
-
-    def _result(self, outcome: GoalResult) -> Message:
-        return msg.FollowJointTrajectoryResult(
-            error_code=outcome.error_code, error_string=outcome.error_string
         )
 
     def _query(self, request: Message) -> Message:
@@ -288,15 +285,17 @@ class GripperActionBridge:
         self, node: RosNode, spec: GripperActionSpec, controller: ControllerHandle
     ) -> None:
         self._joint = spec.joint.name
-        self._controller = controller
         self._position = 0.0
         self._action = ControllerActionServer(
             node,
             f"{spec.name}/gripper_cmd",
             msg.GripperCommandAction,
-            start=self._start,
-            rejection=self._rejection,
-            result=self._result,
+            start=lambda goal: controller.command_gripper(
+                goal.command.position, goal.command.max_effort
+            ),
+            # actionlib carries the error's text beside the result
+            rejection=lambda _: msg.GripperCommandResult(position=self._position),
+            result=_gripper_result,
             monitor_rate=spec.action_monitor_rate,
         )
 
@@ -312,18 +311,11 @@ class GripperActionBridge:
     def close(self) -> None:
         self._action.close()
 
-    def _start(self, goal: Message) -> GoalHandle:
-        command = goal.command
-        return self._controller.command_gripper(command.position, command.max_effort)
 
-    def _rejection(self, error: Tool0Error) -> Message:
-        del error  # actionlib carries its text beside the result
-        return msg.GripperCommandResult(position=self._position)
-
-    def _result(self, outcome: GripperResult) -> Message:
-        return msg.GripperCommandResult(
-            position=outcome.position,
-            effort=outcome.effort,
-            stalled=outcome.stalled,
-            reached_goal=outcome.reached_goal,
-        )
+def _gripper_result(outcome: GripperResult) -> Message:
+    return msg.GripperCommandResult(
+        position=outcome.position,
+        effort=outcome.effort,
+        stalled=outcome.stalled,
+        reached_goal=outcome.reached_goal,
+    )

@@ -25,7 +25,6 @@ from tool0.installation.child_process import ChildProcess
 from tool0.installation.ros1.packages import find_node
 from tool0.interfaces.ros1.messages import Message, transform_message
 from tool0.interfaces.ros1.node import RosNode, SnapshotPublisher, WorkerThread
-from tool0.sensing.cameras import CameraImage
 from tool0.sensing.force_torque import WrenchReading
 from tool0.sensing.snapshot import Snapshot
 
@@ -161,15 +160,12 @@ class CameraPublisher:
             return
         finally:
             self._is_idle.set()
-        self._publish_image(image)
-        self._publish_infos(image.time)
-
-    def _publish_image(self, image: CameraImage) -> None:
         if self._colors.get_num_connections():
             self._colors.publish(self._image(image.time, "rgb8", image.rgb))
         if self._depths.get_num_connections():
             depth = image.depth.astype("<f4", copy=False)
             self._depths.publish(self._image(image.time, "32FC1", depth))
+        self._publish_infos(image.time)
 
     def _publish_infos(self, time: float) -> None:
         for publisher in self._infos:

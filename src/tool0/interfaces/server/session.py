@@ -37,10 +37,6 @@ TakeAtOnce = Callable[["Session", Ident, Request[Any]], bool]
 CarryOut = Callable[["Session", Ident, Request[Any]], Awaitable[None]]
 
 
-class MessageTooLongError(Exception):
-    """A message longer than the transport allows; the stream may be lost after it."""
-
-
 class Transport(Protocol):
     """Carries text to and from one peer."""
 
@@ -55,7 +51,7 @@ class Transport(Protocol):
         """Return the next message; None if the peer has disconnected.
 
         Raises:
-            MessageTooLongError: If it is too long to be read.
+            TransportError: If it is too long to be read; the stream may be lost then.
         """
 
     async def close(self) -> None:
@@ -178,8 +174,8 @@ class Session:
     async def _read(self) -> None:
         try:
             await self._read_all()
-        except MessageTooLongError as error:
-            self.send(encode_error(None, TransportError(str(error))))
+        except TransportError as error:
+            self.send(encode_error(None, error))
         except ConnectionError:
             pass  # the peer has disconnected
         except Exception:
@@ -237,7 +233,7 @@ class LineTransport:
             except asyncio.IncompleteReadError:
                 return None
             except asyncio.LimitOverrunError:
-                raise MessageTooLongError(
+                raise TransportError(
                     f"a line is longer than {MAX_LINE} bytes; send fewer waypoints"
                 ) from None
             if line.strip():

@@ -119,18 +119,12 @@ class _RateStream:
         """Whether each has received a complete snapshot."""
         self.last: Snapshot | None = None
 
-    def is_due(self, snapshot: Snapshot) -> bool:
-        """Return whether a snapshot belongs to a stream of this rate."""
-        last = self.last
-        return last is None or not (
-            0.0 <= snapshot.time - last.time < self.period - 1e-6
-        )
-
     def send(self, snapshot: Snapshot) -> None:
-        """Queue a snapshot for every session."""
-        if not self.is_due(snapshot):
+        """Queue a snapshot for every session, if it is due at this rate."""
+        before = self.last
+        if before and 0.0 <= snapshot.time - before.time < self.period - 1e-6:
             return
-        before, self.last = self.last, snapshot
+        self.last = snapshot
         changes = encode(snapshot_message(snapshot, before))
         for session, is_complete in self.sessions.items():
             if session.missed or not is_complete:

@@ -22,6 +22,8 @@ ROBOT = "robot"
 GROUND = "ground_plane"
 _RESERVED = ("collision", "link", "sun", "visual")
 """Names of Gazebo's own."""
+MAX_NAME_LENGTH = 60
+"""[characters], since the Gazebo engine uses it as a file name."""
 _WORLD = ("", "world", "map", "/map")
 _AT_ORIGIN = FrameMotion()
 
@@ -168,10 +170,6 @@ def lumped_links(model: RobotModel) -> tuple[str, ...]:
     return first + tuple(joint.child for joint in model.movable_joints)
 
 
-MAX_NAME_LENGTH = 60
-"""[characters], since the Gazebo engine uses it as a file name."""
-
-
 @final
 class GazeboChanges:
     """Each carries out a request, or raises a Tool0Error and changes nothing."""
@@ -234,20 +232,16 @@ class GazeboChanges:
         if not self._world.is_robot(name):
             raise ControlError(f"model [{name}] has no joints")
         names = (joint.rpartition("::")[2] for joint in joints)
-        self._teleport(dict(zip(names, request.joint_positions, strict=True)))
-        return "success"
-
-    def _teleport(self, positions: dict[str, float]) -> None:
-        """Reset to the present state, with some joints at ``positions`` [rad | m]."""
+        positions = dict(zip(names, request.joint_positions, strict=True))
         robot = self._robot
         was_paused = robot.snapshot.is_paused
         robot.pause()
         try:
             snapshot = robot.snapshot
             mimics = {j.name for j in self._world.model.movable_joints if j.mimic}
-            joints = self._world.model.joint_by_name
+            by_name = self._world.model.joint_by_name
             present = {
-                name: joints[name].limits.clamp(position)
+                name: by_name[name].limits.clamp(position)
                 for name, position in zip(
                     snapshot.joint_names, snapshot.position, strict=True
                 )
@@ -265,6 +259,7 @@ class GazeboChanges:
         finally:
             if not was_paused:
                 robot.resume()
+        return "success"
 
     def _object(self, state: WorldState, name: str, verb: str) -> RigidModel:
         """Return the model of the object ``name``, or raise ControlError."""
