@@ -143,14 +143,7 @@ def build_app(
     endpoint: Endpoint,
     static: Path,
 ) -> ASGIApp:
-    """Return the guarded application, with compression where that helps.
-
-    Args:
-        files: The URDF and the meshes.
-        serve_page: Serves the WebSocket of a page.
-        endpoint: The listening socket.
-        static: The folder of the page, as it was built from ``web/``.
-    """
+    """Return the guarded application; ``static`` is the page, made from ``web/``."""
 
     async def urdf(request: Request) -> Response:
         etag = f'"{hashlib.sha256(files.urdf).hexdigest()[:16]}"'

@@ -101,11 +101,8 @@ def robot_info(
 ) -> RobotInfo:
     """Return what a page needs to draw the robot.
 
-    Args:
-        description: The robot.
-        joints: In the order of the arrays of every frame.
-        ground: Its height in the robot's root [m].
-        limits: Of joints whose limits are not those of the URDF.
+    ``joints`` are in the order of every frame's arrays, ``ground`` is its height in the
+    robot's root [m], and ``limits`` are those that are not the URDF's.
     """
     model = description.model
     parts = [item for item in (description.arm, description.gripper) if item]

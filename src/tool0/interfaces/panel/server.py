@@ -93,11 +93,7 @@ class WebService:
         self._serving: asyncio.Task[None] | None = None
 
     def await_page(self, timeout: float | None = None) -> bool:
-        """Wait until a page has connected, at any time; return whether one has.
-
-        Args:
-            timeout: Longest wait [wall s]; None waits for ever.
-        """
+        """Wait up to ``timeout`` [wall s] for a first page; return whether one came."""
         return self._shown.wait(timeout)
 
     async def start(self, hub: Hub) -> None:

@@ -172,13 +172,7 @@ def controller_infos(
     loaded: Sequence[ControllerStatus],
     joints: Mapping[str, Joint],
 ) -> list[ControllerInfo]:
-    """Return every controller in the order of the YAML.
-
-    Args:
-        defined: Name → type, loaded or not.
-        loaded: The manager's status of those that are.
-        joints: Each joint with its limits.
-    """
+    """Return every controller of the YAML in its order; ``defined`` is name → type."""
     status_of = {status.name: status for status in loaded}
     infos = []
     for name, kind in defined.items():

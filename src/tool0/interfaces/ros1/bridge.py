@@ -18,7 +18,6 @@ from tool0.installation.ros1.library import keep_to_this_machine
 from tool0.installation.ros1.master import Master, MasterWatch, running_master
 from tool0.installation.ros1.messages import import_messages
 from tool0.interfaces.ros1.options import Ros1Options
-from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from tool0.interfaces.ros1.node import RosNode, SnapshotPublisher
@@ -119,16 +118,14 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         with contextlib.closing(self._robot.subscribe()) as subscription:
             while not self._is_closing.is_set():
                 snapshot = subscription.following(_SNAPSHOT_TIMEOUT)
-                if snapshot is not None:
-                    self._publish(snapshot)
-
-    def _publish(self, snapshot: Snapshot) -> None:
-        self.node.clock.advance(snapshot.time)
-        for publisher in self._publishers:
-            try:
-                publisher.publish(snapshot)
-            except Exception as error:  # must not stop the other publishers
-                self.node.log_error(f"{type(publisher).__name__}: {error}")
+                if snapshot is None:
+                    continue
+                self.node.clock.advance(snapshot.time)
+                for publisher in self._publishers:
+                    try:
+                        publisher.publish(snapshot)
+                    except Exception as error:  # must not stop the other publishers
+                        self.node.log_error(f"{type(publisher).__name__}: {error}")
 
     def _watch_master(self) -> None:
         """Check that the master knows us, and that one node publishes /clock."""

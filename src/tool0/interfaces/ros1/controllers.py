@@ -51,16 +51,10 @@ class ControllerActionServer:
         result: Callable[[Any], Message],
         monitor_rate: float,
     ) -> None:
-        """Start the action server.
+        """Start an action of class ``kind``, with feedback at ``monitor_rate`` [Hz].
 
-        Args:
-            node: The node.
-            name: The action's name in the node's namespace.
-            kind: The action's class, such as FollowJointTrajectoryAction.
-            start: Sends a goal message to the controller, or raises Tool0Error.
-            rejection: Returns the result message of a goal that was rejected.
-            result: Returns the result message of a goal's outcome.
-            monitor_rate: Rate of the feedback [Hz].
+        ``start`` sends a goal message to the controller, or raises Tool0Error.
+        ``rejection`` and ``result`` return the result messages of a goal.
         """
         self._node = node
         self._start, self._rejection, self._result = start, rejection, result

@@ -100,13 +100,7 @@ class Server(contextlib.AbstractContextManager["Server"]):
     def __init__(
         self, backend: Backend, services: Sequence[Service], name: str = ""
     ) -> None:
-        """Begin to serve.
-
-        Args:
-            backend: What answers requests.
-            services: The addresses where it accepts connections.
-            name: Of the bring-up.
-        """
+        """Begin to serve at the services' addresses; ``name`` is the bring-up's."""
         self._backend = backend
         self._services = tuple(services)
         self._name = name

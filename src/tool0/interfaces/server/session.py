@@ -34,7 +34,9 @@ MAX_LINE: Final = 1 << 20
 
 Ident = int | str | None
 TakeAtOnce = Callable[["Session", Ident, Request[Any]], bool]
+"""Takes a request that need not wait for others; returns whether it did."""
 CarryOut = Callable[["Session", Ident, Request[Any]], Awaitable[None]]
+"""Carries out the other requests, one after the other."""
 
 
 class Transport(Protocol):
@@ -68,14 +70,6 @@ class Session:
     def __init__(
         self, transport: Transport, take_at_once: TakeAtOnce, carry_out: CarryOut
     ) -> None:
-        """Prepare the connection.
-
-        Args:
-            transport: Carries its messages.
-            take_at_once: Takes a request that need not wait for others; returns
-                whether it did.
-            carry_out: Carries out the other requests, one after the other.
-        """
         self._transport = transport
         self._take_at_once = take_at_once
         self._carry_out = carry_out
