@@ -44,18 +44,17 @@ def _install_gazebo(
         mirror: Address of a Debian mirror, instead of those that apt here uses.
         keyring: Keys that sign Debian 11, instead of debian-archive-keyring's.
     """
-    from tool0.installation.gazebo.install import (
-        KEYRING,
-        GazeboOptions,
-        install_gazebo,
-    )
+    from tool0.installation.gazebo.install import KEYRING, install_gazebo
     from tool0.installation.gazebo.installation import NAMED_BY, find_installation
 
-    options = GazeboOptions(
-        has_client=gui, is_private=private, mirror=mirror, keyring=keyring or KEYRING
-    )
     with ProgressBar() as progress:
-        made = install_gazebo(options, progress)
+        made = install_gazebo(
+            progress,
+            has_client=gui,
+            is_private=private,
+            mirror=mirror,
+            keyring=keyring or KEYRING,
+        )
     print(f"ready: Gazebo {made.version} in {made.prefix or made.server.parent.parent}")
     if gui and made.client is None:
         print("it has no gzclient; --private makes a Gazebo that has")
@@ -124,7 +123,7 @@ def _ros1_status(*, format: Format = "text") -> int:
     Args:
         format: For people or for programs.
     """
-    from tool0.installation.ros1.status import ros1_status
+    from tool0.installation.ros1.packages import ros1_status
 
     return _print_status(ros1_status(), format)
 

@@ -20,7 +20,7 @@ from tool0.hardware.drive_limits import DriveLimits
 from tool0.hardware.engine import Engine
 from tool0.hardware.joint_state import JointState
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.runtime.joint_moves import joints_by_controller, planned_motion
+from tool0.runtime.joint_motion import joints_by_controller, planned_motion
 from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp_assist import GraspAssist

@@ -6,8 +6,8 @@ from typing import Final
 
 from tool0.engines.mujoco.gl import PACKAGES, kind_of_context, make_context
 from tool0.errors import RenderError
-from tool0.installation.doctor.machine import ExaminedMachine
 from tool0.installation.doctor.report import ProbeResult
+from tool0.installation.machine import Machine
 
 _MESA: Final = {
     "dnf": "mesa-libEGL mesa-dri-drivers",
@@ -17,16 +17,12 @@ _MESA: Final = {
 }
 
 
-def cameras(examined: ExaminedMachine) -> list[ProbeResult]:
+def cameras(examined: Machine) -> list[ProbeResult]:
     """Return whether pictures can be rendered, by making a context."""
     try:
         make_context(8, 8).free()
     except RenderError as error:
         remedy = examined.install_command(PACKAGES, **_MESA)
-        return [
-            ProbeResult(
-                what="cameras", state="missing", found=str(error), remedy=remedy
-            )
-        ]
+        return [ProbeResult("cameras", "missing", str(error), remedy)]
     found = f"draw without a window, by {kind_of_context()}"
-    return [ProbeResult(what="cameras", state="ready", found=found)]
+    return [ProbeResult("cameras", "ready", found)]

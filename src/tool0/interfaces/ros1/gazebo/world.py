@@ -9,8 +9,7 @@ from typing import final
 from tool0.api.robot import Robot
 from tool0.description.forward_kinematics import FrameMotion, link_motions
 from tool0.description.model import Joint, RobotModel
-from tool0.description.rigid_model import RigidModel
-from tool0.description.rigid_model_xml import read_rigid_model
+from tool0.description.rigid_model import RigidModel, read_rigid_model
 from tool0.description.scene import SceneObject
 from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError

@@ -1,6 +1,5 @@
 import os
 import signal
-import textwrap
 import time
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from tool0.installation.doctor.report import (
     PROBES,
     DoctorReport,
     ProbeResult,
+    ProbeState,
     examine,
 )
 
@@ -24,7 +24,7 @@ from tool0.installation.doctor.report import ProbeResult
 def fine(machine):
     print("what a library prints is not part of the answer")
     os.write(1, b"nor is this")
-    return [ProbeResult(what="fine", state="ready", found="\\N{SNOWMAN}")]
+    return [ProbeResult("fine", "ready", "\\N{SNOWMAN}")]
 
 def raises(machine):
     raise RuntimeError("no such thing")
@@ -46,7 +46,7 @@ def leaves_one_behind(machine):
     other = subprocess.Popen(["sleep", "1000"])  # it holds our output open
     with open(os.environ["PIDS"], "w") as told:
         print(other.pid, file=told)
-    return [ProbeResult(what="left", state="ready", found="")]
+    return [ProbeResult("left", "ready", "")]
 """
 
 
@@ -88,30 +88,19 @@ def test_a_process_that_a_probe_leaves_behind_is_ended(pids: Path) -> None:
     assert has_ended(int(pids.read_text()), 10.0)
 
 
-def test_when_we_are_killed_every_probe_ends(pids: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
+def test_every_probe_ends_with_the_doctor(pids: Path, number: signal.Signals) -> None:
     os.mkfifo(pids)
-    program = """
-        from tool0.installation.doctor.report import examine
-        examine({"hangs": "odd_probes"}, timeout=600.0)
-    """
-    with fresh_python.start(textwrap.dedent(program)) as doctor:
-        watch = Watch(map(int, pids.read_text().split()))  # waits until they are told
-        doctor.send_signal(signal.SIGKILL)
+    program = (
+        "from tool0.installation.doctor.report import examine\n"
+        "examine({'hangs': 'odd_probes'}, timeout=600.0)"
+    )
+    with fresh_python.start(program) as doctor:
+        watch = Watch(map(int, pids.read_text().split()))  # waits until they start
+        doctor.send_signal(number)
+        _, errors = doctor.communicate(timeout=20.0)
         assert watch.all_ended(timeout=20.0)
-
-
-def test_an_interrupted_examination_ends_at_once(pids: Path) -> None:
-    os.mkfifo(pids)
-    program = """
-        from tool0.installation.doctor.report import examine
-        examine({"hangs": "odd_probes"}, timeout=600.0)
-    """
-    with fresh_python.start(textwrap.dedent(program)) as doctor:
-        watch = Watch(map(int, pids.read_text().split()))
-        doctor.send_signal(signal.SIGINT)
-        _, said = doctor.communicate(timeout=20.0)
-        assert said.rstrip().endswith("KeyboardInterrupt")
-        assert watch.all_ended(timeout=20.0)
+    assert errors.rstrip().endswith("KeyboardInterrupt") is (number == signal.SIGINT)
 
 
 def test_modules_of_the_folder_one_stands_in_are_not_taken(
@@ -127,21 +116,18 @@ def test_modules_of_the_folder_one_stands_in_are_not_taken(
 
 
 @pytest.mark.parametrize(
-    ("python", "mujoco", "gazebo", "can_run"),
+    ("states", "can_run"),
     [
-        ("ready", "ready", "missing", True),
-        ("missing", "ready", "ready", False),
-        ("ready", "unknown", "ready", False),
+        (("ready", "ready", "missing"), True),
+        (("missing", "ready", "ready"), False),
+        (("ready", "unknown", "ready"), False),
     ],
 )
 def test_mujoco_is_what_has_to_run(
-    python: str, mujoco: str, gazebo: str, can_run: bool
+    states: tuple[ProbeState, ...], can_run: bool
 ) -> None:
-    states = {"python": python, "mujoco": mujoco, "gazebo": gazebo}
-    lines = [
-        ProbeResult(what=name, state=state, found="")  # type: ignore[arg-type]
-        for name, state in states.items()
-    ]
+    names = ("python", "mujoco", "gazebo")
+    lines = [ProbeResult(*row, "") for row in zip(names, states, strict=True)]
     report = DoctorReport(tuple(lines))
     assert report.can_run is can_run
     assert report.as_json()["can_run"] is can_run
@@ -149,7 +135,5 @@ def test_mujoco_is_what_has_to_run(
 
 
 def test_a_remedy_has_a_line_of_its_own_to_copy() -> None:
-    line = ProbeResult(
-        what="rviz", state="missing", found="none", remedy="apt install rviz"
-    )
+    line = ProbeResult("rviz", "missing", "none", "apt install rviz")
     assert ("", "", "-> apt install rviz") in DoctorReport((line,)).rows()

@@ -1,4 +1,4 @@
-"""The machine that is examined: its files, programs and package managers."""
+"""This machine: its files, programs, package managers and Python packages."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ import platform
 import re
 import shlex
 import shutil
-import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, final
@@ -23,13 +22,11 @@ _INSTALL_COMMANDS: Final = {
     "brew": "brew install",
     "winget": "winget install",
 }
-PROGRAM_TIMEOUT: Final = 2.0
-"""For programs of others [wall s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ExaminedMachine:
+class Machine:
     """Where a probe looks; a test passes another root."""
 
     root: Path = Path("/")
@@ -51,7 +48,7 @@ class ExaminedMachine:
         """
         for manager, command in _INSTALL_COMMANDS.items():
             if self.program(manager):
-                package = others.get(manager.replace("-", "_"), apt)
+                package = others.get(manager, apt)
                 return f"{command} {package}" if package else ""
         return ""
 
@@ -63,10 +60,10 @@ class ExaminedMachine:
             return ""
 
     def release(self) -> dict[str, str]:
-        """Return the fields of ``/etc/os-release``."""
-        lines = self.read("etc/os-release").split("\n")
-        fields = (line.partition("=") for line in lines)
-        return {key: _unquoted(value) for key, _, value in fields if value}
+        """Return the fields of ``os-release``."""
+        text = self.read("etc/os-release") or self.read("usr/lib/os-release")
+        fields = (line.strip().partition("=") for line in text.splitlines())
+        return {key: value.strip("\"'") for key, _, value in fields if value}
 
     def name(self) -> str:
         """Return the operating system, for people."""
@@ -82,50 +79,23 @@ class ExaminedMachine:
         keys = ("UBUNTU_CODENAME", "DEBIAN_CODENAME", "VERSION_CODENAME")
         return next((release[key] for key in keys if key in release), "")
 
-    def output_of(self, command: Sequence[str]) -> str:
-        """Return what a program prints.
-
-        Raises:
-            OSError: If it cannot be run.
-            subprocess.SubprocessError: If it fails, or exceeds the timeout.
-        """
-        return subprocess.run(
-            command,
-            env={**self.environ, "LC_ALL": "C"},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
-            errors="replace",
-            timeout=PROGRAM_TIMEOUT,
-            check=True,
-        ).stdout
-
-
-def _unquoted(value: str) -> str:
-    try:
-        return " ".join(shlex.split(value))
-    except ValueError:  # a quote that nothing closes
-        return value
-
 
 # --- the Python packages that tool0 needs ---
 
 
-def python_requirements() -> list[str]:
-    """Return what tool0 requires, as ``mujoco>=3.3``; nothing for a source folder."""
+def python_requirements() -> dict[str, str]:
+    """Return package → requirement, as ``mujoco>=3.3``; empty for a source folder."""
     from importlib import metadata  # slow, and mostly not needed
 
     try:
         stated = metadata.requires("tool0") or []
     except metadata.PackageNotFoundError:
-        return []
-    return [text for text in stated if ";" not in text]
-
-
-def required_package(requirement: str) -> str:
-    """Return the name of the package that a requirement is for."""
-    return re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
+        return {}
+    return {
+        re.split(r"[^\w.-]", text, maxsplit=1)[0]: text
+        for text in stated
+        if ";" not in text
+    }
 
 
 def python_package_version(package: str) -> str | None:

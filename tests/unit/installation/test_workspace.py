@@ -4,19 +4,30 @@ import errno
 import os
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
+from xml.etree import ElementTree
 
 import pytest
 
+from tool0.description.packages import BUNDLED
 from tool0.errors import ConfigError
-from tool0.installation.workspace import writing
-from tool0.installation.workspace.layout import package_files
-from tool0.installation.workspace.writing import (
+from tool0.installation import workspace
+from tool0.installation.workspace import (
+    PACKAGES,
     RECORD_FILE,
+    UPSTREAM_PACKAGES,
     FileAction,
     WorkspaceChanges,
+    package_files,
+    source_folder,
     write_workspace,
 )
 
+MESHES_ARGUMENT = (
+    "tool0_description/launch/view_ur5_robotiq_2f_85.launch",
+    "tool0_description/urdf/ur_robotiq.urdf.xacro",
+    "tool0_gazebo/launch/inc/load_ur5_robotiq_2f_85.launch.xml",
+    "tool0_gazebo/launch/ur5_robotiq_2f_85_bringup.launch",
+)
 LAUNCH = "tool0_gazebo/launch/ur5_robotiq_2f_85_bringup.launch"
 XACRO = "tool0_description/urdf/shapes.xacro"
 EDIT = "<launch/> <!-- mine -->\n"
@@ -36,7 +47,7 @@ def shipped(monkeypatch: pytest.MonkeyPatch) -> Files:
         del upstream_meshes
         return dict(files)
 
-    monkeypatch.setattr(writing, "package_files", stand_in)
+    monkeypatch.setattr(workspace, "package_files", stand_in)
     return files
 
 
@@ -57,13 +68,12 @@ def test_it_writes_real_files(tmp_path: Path) -> None:
     for path, data in files.items():
         assert (written.source / path).read_bytes() == data
         assert not (written.source / path).is_symlink()
-    names = {
-        path.relative_to(written.source).as_posix() for path in everything(tmp_path)
-    }
-    records = {
-        f"{name}/{RECORD_FILE}" for name in ("tool0_description", "tool0_gazebo")
-    }
-    assert names == {str(path) for path in files} | records
+    before = everything(tmp_path)
+    records = {written.source / name / RECORD_FILE for name in PACKAGES}
+    assert before.keys() == {written.source / path for path in files} | records
+    again = write_workspace(tmp_path / "ws")
+    assert set(again.actions.values()) == {FileAction.LEAVE}
+    assert everything(tmp_path) == before
 
 
 def test_files_are_as_readable_as_any_that_a_person_makes(tmp_path: Path) -> None:
@@ -77,14 +87,6 @@ def test_files_are_as_readable_as_any_that_a_person_makes(tmp_path: Path) -> Non
     assert script.stat().st_mode & 0o777 == 0o750
 
 
-def test_twice_changes_nothing(tmp_path: Path) -> None:
-    write_workspace(tmp_path)
-    before = everything(tmp_path)
-    again = write_workspace(tmp_path)
-    assert {change.action for change in again.changes} == {FileAction.LEAVE}
-    assert everything(tmp_path) == before
-
-
 def test_an_edited_file_is_kept_and_named(tmp_path: Path) -> None:
     written = write_workspace(tmp_path)
     (written.source / LAUNCH).write_text(EDIT)
@@ -92,14 +94,6 @@ def test_an_edited_file_is_kept_and_named(tmp_path: Path) -> None:
         again = write_workspace(tmp_path, upstream_meshes=upstream)
         assert one(again, FileAction.KEEP) == LAUNCH
         assert (written.source / LAUNCH).read_text() == EDIT
-
-
-def test_a_file_that_was_there_before_is_a_persons(tmp_path: Path) -> None:
-    file = tmp_path / "src" / LAUNCH
-    file.parent.mkdir(parents=True)
-    file.write_text(EDIT)
-    assert one(write_workspace(tmp_path), FileAction.KEEP) == LAUNCH
-    assert file.read_text() == EDIT
 
 
 def test_force_overwrites_and_keeps_what_it_overwrote(tmp_path: Path) -> None:
@@ -117,25 +111,16 @@ def test_a_newer_version_updates_what_nobody_edited(
     tmp_path: Path, shipped: Files
 ) -> None:
     source = write_workspace(tmp_path).source
+    older = (source / XACRO).read_bytes()
     (source / XACRO).write_text(EDIT)
     shipped[PurePosixPath(LAUNCH)] = b"newer"
     shipped[PurePosixPath(XACRO)] = b"newer"
     again = write_workspace(tmp_path)
-    assert (one(again, FileAction.UPDATE), one(again, FileAction.KEEP)) == (
-        LAUNCH,
-        XACRO,
-    )
+    assert one(again, FileAction.UPDATE) == LAUNCH
+    assert one(again, FileAction.KEEP) == XACRO
     assert (source / LAUNCH).read_bytes() == b"newer"
-
-
-def test_an_edit_that_was_taken_back_is_none(tmp_path: Path, shipped: Files) -> None:
-    source = write_workspace(tmp_path).source
-    older = (source / LAUNCH).read_bytes()
-    (source / LAUNCH).write_text(EDIT)
-    shipped[PurePosixPath(LAUNCH)] = b"newer"
-    assert one(write_workspace(tmp_path), FileAction.KEEP) == LAUNCH
-    (source / LAUNCH).write_bytes(older)
-    assert one(write_workspace(tmp_path), FileAction.UPDATE) == LAUNCH
+    (source / XACRO).write_bytes(older)  # the edit is taken back
+    assert one(write_workspace(tmp_path), FileAction.UPDATE) == XACRO
 
 
 def test_what_is_shipped_no_longer_goes_unless_it_was_edited(
@@ -145,23 +130,16 @@ def test_what_is_shipped_no_longer_goes_unless_it_was_edited(
     (source / XACRO).write_text(EDIT)
     shipped.clear()
     again = write_workspace(tmp_path, force=True)
-    assert (one(again, FileAction.REMOVE), one(again, FileAction.KEEP)) == (
-        LAUNCH,
-        XACRO,
-    )
+    assert one(again, FileAction.REMOVE) == LAUNCH
+    assert one(again, FileAction.KEEP) == XACRO
     assert not (source / LAUNCH).exists()
-    assert not write_workspace(tmp_path).changes  # it is theirs from now on
+    assert not write_workspace(tmp_path).actions  # it is theirs from now on
 
 
-def test_a_deleted_file_comes_back(tmp_path: Path) -> None:
+def test_a_deleted_file_comes_back_and_a_link_stays(tmp_path: Path) -> None:
     source = write_workspace(tmp_path).source
     (source / LAUNCH).unlink()
     assert one(write_workspace(tmp_path), FileAction.ADD) == LAUNCH
-    assert (source / LAUNCH).is_file()
-
-
-def test_a_link_is_an_edit(tmp_path: Path) -> None:
-    source = write_workspace(tmp_path).source
     mine = tmp_path / "mine.launch"
     mine.write_text(EDIT)
     (source / LAUNCH).unlink()
@@ -225,18 +203,113 @@ def test_a_folder_that_is_not_ours_to_write_is_told(
     assert os.strerror(errno.EACCES) in str(error.value)
 
 
-def test_a_folder_where_a_file_goes_is_told(tmp_path: Path) -> None:
-    (tmp_path / "src" / LAUNCH).mkdir(parents=True)
+@pytest.mark.parametrize("obstacle", [LAUNCH, "tool0_gazebo"])
+def test_what_is_in_the_way_is_named(tmp_path: Path, obstacle: str) -> None:
+    path = tmp_path / "src" / obstacle
+    if obstacle == LAUNCH:
+        path.mkdir(parents=True)
+    else:
+        path.parent.mkdir()
+        path.touch()
+    before = everything(tmp_path)
     with pytest.raises(ConfigError) as error:
         write_workspace(tmp_path)
-    assert LAUNCH in str(error.value)
-    assert not everything(tmp_path)  # it was seen before anything was written
+    assert str(path) in str(error.value)
+    assert everything(tmp_path) == before  # seen before anything was written
 
 
-def test_a_file_where_a_folder_goes_is_told(tmp_path: Path) -> None:
-    (tmp_path / "src").mkdir()
-    (tmp_path / "src" / "tool0_gazebo").touch()
+# --- the files ---
+
+
+def test_it_is_what_the_program_reads() -> None:
+    files = package_files()
+    assert {path.parts[0] for path in files} == set(PACKAGES)
+    assert all((BUNDLED / path).read_bytes() == data for path, data in files.items())
+    names = [part for path in files for part in path.parts]
+    assert not [name for name in names if name.startswith((".", "__"))]
+    for needed in ("package.xml", "CMakeLists.txt"):
+        assert all(PurePosixPath(name, needed) in files for name in PACKAGES)
+
+
+def test_upstream_meshes_change_the_default_and_the_dependencies_alone() -> None:
+    ours, theirs = package_files(), package_files(upstream_meshes=True)
+    changed = {str(path) for path in ours if ours[path] != theirs[path]}
+    assert changed == {*MESHES_ARGUMENT, "tool0_description/package.xml"}
+    for name in MESHES_ARGUMENT:
+        path = PurePosixPath(name)
+        assert theirs[path].count(b'"meshes" default="upstream"') == 1
+        assert b'"meshes" default="tool0"' not in theirs[path]
+
+
+def test_upstream_packages_become_dependencies() -> None:
+    path = PurePosixPath("tool0_description/package.xml")
+
+    def dependencies(data: bytes) -> set[str | None]:
+        found = ElementTree.fromstring(data.decode()).iterfind("exec_depend")
+        return {element.text for element in found}
+
+    added = dependencies(package_files(upstream_meshes=True)[path])
+    assert added - dependencies(package_files()[path]) == set(UPSTREAM_PACKAGES)
+
+
+# --- the folder ---
+
+
+def make_package(folder: Path, name: str = "") -> Path:
+    folder.mkdir(parents=True)
+    text = f"<package><name>{name or folder.name}</name></package>"
+    (folder / "package.xml").write_text(text)
+    return folder
+
+
+def test_packages_go_into_src_or_beside_others(tmp_path: Path) -> None:
+    assert source_folder(tmp_path / "new") == tmp_path / "new" / "src"
+    assert source_folder(tmp_path) == tmp_path / "src"
+    assert source_folder(tmp_path / "ws" / "src") == tmp_path / "ws" / "src"
+    make_package(tmp_path / "my_robot")
+    assert source_folder(tmp_path) == tmp_path
+    make_package(tmp_path / "src" / "robotiq" / "robotiq_description")
+    assert source_folder(tmp_path) == tmp_path / "src"
+
+
+def test_the_toplevel_of_catkin_marks_a_folder_of_packages(tmp_path: Path) -> None:
+    toplevel = tmp_path / "toplevel.cmake"
+    toplevel.touch()
+    folder = tmp_path / "packages"
+    folder.mkdir()
+    (folder / "CMakeLists.txt").symlink_to(toplevel)
+    assert source_folder(folder) == folder
+
+
+def test_a_relative_path_counts_from_here(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    assert source_folder(Path("ws")) == tmp_path / "ws" / "src"
+    assert source_folder(Path("~/ws")) == tmp_path / "home" / "ws" / "src"
+
+
+def test_what_is_no_workspace_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("not a folder")
+    (tmp_path / "ws").mkdir()
+    (tmp_path / "ws" / "src").write_text("not a folder")
+    (tmp_path / "link").symlink_to(tmp_path / "gone")
+    package = make_package(tmp_path / "other" / "src" / "my_robot")
+    named = (tmp_path / name for name in ("file", "file/deeper", "ws", "link"))
+    for folder in (*named, package, package / "src"):
+        with pytest.raises(ConfigError):
+            source_folder(folder)
+
+
+def test_a_package_of_the_same_name_elsewhere_is_told(tmp_path: Path) -> None:
+    other = make_package(tmp_path / "src" / "copy", "tool0_gazebo")
     with pytest.raises(ConfigError) as error:
-        write_workspace(tmp_path)
+        source_folder(tmp_path)
+    assert str(other) in str(error.value)
     assert "tool0_gazebo" in str(error.value)
-    assert len(everything(tmp_path)) == 1
+    (other / "CATKIN_IGNORE").touch()
+    assert source_folder(tmp_path) == tmp_path / "src"
+    (tmp_path / "src" / "tool0_gazebo").symlink_to(other)
+    with pytest.raises(ConfigError):  # or the linked package would be written to
+        source_folder(tmp_path)

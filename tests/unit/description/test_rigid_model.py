@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tool0.description.rigid_model_xml import MAX_FRICTION, MAX_LENGTH, read_rigid_model
+from tool0.description.rigid_model import MAX_FRICTION, MAX_LENGTH, read_rigid_model
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ConfigError, DescriptionError, Tool0Error
@@ -20,9 +20,12 @@ def urdf(inside: str) -> str:
     return f'<?xml version="1.0"?><robot name="thing">{inside}</robot>'
 
 
-def urdf_link(collision: str = BOX, inertial: str = INERTIAL, visual: str = "") -> str:
+def urdf_link(
+    collision: str = BOX, inertial: str = INERTIAL, visual: str = "", beside: str = ""
+) -> str:
     return urdf(
         f'<link name="body">{inertial}<collision>{collision}</collision>{visual}</link>'
+        + beside
     )
 
 
@@ -50,11 +53,8 @@ def test_a_link_of_urdf_is_read() -> None:
         f'<visual>{BOX}<material name="m"><color rgba="1 0 0.5 1"/></material></visual>'
     )
     extension = '<gazebo reference="body"><mu1>0.4</mu1><mu2>9</mu2></gazebo>'
-    model = read_rigid_model(
-        urdf_link(f'<origin xyz="0 0 0.1" rpy="0 0 1"/>{BOX}', visual=visual).replace(
-            "</robot>", f"{extension}</robot>"
-        )
-    )
+    moved = f'<origin xyz="0 0 0.1" rpy="0 0 1"/>{BOX}'
+    model = read_rigid_model(urdf_link(moved, visual=visual, beside=extension))
     assert (model.name, model.link) == ("thing", "body")
     assert model.geometry == Box(size=(0.1, 0.2, 0.3))
     assert (model.mass, model.friction) == (0.5, 0.4)
@@ -132,16 +132,11 @@ def test_meshes_are_found(tmp_path: Path) -> None:
             beside="<joint name='j' type='fixed'><parent>world</parent>"
             "<child>body</child></joint>"
         ),
-        urdf_link().replace(
-            "</robot>", "<gazebo><static>true</static></gazebo></robot>"
-        ),
-        urdf_link(inertial="").replace(
-            "</robot>", "<gazebo><static>true</static></gazebo></robot>"
-        ),
-        urdf_link().replace(
-            "</robot>",
-            '<link name="world"/><joint name="j" type="fixed"><parent link="world"/>'
-            '<child link="body"/></joint></robot>',
+        urdf_link(beside="<gazebo><static>true</static></gazebo>"),
+        urdf_link(inertial="", beside="<gazebo><static>true</static></gazebo>"),
+        urdf_link(
+            beside='<link name="world"/><joint name="j" type="fixed">'
+            '<parent link="world"/><child link="body"/></joint>'
         ),
     ],
 )
@@ -165,19 +160,11 @@ def test_links_that_are_fixed_to_each_other_are_one_body() -> None:
     assert_same(model.T_model_shape, pose(0, 0, 1, 0, 0, 0))
 
 
-def test_the_mass_of_sdf_is_1_kg_if_it_says_nothing() -> None:
-    assert read_rigid_model(sdf_link()).mass == 1.0
-
-
 @pytest.mark.parametrize(
     ("text", "rgba"),
     [
         (
-            urdf_link().replace(
-                "</robot>",
-                '<gazebo reference="body"><material>Gazebo/Red</material></gazebo>'
-                "</robot>",
-            ),
+            urdf_link(beside="<gazebo><material>Gazebo/Red</material></gazebo>"),
             (1, 0, 0, 1),
         ),
         (
@@ -200,7 +187,7 @@ def test_an_object_has_its_shape_where_the_model_says() -> None:
     model = read_rigid_model(sdf_link(f"<pose>0 0 0.1 0.1 0.2 0.3</pose>{SDF_BOX}"))
     T_root_model = pose(1, 2, 3, 0.4, 0.5, 0.6)
     item = model.scene_object("other", T_root_model)
-    assert (item.name, item.mass) == ("other", 1.0)
+    assert (item.name, item.mass) == ("other", 1.0)  # 1 kg is SDF's default
     assert_same(to_transform(item.pose), T_root_model @ model.T_model_shape)
 
 

@@ -1,24 +1,78 @@
+"""What `tool0 doctor` finds on machines of all kinds."""
+
+import os
 from pathlib import Path
 
 import pytest
-from machine import add_program, make_machine
+from machine import add_gazebo_header, add_program, make_machine
 
 from tool0.errors import RosUnavailableError
-from tool0.installation.doctor.machine import ExaminedMachine
+from tool0.installation.doctor import probes
+from tool0.installation.doctor.probes import _LAUNCHED_PACKAGES, gazebo, ros1, ros2
 from tool0.installation.doctor.report import ProbeResult
-from tool0.installation.doctor.ros_probes import (
-    _LAUNCHED_PACKAGES,
-    gazebo,
-    ros1,
-    ros2,
-    workspace,
-)
 from tool0.installation.gazebo.installation import NAMED_BY
-from tool0.installation.ros1.status import Ros1Status
+from tool0.installation.machine import Machine
+from tool0.installation.ros1.packages import Ros1Status
+
+# --- GPUs ---
+
+
+def gpu(root: Path) -> ProbeResult:
+    (result,) = probes.gpu(make_machine(root))
+    return result
+
+
+def test_a_gpu_is_not_needed(tmp_path: Path) -> None:
+    result = gpu(tmp_path)
+    assert (result.state, result.remedy) == ("missing", "")
+
+
+def test_nvidia_cards_are_read_without_running_a_program(tmp_path: Path) -> None:
+    add_program(tmp_path / "bin/nvidia-smi", "exec sleep 1000")
+    card = tmp_path / "proc/driver/nvidia/gpus/0000:01:00.0/information"
+    card.parent.mkdir(parents=True)
+    card.write_text("Model: \t\t NVIDIA H200\nIRQ:   \t\t 190\n")
+    (tmp_path / "proc/driver/nvidia/version").write_text(
+        "NVRM version: NVIDIA UNIX x86_64 Kernel Module  550.54.15  Tue Mar  5\n"
+    )
+    assert gpu(tmp_path).found == "NVIDIA H200, driver 550.54.15"
+
+
+def test_nvidia_smi_is_run_where_there_are_no_files(tmp_path: Path) -> None:
+    add_program(tmp_path / "bin/nvidia-smi", "echo 'NVIDIA H200, 550.54.15'")
+    assert gpu(tmp_path).found == "NVIDIA H200, driver 550.54.15"
+    add_program(tmp_path / "bin/nvidia-smi", "echo NVIDIA-SMI has failed; exit 9")
+    assert gpu(tmp_path).state == "missing"
+
+
+def test_a_driver_that_hangs_is_unknown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tool0.installation.doctor.probes.PROGRAM_TIMEOUT", 0.2)
+    add_program(tmp_path / "bin/nvidia-smi", "exec /bin/sleep 1000")
+    result = gpu(tmp_path)
+    assert result.state == "unknown"
+    assert "nvidia-smi" in result.found
+
+
+def test_render_nodes_are_listed_with_their_vendor(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for node, vendor in (("renderD128", "0x8086"), ("renderD129", "0x1af4")):
+        (tmp_path / "dev/dri").mkdir(parents=True, exist_ok=True)
+        (tmp_path / "dev/dri" / node).touch()
+        file = tmp_path / "sys/class/drm" / node / "device/vendor"
+        file.parent.mkdir(parents=True)
+        file.write_text(f"{vendor}\n")
+    result = gpu(tmp_path)
+    assert (result.state, result.remedy) == ("ready", "")
+    assert result.found.startswith("Intel (")
+    assert ", a GPU (" in result.found
+    monkeypatch.setattr(os, "access", lambda *_: False)  # root may do anything
+    assert "usermod -aG render" in gpu(tmp_path).remedy
+
 
 # --- Gazebo ---
-
-CONFIG = '#define GAZEBO_VERSION_FULL "11.10.2"\n'
 
 
 @pytest.fixture
@@ -32,38 +86,23 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def add_gazebo(root: Path) -> None:
-    header = root / "include/gazebo-11/gazebo/gazebo_config.h"
-    header.parent.mkdir(parents=True)
-    header.write_text(CONFIG)
-    add_program(root / "bin/gzserver")
-
-
-def test_a_missing_gazebo_is_installed_by_tool0(root: Path) -> None:
-    (result,) = gazebo(ExaminedMachine(system="linux"))
+def test_what_gazebo_lacks_has_a_remedy(root: Path) -> None:
+    examined = Machine(system="linux")
+    (result,) = gazebo(examined)
     assert (result.state, result.remedy) == ("missing", "tool0 gazebo install --gui")
-
-
-def test_a_missing_compiler_is_what_is_missing(root: Path) -> None:
-    add_gazebo(root)
-    (result,) = gazebo(ExaminedMachine(system="linux"))
+    add_gazebo_header(root, "11.10.2")
+    add_program(root / "bin/gzserver")
+    (result,) = gazebo(examined)
     assert (result.state, result.remedy) == ("missing", "sudo apt install g++")
-
-
-def test_a_system_s_gazebo_is_reported_with_its_window(root: Path) -> None:
-    add_gazebo(root)
     add_program(root / "bin/g++")
-    engine, window = gazebo(ExaminedMachine(system="linux"))
+    engine, window = gazebo(examined)
     assert engine.state == "ready"
     assert engine.found.startswith("11.10.2, the system's, ")
     assert window.remedy == "tool0 gazebo install --gui --private"
     add_program(root / "bin/gzclient")
-    engine, window = gazebo(ExaminedMachine(system="linux"))
+    _, window = gazebo(examined)
     assert (window.state, window.found) == ("ready", str(root / "bin/gzclient"))
-
-
-def test_gazebo_is_supported_on_linux_alone() -> None:
-    (result,) = gazebo(ExaminedMachine(system="darwin"))
+    (result,) = gazebo(Machine(system="darwin"))
     assert result.state == "not supported"
 
 
@@ -75,17 +114,17 @@ REMEDY = "tool0 ros1 install --rviz"
 
 
 def with_ros1(patch: pytest.MonkeyPatch, status: Ros1Status) -> list[ProbeResult]:
-    patch.setattr(f"{ROS1}.status.ros1_status", lambda: status)
-    return ros1(ExaminedMachine(environ={"PATH": ""}))
+    patch.setattr(f"{ROS1}.packages.ros1_status", lambda: status)
+    return ros1(Machine(environ={"PATH": ""}))
 
 
 def test_ros_2_is_reported_and_not_supported(tmp_path: Path) -> None:
-    (result,) = ros2(ExaminedMachine(root=tmp_path))
+    (result,) = ros2(Machine(root=tmp_path))
     assert result.state == "not supported"
     for distro in ("humble", "jazzy"):
         home = tmp_path / "opt/ros" / distro / "lib/python3.10/site-packages/rclpy"
         home.mkdir(parents=True)
-    (result,) = ros2(ExaminedMachine(root=tmp_path))
+    (result,) = ros2(Machine(root=tmp_path))
     assert result.state == "not supported"
     for distro in ("humble", "jazzy"):
         assert str(tmp_path / "opt/ros" / distro) in result.found
@@ -101,19 +140,18 @@ def test_ros_1_is_installed_where_it_is_packaged(
     assert result.remedy == REMEDY
 
 
-@pytest.mark.parametrize(
-    ("is_packaged", "state"), [(True, "missing"), (False, "not supported")]
-)
 def test_where_ros_1_cannot_be_installed_the_reason_is_reported(
-    monkeypatch: pytest.MonkeyPatch, is_packaged: bool, state: str
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     def plan(rviz: bool) -> None:
         raise RosUnavailableError("the reason")
 
     monkeypatch.setattr(f"{ROS1}.install.plan_install", plan)
-    monkeypatch.setattr(f"{ROS1}.install.is_packaged", lambda: is_packaged)
-    (result,) = with_ros1(monkeypatch, Ros1Status(master="", missing=NEEDED))
-    assert (result.state, result.found) == (state, "the reason")
+    status = Ros1Status(master="", missing=NEEDED)
+    monkeypatch.setattr(f"{ROS1}.packages.ros1_status", lambda: status)
+    for release, state in ((BOOKWORM, "missing"), (NOBLE, "not supported")):
+        (result,) = ros1(make_machine(tmp_path, release=release))
+        assert (result.state, result.found) == (state, "the reason")
 
 
 def test_what_ros_1_can_run_without_has_results_of_its_own(
@@ -133,9 +171,6 @@ def test_what_ros_1_can_run_without_has_results_of_its_own(
     assert "--roscore" in main.found
     assert (tools.state, tools.found, tools.remedy) == ("missing", "tf2", REMEDY)
     assert (rviz.state, rviz.remedy) == ("missing", REMEDY)
-
-
-def test_a_master_that_answers_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     status = Ros1Status(rospy=Path("/r"), master="http://x:1", is_master_up=True)
     results = with_ros1(monkeypatch, status)
     assert [result.state for result in results] == ["ready"] * 3
@@ -151,7 +186,7 @@ NOBLE = "PRETTY_NAME='Ubuntu 24.04'\nVERSION_CODENAME=noble\n"
 
 def look(root: Path, release: str, *programs: str) -> tuple[ProbeResult, ProbeResult]:
     examined = make_machine(root, "apt-get", *programs, release=release)
-    catkin, native = workspace(examined)
+    catkin, native = probes.workspace(examined)
     return catkin, native
 
 
@@ -162,12 +197,6 @@ def add_packages(prefix: Path, *names: str) -> None:
         manifest.touch()
 
 
-def test_the_build_tools_are_reported(tmp_path: Path) -> None:
-    catkin, _ = look(tmp_path, NOBLE, "catkin_make", "cmake", "make")
-    assert (catkin.what, catkin.state) == ("catkin", "ready")
-    assert str(tmp_path / "bin/catkin_make") in catkin.found
-
-
 @pytest.mark.parametrize(
     ("release", "programs", "state", "remedy"),
     [
@@ -175,6 +204,7 @@ def test_the_build_tools_are_reported(tmp_path: Path) -> None:
         (BOOKWORM, ("make",), "missing", "sudo apt install catkin cmake"),
         (NOBLE, ("catkin_make", "make"), "missing", "sudo apt install cmake"),
         (NOBLE, ("cmake", "make"), "not supported", ""),
+        (NOBLE, ("catkin_make", "cmake", "make"), "ready", ""),
     ],
 )
 def test_the_build_tools_are_installed_where_they_are_packaged(
@@ -192,22 +222,20 @@ def test_a_noetic_is_to_be_sourced(tmp_path: Path) -> None:
     assert catkin.remedy == f"source {setup}"
 
 
-def test_a_complete_noetic_runs_natively(tmp_path: Path) -> None:
-    add_packages(tmp_path / "opt/ros/noetic", *_LAUNCHED_PACKAGES)
-    _, native = look(tmp_path, FOCAL)
-    assert native.state == "ready"
-    assert native.found.startswith(str(tmp_path / "opt/ros/noetic"))
-
-
 def test_what_a_noetic_lacks_is_installed_by_its_names(tmp_path: Path) -> None:
+    noetic = tmp_path / "opt/ros/noetic"
     missing = {"gazebo_ros_control", "rqt_joint_trajectory_controller"}
-    add_packages(tmp_path / "opt/ros/noetic", *(set(_LAUNCHED_PACKAGES) - missing))
+    add_packages(noetic, *(set(_LAUNCHED_PACKAGES) - missing))
     _, native = look(tmp_path, FOCAL)
     assert native.state == "missing"
     assert native.remedy == (
         "sudo apt install ros-noetic-gazebo-ros-control "
         "ros-noetic-rqt-joint-trajectory-controller"
     )
+    add_packages(noetic, *missing)
+    _, native = look(tmp_path, FOCAL)
+    assert native.state == "ready"
+    assert native.found.startswith(str(noetic))
 
 
 @pytest.mark.parametrize(
