@@ -162,22 +162,22 @@ class Hub:
         ident: Ident,
         request: Subscribe | Unsubscribe | SubscribeView,
     ) -> None:
-        refusal = None
+        reply = encode_reply(ident, request, None)
         if isinstance(request, SubscribeView):
             if self.attach_view is None:
-                refusal = "this bring-up has no panel (--headless)"
+                error = ControlError("this bring-up has no panel (--headless)")
+                session.send(encode_error(ident, error))
+            else:
+                session.send(reply)
+                self.attach_view(session)
         elif self._snapshots is None:
-            refusal = "a robot without physics has no snapshots"
-        if refusal is not None:
-            session.send(encode_error(ident, ControlError(refusal)))
-            return
-        if self._snapshots is not None and not isinstance(request, SubscribeView):
+            error = ControlError("a robot without physics has no snapshots")
+            session.send(encode_error(ident, error))
+        else:
             self._snapshots.remove(session)
             if isinstance(request, Subscribe):
                 await self._snapshots.add(session, request.rate)
-        session.send(encode_reply(ident, request, None))
-        if isinstance(request, SubscribeView) and self.attach_view is not None:
-            self.attach_view(session)
+            session.send(reply)
 
     async def _carry_out(
         self,

@@ -8,8 +8,6 @@ import json
 import os
 import socket
 import stat
-import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -140,24 +138,6 @@ def test_a_goal_is_followed_to_its_end_and_a_dead_peer_s_goal_goes_on(
     goal = robot.simulation.goals.find(started["goal"])
     assert goal.wait(LONG)
     assert goal.status.value == "SUCCEEDED"
-
-
-def test_a_client_that_is_killed_is_forgotten(server: Server, folder: Path) -> None:
-    program = (
-        "import socket, sys; s = socket.socket(socket.AF_UNIX); "
-        "s.connect(sys.argv[1]); s.recv(9); print('in', flush=True); sys.stdin.read()"
-    )
-    with subprocess.Popen(
-        [sys.executable, "-c", program, str(folder / "tool0.sock")],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-    ) as client:
-        assert client.stdout is not None
-        assert client.stdout.readline() == b"in\n"
-        client.kill()
-    other = Peer(folder)
-    assert "result" in other.ask("read_snapshot")
-    other.close()
 
 
 def test_closing_ends_connections_and_waits(robot: tool0.Robot) -> None:
