@@ -14,8 +14,7 @@ from subprocess import PIPE, Popen
 import tool0
 from tool0.api.address import Claim
 from tool0.interfaces.server.backend import SimulationBackend
-from tool0.interfaces.server.server import Server
-from tool0.interfaces.server.unix_socket import UnixSocketService
+from tool0.interfaces.server.server import Server, UnixSocketService
 
 NAME = f"benchmark-streams-{os.getpid()}"
 SECONDS = 2.0

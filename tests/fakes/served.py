@@ -9,8 +9,7 @@ import pytest
 import tool0
 from tool0.api.address import Claim
 from tool0.interfaces.server.backend import SimulationBackend
-from tool0.interfaces.server.server import Server
-from tool0.interfaces.server.unix_socket import UnixSocketService
+from tool0.interfaces.server.server import Server, UnixSocketService
 
 
 def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
     from tool0.cli.stop_signal import StopSignal
     from tool0.interfaces.panel.address import Endpoint
+    from tool0.interfaces.server.hub import Service
     from tool0.interfaces.server.server import Server
-    from tool0.interfaces.server.service import Service
 
 _POLL_PERIOD: Final = 0.1
 """Longest time between checks of the clock and the signals [wall s]."""
@@ -132,7 +132,7 @@ def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Ser
 
     services: list[Service] = []
     if claim is not None:
-        from tool0.interfaces.server.unix_socket import UnixSocketService
+        from tool0.interfaces.server.server import UnixSocketService
 
         services.append(UnixSocketService(claim))
     if endpoint is not None:

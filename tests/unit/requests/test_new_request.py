@@ -19,8 +19,7 @@ from tool0.api.address import Claim
 from tool0.errors import RequestError
 from tool0.interfaces.panel.address import open_endpoint
 from tool0.interfaces.panel.server import panel_service
-from tool0.interfaces.server.server import Server
-from tool0.interfaces.server.unix_socket import UnixSocketService
+from tool0.interfaces.server.server import Server, UnixSocketService
 from tool0.requests import codec
 from tool0.requests.table import Request, handles
 from tool0.runtime.simulation import Simulation

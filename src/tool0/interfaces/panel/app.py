@@ -1,19 +1,20 @@
-"""The HTTP routes: page, URDF, meshes and WebSocket."""
+"""The HTTP routes (page, URDF, meshes, WebSocket), and who may use them."""
 
 from __future__ import annotations
 
 import hashlib
-from typing import TYPE_CHECKING, Final
+import secrets
+from typing import TYPE_CHECKING, Any, Final, final
+from urllib.parse import parse_qs
 
 from starlette.applications import Starlette
-from starlette.datastructures import MutableHeaders
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.middleware.gzip import GZipMiddleware
 from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
 from tool0.interfaces.panel.address import Endpoint
-from tool0.interfaces.panel.guard import Guard
 from tool0.interfaces.panel.robot_info import URDF_PATH
 
 if TYPE_CHECKING:
@@ -25,6 +26,92 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from tool0.interfaces.panel.robot_info import RobotFiles
+
+POLICY: Final = "; ".join(
+    [
+        "default-src 'self'",
+        "connect-src 'self'",
+        "img-src 'self' data: blob:",
+        "style-src 'self'",
+        "script-src 'self'",
+        "worker-src 'self' blob:",
+        "frame-ancestors 'none'",
+        "base-uri 'none'",
+        "form-action 'none'",
+    ]
+)
+_HEADERS: Final = {
+    "content-security-policy": POLICY,
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+}
+_SECRET_PATHS: Final = ("/ws", "/robot.urdf", "/meshes/")
+_READING: Final = frozenset({"GET", "HEAD"})
+
+
+@final
+class Guard:
+    """Passes our own pages and programs to ``app``, but no pages of other origins.
+
+    Browsers let any page open a WebSocket to any address, this machine's included.
+    They always send the page's origin (``Origin``) and the name it used for us
+    (``Host``).
+    """
+
+    def __init__(self, app: ASGIApp, endpoint: Endpoint) -> None:
+        self._app = app
+        self._endpoint = endpoint
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        refusal = self._refusal(scope)
+        if refusal is None:
+            await self._app(scope, receive, _with_headers(scope, send))
+            return
+        status, text = refusal
+        response = PlainTextResponse(text + "\n", status, dict(_HEADERS))
+        if scope["type"] == "websocket":
+            await receive()  # what opens it; refused before it is accepted
+        await response(scope, receive, send)
+
+    def _refusal(self, scope: Scope) -> tuple[int, str] | None:
+        headers = Headers(scope=scope)
+        host = headers.get("host", "")
+        if not self._endpoint.is_known_as(host):
+            address = self._endpoint.url.partition("?")[0]
+            return 421, f"this server is not called '{host}'; use {address}"
+        origin = headers.get("origin")
+        is_socket = scope["type"] == "websocket"
+        changes = is_socket or scope["method"] not in _READING
+        if (
+            changes
+            and origin is not None
+            and origin.lower() != f"http://{host}".lower()
+        ):
+            return 403, f"pages from '{origin}' may not drive this robot"
+        if self._endpoint.token is not None and scope["path"].startswith(_SECRET_PATHS):
+            given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])
+            if not secrets.compare_digest(
+                given[-1].encode(), self._endpoint.token.encode()
+            ):
+                return 401, "give the token of the address that bringup printed"
+        return None
+
+
+def _with_headers(scope: Scope, send: Send) -> Send:
+    if scope["type"] != "http":
+        return send
+
+    async def send_with_headers(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            headers = MutableHeaders(scope=message)
+            for name, value in _HEADERS.items():
+                headers.setdefault(name, value)
+        await send(message)
+
+    return send_with_headers
+
 
 NO_PAGE: Final = (
     "The panel's page is not built: `make run` builds it, or `npm run build` in web/.\n"
@@ -39,20 +126,24 @@ _MIME: Final = {
 }
 
 
+@final
+class _ImmutableFiles(StaticFiles):
+    """Files that browsers keep: their names change with their contents."""
+
+    def file_response(self, *args: Any, **options: Any) -> Response:
+        response = super().file_response(*args, **options)
+        if response.status_code == 200:
+            response.headers["cache-control"] = _IMMUTABLE
+        return response
+
+
 def build_app(
     files: RobotFiles,
     serve_page: Callable[[WebSocket], Awaitable[None]],
     endpoint: Endpoint,
     static: Path,
 ) -> ASGIApp:
-    """Return the guarded application, with compression where that helps.
-
-    Args:
-        files: The URDF and the meshes.
-        serve_page: Serves the WebSocket of a page.
-        endpoint: The listening socket.
-        static: The folder of the page, as it was built from ``web/``.
-    """
+    """Return the guarded application; ``static`` is the page, made from ``web/``."""
 
     async def urdf(request: Request) -> Response:
         etag = f'"{hashlib.sha256(files.urdf).hexdigest()[:16]}"'
@@ -86,21 +177,7 @@ def build_app(
             Route(URDF_PATH, urdf),
             Route("/meshes/{name}", mesh),
             WebSocketRoute("/ws", serve_page),
-            Mount("/assets", _cached(StaticFiles(directory=assets, check_dir=False))),
+            Mount("/assets", _ImmutableFiles(directory=assets, check_dir=False)),
         ]
     )
     return Guard(GZipMiddleware(app, minimum_size=1024, compresslevel=6), endpoint)
-
-
-def _cached(app: ASGIApp) -> ASGIApp:
-    """Let browsers keep what ``app`` serves: its names change with its contents."""
-
-    async def serve(scope: Scope, receive: Receive, send: Send) -> None:
-        async def send_cached(message: Message) -> None:
-            if message["type"] == "http.response.start" and message["status"] == 200:
-                MutableHeaders(scope=message)["cache-control"] = _IMMUTABLE
-            await send(message)
-
-        await app(scope, receive, send_cached)
-
-    return serve

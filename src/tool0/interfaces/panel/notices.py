@@ -97,11 +97,13 @@ class EventWatcher:
             for warning in simulation.warnings
         ]
 
-    def report_once(self, severity: Severity, code: NoticeCode, text: str) -> None:
-        """Return it from the next ``notifications``, unless it was returned before."""
+    def report_once(self, text: str) -> None:
+        """Return a warning from the next ``notifications``, unless it was before."""
         if text not in self._reported:
             self._reported.add(text)
-            self._waiting.append(Notification(severity=severity, code=code, text=text))
+            self._waiting.append(
+                Notification(severity="warning", code="log", text=text)
+            )
 
     def notifications(self) -> Sequence[Notification]:
         """Return what happened since the last call; at first the YAML's findings."""
@@ -131,23 +133,20 @@ def _shortened(found: list[Notification]) -> list[Notification]:
 
 
 def _described(event: Event, now: float) -> Notification:
+    time = now if isinstance(event, GoalFinished) else event.time
     match event:
         case GoalFinished(goal):
             severity, code = _GOAL_CODES[goal.status]
-            return Notification(
-                severity=severity, code=code, text=_outcome(goal), time=now
-            )
-        case Overran(count, time):
+            text = _outcome(goal)
+        case Overran(count):
+            severity, code = "warning", "overrun"
             ticks = "1 tick" if count == 1 else f"{count} ticks"
             text = f"{ticks} began late within a second"
-            return Notification(
-                severity="warning", code="overrun", text=text, time=time
-            )
-        case Faulted(message, time):
-            return Notification(severity="error", code="fault", text=message, time=time)
-        case WasReset(time):
-            text = "the simulation was reset"
-            return Notification(severity="info", code="reset", text=text, time=time)
+        case Faulted(message):
+            severity, code, text = "error", "fault", message
+        case WasReset():
+            severity, code, text = "info", "reset", "the simulation was reset"
+    return Notification(severity=severity, code=code, text=text, time=time)
 
 
 def _outcome(goal: Goal) -> str:
@@ -174,16 +173,15 @@ def _changes(before: Snapshot, now: Snapshot) -> list[Notification]:
     if now.controllers != before.controllers:
         old = {status.name: status.state for status in before.controllers}
         new = {status.name: status.state for status in now.controllers}
-        changed = [
+        changed = ", ".join(
             f"{name} {new.get(name, 'unloaded')}"
             for name in {**old, **new}
             if old.get(name) != new.get(name)
-        ]
+        )
         if changed:
-            text = ", ".join(changed)
             found.append(
                 Notification(
-                    severity="info", code="controllers", text=text, time=now.time
+                    severity="info", code="controllers", text=changed, time=now.time
                 )
             )
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast, final
@@ -14,13 +14,16 @@ from tool0.description.model import Joint, JointLimits, JointType, RobotModel
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.xml_source import parse_text, to_text
+from tool0.errors import ConfigError
 from tool0.interfaces.panel.protocol import (
     GripperInfo,
     JointInfo,
+    PoseInfo,
     RobotInfo,
     ShapeInfo,
     ViewObject,
 )
+from tool0.runtime.poses import PoseBook
 
 if TYPE_CHECKING:
     from xml.dom.minidom import Document, Element
@@ -98,11 +101,8 @@ def robot_info(
 ) -> RobotInfo:
     """Return what a page needs to draw the robot.
 
-    Args:
-        description: The robot.
-        joints: In the order of the arrays of every frame.
-        ground: Its height in the robot's root [m].
-        limits: Of joints whose limits are not those of the URDF.
+    ``joints`` are in the order of every frame's arrays, ``ground`` is its height in the
+    robot's root [m], and ``limits`` are those that are not the URDF's.
     """
     model = description.model
     parts = [item for item in (description.arm, description.gripper) if item]
@@ -139,6 +139,19 @@ def object_info(item: SceneObject, files: RobotFiles) -> ViewObject:
         rgba=item.rgba,
         mass=item.mass,
     )
+
+
+def pose_infos(book: PoseBook, report: Callable[[str], None]) -> list[PoseInfo]:
+    """Return every pose; report saved ones that cannot be read."""
+    try:
+        poses = book.all()
+    except ConfigError as error:
+        report(str(error))
+        poses = book.own
+    return [
+        PoseInfo(name=pose.name, saved=pose.saved, positions=dict(pose.positions))
+        for pose in poses.values()
+    ]
 
 
 def _joint_info(

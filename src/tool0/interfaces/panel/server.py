@@ -6,8 +6,8 @@ import asyncio
 import logging
 import threading
 from collections.abc import Awaitable, Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, final
 
 from starlette.responses import PlainTextResponse
@@ -84,27 +84,19 @@ class WebService:
         self._make_source = source
         self._endpoint = endpoint
         self.listener = endpoint.listener
+        self.url = endpoint.url
+        """The page's address, with the token if it needs one."""
         self._setpoint_requests = setpoint_requests
         self._shown = threading.Event()
         self._feed: ViewFeed | None = None
         self._server: uvicorn.Server | None = None
         self._serving: asyncio.Task[None] | None = None
 
-    @property
-    def url(self) -> str:
-        """The page's address, with the token if it needs one."""
-        return self._endpoint.url
-
     def await_page(self, timeout: float | None = None) -> bool:
-        """Wait until a page has connected, at any time; return whether one has.
-
-        Args:
-            timeout: Longest wait [wall s]; None waits for ever.
-        """
+        """Wait up to ``timeout`` [wall s] for a first page; return whether one came."""
         return self._shown.wait(timeout)
 
     async def start(self, hub: Hub) -> None:
-        """Accept pages."""
         import uvicorn
 
         from tool0.interfaces.panel.app import build_app
@@ -138,18 +130,15 @@ class WebService:
         self._serving = asyncio.create_task(serving)
 
     async def stop(self) -> None:
-        """Stop to show the robot."""
         if self._feed is not None:
             self._feed.close()
 
     async def end(self) -> None:
-        """End the web server."""
         if self._server is not None and self._serving is not None:
             self._server.should_exit = True
             await asyncio.wait([self._serving])
 
     def release(self) -> None:
-        """Close the listening socket."""
         self.listener.close()
 
     def _serve_page(self, hub: Hub) -> Callable[[WebSocket], Awaitable[None]]:
@@ -165,21 +154,12 @@ class WebService:
             n_pages += 1
             self._shown.set()
             try:
-                await hub.serve(_PageTransport(socket, self._abort))
+                assert self._server is not None  # it accepted the page
+                await hub.serve(_PageTransport(socket, self._server))
             finally:
                 n_pages -= 1
 
         return serve
-
-    def _abort(self, socket: WebSocket) -> None:
-        """End a connection at once: closing would wait until the page reads."""
-        if self._server is None:
-            return
-        peer = socket.scope["client"], socket.scope["server"]
-        connection: Any  # each protocol of uvicorn has these, and no common type
-        for connection in list(self._server.server_state.connections):
-            if (connection.client, connection.server) == peer:
-                connection.transport.abort()
 
 
 @final
@@ -188,9 +168,9 @@ class _PageTransport:
 
     is_trusted: Final = False
 
-    def __init__(self, socket: WebSocket, abort: Callable[[WebSocket], None]) -> None:
+    def __init__(self, socket: WebSocket, server: uvicorn.Server) -> None:
         self._socket = socket
-        self._abort = abort
+        self._server = server
 
     async def send(self, text: bytes) -> None:
         try:
@@ -210,11 +190,16 @@ class _PageTransport:
         await self._socket.close(GOING_AWAY, "the server ends")
 
     def abort(self) -> None:
-        self._abort(self._socket)
+        # Closing would wait until the page reads.
+        peer = self._socket.scope["client"], self._socket.scope["server"]
+        connection: Any  # each protocol of uvicorn has these, and no common type
+        for connection in list(self._server.server_state.connections):
+            if (connection.client, connection.server) == peer:
+                connection.transport.abort()
 
 
 @final
-class Panel:
+class Panel(AbstractContextManager["Panel"]):
     """Serves a robot as a web page, from construction to ``close``."""
 
     def __init__(
@@ -230,8 +215,8 @@ class Panel:
 
         Args:
             robot: A robot of this process, or one without physics.
-            host: The name or address to listen at; the loopback if left out.
-            port: 8085 if left out, or a free one if that is taken.
+            host: A name or address of this machine; the loopback if left out.
+            port: If left out the default one, or a free one if that is taken.
             token: Required from pages; see ``open_endpoint``.
             endpoint: A listening socket, instead of host, port and token.
 
@@ -240,35 +225,16 @@ class Panel:
         """
         endpoint = endpoint or open_endpoint(host, port, token)
         backend, service = panel_service(robot, endpoint)
-        self._service = service
-        self._server = Server(backend, [service])
-
-    @property
-    def url(self) -> str:
+        self.url = service.url
         """The page's address, with the token if it needs one."""
-        return self._service.url
-
-    def await_page(self, timeout: float | None = None) -> bool:
-        """Wait until a page has connected, at any time; return whether one has.
-
-        Args:
-            timeout: Longest wait [wall s]; None waits for ever.
-        """
-        return self._service.await_page(timeout)
+        self.await_page = service.await_page
+        self._server = Server(backend, [service])
 
     def close(self) -> None:
         """Close every connection and end; closing twice is allowed."""
         self._server.close()
 
-    def __enter__(self) -> Panel:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Literal, cast, final
 
-from tool0.errors import ConfigError
-from tool0.interfaces.panel.controller_info import controller_infos
+from tool0.control.manager import ControllerStatus
+from tool0.description.model import Joint, JointType
 from tool0.interfaces.panel.notices import EventWatcher, Notification
 from tool0.interfaces.panel.protocol import (
+    ControllerInfo,
     Frame,
     GripperState,
-    PoseInfo,
     Status,
     ViewInfo,
     ViewScene,
 )
-from tool0.interfaces.panel.robot_info import RobotFiles, object_info, robot_info
+from tool0.interfaces.panel.robot_info import (
+    RobotFiles,
+    object_info,
+    pose_infos,
+    robot_info,
+)
 from tool0.sensing.grasp import GraspDetector
 
 if TYPE_CHECKING:
@@ -98,7 +104,7 @@ class SimulationView:
                 self._joints,
             ),
             grippers=self._grippers,
-            poses=self._poses(),
+            poses=pose_infos(self._simulation.poses, self._watcher.report_once),
             targets={
                 joint: _rounded(setpoint.target)
                 for joint, setpoint in snapshot.setpoints().items()
@@ -115,18 +121,6 @@ class SimulationView:
         self.files.set_objects(objects)
         infos = [object_info(item, self.files) for item in objects]
         return ViewScene(number=number, objects=infos)
-
-    def _poses(self) -> list[PoseInfo]:
-        book = self._simulation.poses
-        try:
-            poses = book.all()
-        except ConfigError as error:
-            self._watcher.report_once("warning", "log", str(error))
-            poses = book.own
-        return [
-            PoseInfo(name=pose.name, saved=pose.saved, positions=dict(pose.positions))
-            for pose in poses.values()
-        ]
 
 
 def _frame_of(snapshot: Snapshot, scene: int) -> Frame:
@@ -168,3 +162,52 @@ def _gripper_state(
 
 def _rounded(value: float) -> float:
     return round(value, _DIGITS) + 0.0  # no minus zero
+
+
+_State = Literal["unloaded", "initialized", "running", "stopped"]
+
+
+def controller_infos(
+    defined: Mapping[str, str],
+    loaded: Sequence[ControllerStatus],
+    joints: Mapping[str, Joint],
+) -> list[ControllerInfo]:
+    """Return every controller of the YAML in its order; ``defined`` is name → type."""
+    status_of = {status.name: status for status in loaded}
+    infos = []
+    for name, kind in defined.items():
+        status = status_of.get(name)
+        claims = () if status is None else status.claimed
+        claimed = [joint for _, names in claims for joint in names]
+        state = "unloaded" if status is None else cast(_State, status.state)
+        infos.append(
+            ControllerInfo(
+                name=name,
+                type=kind,
+                state=state,
+                interface=claims[0][0] if claims else None,
+                joints=claimed,
+                undrivable=_obstacle(kind, state, [joints[item] for item in claimed]),
+            )
+        )
+    return infos
+
+
+def _obstacle(kind: str, state: _State, joints: Sequence[Joint]) -> str | None:
+    """Return why sliders cannot drive a controller of these joints."""
+    if kind.endswith("/JointStateController"):
+        return "It moves nothing: it only publishes joint states."
+    if not kind.endswith("/JointTrajectoryController"):
+        name = kind.rpartition("/")[2]
+        return f"Sliders drive a JointTrajectoryController; this is a {name}."
+    if state == "unloaded":
+        return "It is not loaded: load and start it."
+    if state != "running":
+        return f"It is {state}, not running: start it."
+    for joint in joints:
+        is_limited = math.isfinite(joint.limits.upper - joint.limits.lower)
+        if joint.type is not JointType.CONTINUOUS and not is_limited:
+            return (
+                f"Joint '{joint.name}' has no position limits, so a slider has no ends."
+            )
+    return None

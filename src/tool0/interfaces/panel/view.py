@@ -8,17 +8,21 @@ from typing import Any, Final, final
 
 from tool0.description.catalogue import RobotDescription
 from tool0.description.model import Joint, JointType, RobotModel
-from tool0.errors import ConfigError, ControlError, ModelError
+from tool0.errors import ControlError, ModelError
 from tool0.interfaces.panel.notices import Notification
 from tool0.interfaces.panel.protocol import (
     Frame,
     GripperState,
-    PoseInfo,
     Status,
     ViewInfo,
     ViewScene,
 )
-from tool0.interfaces.panel.robot_info import ONE_AXIS, RobotFiles, robot_info
+from tool0.interfaces.panel.robot_info import (
+    ONE_AXIS,
+    RobotFiles,
+    pose_infos,
+    robot_info,
+)
 from tool0.requests.gripper import Grip
 from tool0.requests.motion import DeletePose, GoToPose, PoseJoints, SavePose
 from tool0.requests.state import Reset
@@ -101,7 +105,7 @@ class RobotView:
                 )
                 for gripper in self._model.grippers
             ],
-            poses=self._poses(),
+            poses=pose_infos(self._book, self._report),
             targets={},
         )
 
@@ -176,20 +180,12 @@ class RobotView:
             scene=_NO_OBJECTS.number,
         )
 
-    def _poses(self) -> list[PoseInfo]:
-        try:
-            poses = self._book.all()
-        except ConfigError as error:
-            if str(error) != self._problem:
-                self._problem = str(error)
-                self._notifications.append(
-                    Notification(severity="warning", code="log", text=str(error))
-                )
-            poses = self._book.own
-        return [
-            PoseInfo(name=pose.name, saved=pose.saved, positions=dict(pose.positions))
-            for pose in poses.values()
-        ]
+    def _report(self, text: str) -> None:
+        if text != self._problem:
+            self._problem = text
+            self._notifications.append(
+                Notification(severity="warning", code="log", text=text)
+            )
 
 
 def _checked(joint: Joint, position: float) -> float:

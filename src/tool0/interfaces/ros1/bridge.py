@@ -12,16 +12,15 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, final
 
 from tool0.api.robot import Robot
+from tool0.description.packages import BUNDLED
 from tool0.errors import RosUnavailableError
 from tool0.installation.ros1.library import keep_to_this_machine
 from tool0.installation.ros1.master import Master, MasterWatch, running_master
 from tool0.installation.ros1.messages import import_messages
 from tool0.interfaces.ros1.options import Ros1Options
-from tool0.interfaces.ros1.parameter_server import upload_parameters
-from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ros1.node import SnapshotPublisher
+    from tool0.interfaces.ros1.node import RosNode, SnapshotPublisher
 
 logger = logging.getLogger(__name__)
 
@@ -32,7 +31,7 @@ _SNAPSHOT_TIMEOUT = 0.2
 
 
 @final
-class Ros1Bridge:
+class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
     """Presents one robot as ros_control and gazebo_ros do.  A context manager.
 
     A process can have one bridge in its lifetime, since rospy allows one node.
@@ -65,8 +64,10 @@ class Ros1Bridge:
         from tool0.interfaces.ros1.controller_manager import ControllerManagerBridge
         from tool0.interfaces.ros1.gazebo.services import offer_gazebo_services
         from tool0.interfaces.ros1.node import RosNode
-        from tool0.interfaces.ros1.sensors import sensor_publishers
-        from tool0.interfaces.ros1.transforms import RobotStatePublisher
+        from tool0.interfaces.ros1.publishers import (
+            RobotStatePublisher,
+            sensor_publishers,
+        )
 
         self._robot = robot
         self._on_shutdown = on_shutdown
@@ -109,9 +110,6 @@ class Ros1Bridge:
             thread.join()
         self._stack.close()
 
-    def __enter__(self) -> Ros1Bridge:
-        return self
-
     def __exit__(self, *_: object) -> None:
         self.close()
 
@@ -120,16 +118,14 @@ class Ros1Bridge:
         with contextlib.closing(self._robot.subscribe()) as subscription:
             while not self._is_closing.is_set():
                 snapshot = subscription.following(_SNAPSHOT_TIMEOUT)
-                if snapshot is not None:
-                    self._publish(snapshot)
-
-    def _publish(self, snapshot: Snapshot) -> None:
-        self.node.clock.advance(snapshot.time)
-        for publisher in self._publishers:
-            try:
-                publisher.publish(snapshot)
-            except Exception as error:  # must not stop the other publishers
-                self.node.log_error(f"{type(publisher).__name__}: {error}")
+                if snapshot is None:
+                    continue
+                self.node.clock.advance(snapshot.time)
+                for publisher in self._publishers:
+                    try:
+                        publisher.publish(snapshot)
+                    except Exception as error:  # must not stop the other publishers
+                        self.node.log_error(f"{type(publisher).__name__}: {error}")
 
     def _watch_master(self) -> None:
         """Check that the master knows us, and that one node publishes /clock."""
@@ -152,3 +148,40 @@ class Ros1Bridge:
         if not self._is_closing.is_set():
             logger.warning("the ROS node was ended from outside")
             self._on_shutdown()
+
+
+def upload_parameters(node: RosNode, robot: Robot) -> None:
+    """Set use_sim_time, robot_description and the controllers' YAML."""
+    node.master.call("setParam", "/use_sim_time", True)
+    urdf = with_mesh_files(robot.description.urdf)
+    node.master.call("setParam", node.name("robot_description"), urdf)
+    for name, value in robot.info.parameters.items():
+        if (converted := _to_xmlrpc(value)) is not None:
+            node.master.call("setParam", node.name(name), converted)
+
+
+def with_mesh_files(urdf: str) -> str:
+    """Return the URDF with ``file://`` URIs for the meshes that tool0 bundles.
+
+    ROS does not know the packages inside tool0: RViz would show no robot unless their
+    folder were in ``ROS_PACKAGE_PATH``.  Other ``package://`` URIs stay as they are.
+    """
+    for folder in BUNDLED.iterdir():
+        if (folder / "package.xml").is_file():
+            urdf = urdf.replace(f"package://{folder.name}/", f"{folder.as_uri()}/")
+    return urdf
+
+
+def _to_xmlrpc(value: object) -> object:
+    """Return ``value`` as XML-RPC can carry it: no null, and integers of 32 bits."""
+    match value:
+        case dict():
+            items = ((str(name), _to_xmlrpc(item)) for name, item in value.items())
+            return {name: item for name, item in items if item is not None}
+        case list():
+            return [item for item in map(_to_xmlrpc, value) if item is not None]
+        case bool():
+            return value
+        case int() if not -(2**31) <= value < 2**31:
+            return float(value)
+    return value

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, final
 
+import yaml
 from controller_manager_msgs import msg, srv
 
 from tool0.api.robot import Robot
@@ -17,7 +18,7 @@ from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_state import JointStateSpec
 from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.control.manager import ControllerStatus
-from tool0.errors import ControlError, Tool0Error
+from tool0.errors import ControlError, RosUnavailableError, Tool0Error
 from tool0.interfaces.ros1.controllers import (
     ForwardCommandBridge,
     GripperActionBridge,
@@ -26,7 +27,6 @@ from tool0.interfaces.ros1.controllers import (
 )
 from tool0.interfaces.ros1.messages import Message
 from tool0.interfaces.ros1.node import RosNode, SnapshotPublisher, WorkerThread
-from tool0.interfaces.ros1.parameter_server import controller_yaml
 from tool0.sensing.snapshot import Snapshot
 
 STRICT = 2
@@ -142,7 +142,7 @@ class ControllerManagerBridge:
 
     def _load(self, request: Message) -> None:
         """Load with the present parameters of the server, as the spawner expects."""
-        text = controller_yaml(self._node, request.name)
+        text = _controller_yaml(self._node, request.name)
         config = None if text is None else ControllerConfig.from_text(text)
         self._robot.load(request.name, config)
         self._update()
@@ -188,3 +188,14 @@ def _state(status: ControllerStatus) -> Message:
             for interface, joints in status.claimed
         ],
     )
+
+
+def _controller_yaml(node: RosNode, name: str) -> str | None:
+    """Return the parameters of a controller as YAML, None if the server has none."""
+    try:
+        value: Any = node.master.call("getParam", node.name(name))
+    except RosUnavailableError:
+        return None
+    if not isinstance(value, dict) or "type" not in value:
+        return None
+    return yaml.safe_dump({name.strip("/"): value}, sort_keys=False)

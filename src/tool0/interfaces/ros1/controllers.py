@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from typing import final
+from collections.abc import Callable
+from functools import partial
+from typing import Any, final
 
+from actionlib import ActionServer
 from control_msgs import msg, srv
+from rospy import Time
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
 from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.control.forward_command import ForwardCommandSpec
-from tool0.control.goal import GoalResult, GripperResult
+from tool0.control.goal import GoalStatus, GripperResult, Result
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_state import JointStateSpec
 from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.control.publish_rate import PublishRate
 from tool0.control.trajectory import TrajectoryState
 from tool0.errors import ControlError, GoalRejectedError, Tool0Error
-from tool0.interfaces.ros1.action_server import ControllerActionServer
 from tool0.interfaces.ros1.messages import (
     Message,
     point_message,
@@ -27,6 +30,94 @@ from tool0.interfaces.ros1.messages import (
 )
 from tool0.interfaces.ros1.node import RosNode
 from tool0.sensing.snapshot import Snapshot
+
+STATUS_RATE = 5.0
+"""Of the goals' status [Hz], as actionlib's own.  It is published here, in simulated
+time: actionlib's timer ends when time goes back."""
+
+
+@final
+class ControllerActionServer:
+    """Accepts goals for one controller, and publishes feedback, status and result."""
+
+    def __init__(
+        self,
+        node: RosNode,
+        name: str,
+        kind: Any,
+        *,
+        start: Callable[[Message], GoalHandle],
+        rejection: Callable[[Tool0Error], Message],
+        result: Callable[[Any], Message],
+        monitor_rate: float,
+    ) -> None:
+        """Start an action of class ``kind``, with feedback at ``monitor_rate`` [Hz].
+
+        ``start`` sends a goal message to the controller, or raises Tool0Error.
+        ``rejection`` and ``result`` return the result messages of a goal.
+        """
+        self._node = node
+        self._start, self._rejection, self._result = start, rejection, result
+        self._rate = PublishRate(monitor_rate)
+        self._status_rate = PublishRate(STATUS_RATE)
+        self._time = 0.0
+        self._active: dict[Message, GoalHandle] = {}
+        self._server = ActionServer(
+            node.name(name), kind, self._accept, self._cancel, auto_start=False
+        )
+        self._server.start()
+        if self._server.status_timer is not None:
+            self._server.status_timer.shutdown()
+
+    def publish(self, time: float, feedback: Callable[[], Message]) -> None:
+        """Publish status and feedback, if they are due at ``time`` [s]."""
+        if time < self._time:
+            # The last cancellation may lie in the future now: actionlib would recall
+            # every goal until then.
+            self._server.last_cancel = Time()
+        self._time = time
+        if self._status_rate.is_due(time):
+            self._server.publish_status()
+        if self._rate.is_due(time) and self._active:
+            message = feedback()
+            for goal in tuple(self._active):
+                goal.publish_feedback(message)
+
+    def close(self) -> None:
+        self._server.stop()
+
+    def _accept(self, goal: Message) -> None:
+        try:
+            handle = self._start(goal.get_goal())
+        except Tool0Error as error:
+            self._node.log_error(f"{self._server.ns}: {error}")
+            goal.set_rejected(self._rejection(error), str(error))
+            return
+        goal.set_accepted()
+        self._active = {**self._active, goal: handle}
+        handle.when_finished(
+            lambda handle: self._node.submit(partial(self._finish, goal, handle))
+        )
+
+    def _cancel(self, goal: Message) -> None:
+        handle = self._active.get(goal)
+        if handle is not None:
+            handle.cancel()
+
+    def _finish(self, goal: Message, handle: GoalHandle) -> None:
+        outcome: Result | None = handle.result
+        assert outcome is not None  # the goal has ended
+        with self._server.lock:  # _accept holds it until the goal is in _active
+            self._active = {g: h for g, h in self._active.items() if g != goal}
+        message = self._result(outcome)
+        text = getattr(outcome, "error_string", "")
+        match outcome.status:
+            case GoalStatus.SUCCEEDED:
+                goal.set_succeeded(message, text)
+            case GoalStatus.ABORTED:
+                goal.set_aborted(message, text)
+            case _:
+                goal.set_canceled(message, text)
 
 
 @final
@@ -50,7 +141,9 @@ class JointTrajectoryBridge:
             msg.FollowJointTrajectoryAction,
             start=self._start,
             rejection=self._rejection,
-            result=self._result,
+            result=lambda outcome: msg.FollowJointTrajectoryResult(
+                error_code=outcome.error_code, error_string=outcome.error_string
+            ),
             monitor_rate=spec.action_monitor_rate,
         )
         self._subscriber = node.subscriber(
@@ -61,7 +154,6 @@ class JointTrajectoryBridge:
         )
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish the state, if the controller runs and it is due."""
         setpoint = snapshot.controller_setpoints.get(self._name)
         if setpoint is None:
             return
@@ -74,7 +166,6 @@ class JointTrajectoryBridge:
         )
 
     def close(self) -> None:
-        """Unregister its topics and services."""
         self._action.close()
         self._publisher.unregister()
         self._subscriber.unregister()
@@ -117,11 +208,6 @@ class JointTrajectoryBridge:
             error_string=str(error),
         )
 
-    def _result(self, outcome: GoalResult) -> Message:
-        return msg.FollowJointTrajectoryResult(
-            error_code=outcome.error_code, error_string=outcome.error_string
-        )
-
     def _query(self, request: Message) -> Message:
         time = self._node.clock.from_ros(request.time)
         if time is None:
@@ -148,7 +234,6 @@ class JointStatePublisher:
         self._publisher = node.publisher("joint_states", JointState, queue_size=100)
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish the joints, if it is due."""
         if not self._rate.is_due(snapshot.time):
             return
         joints = self._spec.message(
@@ -163,7 +248,6 @@ class JointStatePublisher:
         )
 
     def close(self) -> None:
-        """Unregister its topic."""
         self._publisher.unregister()
 
 
@@ -184,7 +268,6 @@ class ForwardCommandBridge:
         """Publish nothing: such a controller has no state topic here."""
 
     def close(self) -> None:
-        """Unregister its topic."""
         self._subscriber.unregister()
 
 
@@ -196,20 +279,21 @@ class GripperActionBridge:
         self, node: RosNode, spec: GripperActionSpec, controller: ControllerHandle
     ) -> None:
         self._joint = spec.joint.name
-        self._controller = controller
         self._position = 0.0
         self._action = ControllerActionServer(
             node,
             f"{spec.name}/gripper_cmd",
             msg.GripperCommandAction,
-            start=self._start,
-            rejection=self._rejection,
-            result=self._result,
+            start=lambda goal: controller.command_gripper(
+                goal.command.position, goal.command.max_effort
+            ),
+            # actionlib carries the error's text beside the result
+            rejection=lambda _: msg.GripperCommandResult(position=self._position),
+            result=_gripper_result,
             monitor_rate=spec.action_monitor_rate,
         )
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish status and feedback, if they are due."""
         index = snapshot.joint_names.index(self._joint)
         self._position = position = snapshot.position[index]
         effort = snapshot.effort[index]
@@ -219,21 +303,13 @@ class GripperActionBridge:
         )
 
     def close(self) -> None:
-        """Accept no more goals."""
         self._action.close()
 
-    def _start(self, goal: Message) -> GoalHandle:
-        command = goal.command
-        return self._controller.command_gripper(command.position, command.max_effort)
 
-    def _rejection(self, error: Tool0Error) -> Message:
-        del error  # actionlib carries its text beside the result
-        return msg.GripperCommandResult(position=self._position)
-
-    def _result(self, outcome: GripperResult) -> Message:
-        return msg.GripperCommandResult(
-            position=outcome.position,
-            effort=outcome.effort,
-            stalled=outcome.stalled,
-            reached_goal=outcome.reached_goal,
-        )
+def _gripper_result(outcome: GripperResult) -> Message:
+    return msg.GripperCommandResult(
+        position=outcome.position,
+        effort=outcome.effort,
+        stalled=outcome.stalled,
+        reached_goal=outcome.reached_goal,
+    )

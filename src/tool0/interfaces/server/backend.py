@@ -45,12 +45,7 @@ class Backend(Protocol):
         """Raise Tool0Error for a streamed setpoint that can never be carried out."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
-        """Return the streams of setpoints that a request ends, by ``stream_key``."""
-
-
-def stream_key(request: Request[Any]) -> str:
-    """Return which stream a setpoint belongs to: its controller's."""
-    return getattr(request, "controller", "")
+        """Return the controllers whose streams of setpoints a request ends."""
 
 
 @final
@@ -60,29 +55,25 @@ class SimulationBackend:
     mode: Final = "simulation"
 
     def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-
-    @property
-    def simulation(self) -> Simulation:
-        return self._simulation
+        self.simulation = simulation
 
     def carry_out(self, request: Request[Any]) -> Any:
-        return answer(self._simulation, request)
+        return answer(self.simulation, request)
 
     def check_setpoint(self, request: Request[Any]) -> None:
         if not isinstance(request, SteerJoints):
             return
-        defined = self._simulation.defined_controllers
+        defined = self.simulation.defined_controllers
         name = request.controller
         if name not in defined:
             raise ControlError(
                 f"no controller '{name}' in the YAML{did_you_mean(name, defined)}"
             )
         for joint in request.positions:
-            self._simulation.description.model.joint(joint)
+            self.simulation.description.model.joint(joint)
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
-        simulation = self._simulation
+        simulation = self.simulation
         match request:
             case CommandTrajectory(controller=name) | FollowTrajectory(controller=name):
                 return (name,)

@@ -6,17 +6,22 @@ import asyncio
 import contextlib
 import logging
 import os
-from collections.abc import Callable
+import socket
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Any, Final, final
+from importlib.metadata import version
+from typing import Any, Final, Protocol, final
 
 from tool0.control.goal import Goal
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.server.backend import Backend
-from tool0.interfaces.server.session import Ident, Session, Transport, is_urgent
-from tool0.interfaces.server.setpoint_streams import SetpointStreams, StreamedSetpoint
-from tool0.interfaces.server.snapshot_streams import SnapshotStreams
+from tool0.interfaces.server.session import Ident, Session, Transport
+from tool0.interfaces.server.streams import (
+    SetpointStreams,
+    SnapshotStreams,
+    StreamedSetpoint,
+)
 from tool0.requests.codec import (
     PROTOCOL,
     GoalEnded,
@@ -28,9 +33,33 @@ from tool0.requests.codec import (
 )
 from tool0.requests.motion import GoalStarted, SteerJoints
 from tool0.requests.state import Subscribe, SubscribeView, Unsubscribe
-from tool0.requests.table import Request
+from tool0.requests.table import Request, entry_of
 
 logger = logging.getLogger(__name__)
+
+
+class Service(Protocol):
+    """Accepts connections at an address; it listens from its construction on."""
+
+    @property
+    def listener(self) -> socket.socket: ...
+
+    @property
+    def starts_at_once(self) -> bool:
+        """Whether to start before the first peer connects."""
+
+    async def start(self, hub: Hub) -> None:
+        """Accept peers, in the server's event loop."""
+
+    async def stop(self) -> None:
+        """Stop to accept peers; the hub then closes the connections."""
+
+    async def end(self) -> None:
+        """End what is left in the event loop."""
+
+    def release(self) -> None:
+        """Free the address, also if the service was never started."""
+
 
 WORKERS: Final = 16
 """Requests that are carried out at once; further ones wait."""
@@ -44,7 +73,6 @@ class Hub:
 
     def __init__(self, backend: Backend, name: str) -> None:
         self.backend = backend
-        self._name = name
         self.sessions: set[Session] = set()
         self._setpoints = SetpointStreams(self._carry_out_setpoint)
         self._snapshots = (
@@ -60,14 +88,23 @@ class Hub:
         """Called when a streamed setpoint was refused."""
         self.setpoint_requests: tuple[type[Request[Any]], ...] = (SteerJoints,)
         """Requests that are streams of setpoints when they have no id."""
+        self._hello = encode(
+            Hello(
+                protocol=PROTOCOL,
+                version=version("tool0"),
+                name=name,
+                pid=os.getpid(),
+                mode=backend.mode,
+            )
+        )
 
     async def serve(self, transport: Transport) -> None:
         """Serve a peer until it disconnects."""
-        session = Session(transport)
+        session = Session(transport, self._take_at_once, self._answer)
         self.sessions.add(session)
-        session.send(encode(self._hello()))
+        session.send(self._hello)
         try:
-            await session.serve(self._take_at_once, self._answer)
+            await session.serve()
         finally:
             self.sessions.discard(session)
             if self._snapshots is not None:
@@ -89,17 +126,6 @@ class Hub:
             if session.is_stuck():
                 session.drop()
 
-    def _hello(self) -> Hello:
-        from importlib.metadata import version
-
-        return Hello(
-            protocol=PROTOCOL,
-            version=version("tool0"),
-            name=self._name,
-            pid=os.getpid(),
-            mode=self.backend.mode,
-        )
-
     # ---- requests -------------------------------------------------------------------
 
     def _take_at_once(
@@ -113,7 +139,7 @@ class Hub:
             else:
                 self._setpoints.submit(StreamedSetpoint(session, request))
             return True
-        if not is_urgent(request):
+        if not entry_of(type(request)).is_urgent:
             return False
         self._setpoints.drop(self.backend.superseded(request))
         answer = self._carry_out(session, ident, request, self._urgent_worker)
@@ -137,22 +163,22 @@ class Hub:
         ident: Ident,
         request: Subscribe | Unsubscribe | SubscribeView,
     ) -> None:
-        refusal = None
+        reply = encode_reply(ident, request, None)
         if isinstance(request, SubscribeView):
             if self.attach_view is None:
-                refusal = "this bring-up has no panel (--headless)"
+                error = ControlError("this bring-up has no panel (--headless)")
+                session.send(encode_error(ident, error))
+            else:
+                session.send(reply)
+                self.attach_view(session)
         elif self._snapshots is None:
-            refusal = "a robot without physics has no snapshots"
-        if refusal is not None:
-            session.send(encode_error(ident, ControlError(refusal)))
-            return
-        if self._snapshots is not None and not isinstance(request, SubscribeView):
+            error = ControlError("a robot without physics has no snapshots")
+            session.send(encode_error(ident, error))
+        else:
             self._snapshots.remove(session)
             if isinstance(request, Subscribe):
                 await self._snapshots.add(session, request.rate)
-        session.send(encode_reply(ident, request, None))
-        if isinstance(request, SubscribeView) and self.attach_view is not None:
-            self.attach_view(session)
+            session.send(reply)
 
     async def _carry_out(
         self,
@@ -224,3 +250,26 @@ def _logged(error: Exception) -> Exception:
     if not isinstance(error, Tool0Error):
         logger.error("a request failed", exc_info=error)
     return error
+
+
+_CHECK_PERIOD: Final = 1.0
+"""Wall time between checks for connections that take nothing [s]."""
+
+
+async def serve(
+    backend: Backend, services: Sequence[Service], name: str, wake: socket.socket
+) -> None:
+    """Serve until ``wake`` can be read."""
+    wake.setblocking(False)
+    stop = asyncio.create_task(asyncio.get_running_loop().sock_recv(wake, 1))
+    hub = Hub(backend, name)
+    for service in services:
+        await service.start(hub)
+    while not stop.done():
+        await asyncio.wait([stop], timeout=_CHECK_PERIOD)
+        hub.drop_stuck()
+    for service in services:
+        await service.stop()
+    await hub.close()
+    for service in services:
+        await service.end()

@@ -10,7 +10,7 @@ from typing import Any, Final, Protocol, final
 
 from tool0.errors import TransportError
 from tool0.requests.codec import RequestReadError, decode_request, encode_error
-from tool0.requests.table import Request, entry_of
+from tool0.requests.table import Request
 
 logger = logging.getLogger(__name__)
 
@@ -29,12 +29,14 @@ _CHUNK: Final = 4096
 _MAX_WAITING: Final = 256
 """Requests of one connection that may wait for each other; with more, nothing is read,
 not even an emergency stop."""
+MAX_LINE: Final = 1 << 20
+"""Longest request [bytes]; 10 000 waypoints of 6 joints fit."""
 
 Ident = int | str | None
-
-
-class MessageTooLongError(Exception):
-    """A message longer than the transport allows; the stream may be lost after it."""
+TakeAtOnce = Callable[["Session", Ident, Request[Any]], bool]
+"""Takes a request that need not wait for others; returns whether it did."""
+CarryOut = Callable[["Session", Ident, Request[Any]], Awaitable[None]]
+"""Carries out the other requests, one after the other."""
 
 
 class Transport(Protocol):
@@ -51,7 +53,7 @@ class Transport(Protocol):
         """Return the next message; None if the peer has disconnected.
 
         Raises:
-            MessageTooLongError: If it is too long to be read.
+            TransportError: If it is too long to be read; the stream may be lost then.
         """
 
     async def close(self) -> None:
@@ -65,8 +67,12 @@ class Transport(Protocol):
 class Session:
     """Sends at the reader's pace, so that no other connection waits for it."""
 
-    def __init__(self, transport: Transport) -> None:
+    def __init__(
+        self, transport: Transport, take_at_once: TakeAtOnce, carry_out: CarryOut
+    ) -> None:
         self._transport = transport
+        self._take_at_once = take_at_once
+        self._carry_out = carry_out
         self._wake = asyncio.Event()
         self._queue: deque[bytes] = deque()
         self._snapshots: deque[bytes] = deque()
@@ -124,20 +130,10 @@ class Session:
         self.end()
         await self._transport.close()
 
-    async def serve(
-        self,
-        at_once: Callable[[Session, Ident, Request[Any]], bool],
-        in_turn: Callable[[Session, Ident, Request[Any]], Awaitable[None]],
-    ) -> None:
-        """Send and receive until the connection ends and its requests are answered.
-
-        Args:
-            at_once: Takes a request that need not wait for others; returns whether it
-                did.
-            in_turn: Carries out the other requests, one after the other.
-        """
-        worker = asyncio.create_task(self._work(in_turn))
-        parts = (self._write(), self._read(at_once))
+    async def serve(self) -> None:
+        """Send and receive until the connection ends and its requests are answered."""
+        worker = asyncio.create_task(self._work())
+        parts = (self._write(), self._read())
         self._tasks = [worker, *map(asyncio.create_task, parts)]
         try:
             await asyncio.wait([worker])
@@ -169,13 +165,11 @@ class Session:
             return self._latest.pop(next(iter(self._latest)))
         return None
 
-    async def _read(
-        self, at_once: Callable[[Session, Ident, Request[Any]], bool]
-    ) -> None:
+    async def _read(self) -> None:
         try:
-            await self._read_all(at_once)
-        except MessageTooLongError as error:
-            self.send(encode_error(None, TransportError(str(error))))
+            await self._read_all()
+        except TransportError as error:
+            self.send(encode_error(None, error))
         except ConnectionError:
             pass  # the peer has disconnected
         except Exception:
@@ -183,9 +177,7 @@ class Session:
         self._is_gone = True
         await self._waiting.put(None)
 
-    async def _read_all(
-        self, at_once: Callable[[Session, Ident, Request[Any]], bool]
-    ) -> None:
+    async def _read_all(self) -> None:
         while (text := await self._transport.receive()) is not None:
             if not self._transport.is_trusted:
                 # Meanwhile nothing is read, and TCP makes the page wait.
@@ -195,7 +187,7 @@ class Session:
             except RequestReadError as error:
                 self.send(encode_error(error.ident, error.error))
                 continue
-            if not at_once(self, ident, request):
+            if not self._take_at_once(self, ident, request):
                 await self._waiting.put((ident, request))
 
     async def _pace(self, cost: int) -> None:
@@ -207,13 +199,42 @@ class Session:
         if self._allowance < 0.0 and not self._is_gone:
             await asyncio.sleep(-self._allowance / RATE)
 
-    async def _work(
-        self, in_turn: Callable[[Session, Ident, Request[Any]], Awaitable[None]]
-    ) -> None:
+    async def _work(self) -> None:
         while (item := await self._waiting.get()) is not None:
-            await in_turn(self, *item)
+            await self._carry_out(self, *item)
 
 
-def is_urgent(request: Request[Any]) -> bool:
-    """Return whether a request overtakes others."""
-    return entry_of(type(request)).is_urgent
+@final
+class LineTransport:
+    """Lines of JSON over the Unix socket."""
+
+    is_trusted: Final = True
+
+    def __init__(
+        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        self._reader = reader
+        self._writer = writer
+
+    async def send(self, text: bytes) -> None:
+        self._writer.write(text + b"\n")
+        await self._writer.drain()
+
+    async def receive(self) -> bytes | None:
+        while True:
+            try:
+                line = await self._reader.readuntil(b"\n")
+            except asyncio.IncompleteReadError:
+                return None
+            except asyncio.LimitOverrunError:
+                raise TransportError(
+                    f"a line is longer than {MAX_LINE} bytes; send fewer waypoints"
+                ) from None
+            if line.strip():
+                return line
+
+    async def close(self) -> None:
+        self._writer.close()
+
+    def abort(self) -> None:
+        self._writer.transport.abort()

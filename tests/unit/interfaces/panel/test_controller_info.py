@@ -5,8 +5,7 @@ from pathlib import Path
 import tool0
 from tool0.control.manager import ControllerStatus
 from tool0.description.model import Joint, JointLimits, JointType
-from tool0.interfaces.panel.controller_info import controller_infos
-from tool0.interfaces.panel.simulation_view import SimulationView
+from tool0.interfaces.panel.simulation_view import SimulationView, controller_infos
 
 KIND = "effort_controllers/JointTrajectoryController"
 ELBOW = Joint(

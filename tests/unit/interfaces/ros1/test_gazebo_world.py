@@ -15,8 +15,7 @@ from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
 from tool0.hardware.bodies import moving_bodies
-from tool0.interfaces.ros1.gazebo.changes import GazeboChanges
-from tool0.interfaces.ros1.gazebo.world import GazeboWorld, lumped_links
+from tool0.interfaces.ros1.gazebo.world import GazeboChanges, GazeboWorld, lumped_links
 from tool0.interfaces.ros1.messages import MAX_VALUE, to_motion, to_transform
 
 SPAWN_Z = 0.3

@@ -1,7 +1,12 @@
+import re
+from pathlib import Path
+
 import pytest
 
 from tool0.cli.options import BringupOptions, RunOptions
+from tool0.description.catalogue import assemble
 from tool0.errors import ConfigError
+from tool0.interfaces.ros1.bridge import with_mesh_files
 from tool0.interfaces.ros1.options import Ros1Options
 
 
@@ -40,3 +45,18 @@ def test_options_of_ros_need_ros(options: dict[str, object]) -> None:
     with pytest.raises(ConfigError) as error:
         BringupOptions(ros=ros)
     assert "--ros1" in str(error.value)
+
+
+def test_bundled_meshes_become_existing_files() -> None:
+    urdf = with_mesh_files(assemble().urdf)
+    names = set(re.findall(r'<mesh filename="([^"]+)"', urdf))
+    assert len(names) > 10
+    for name in names:
+        scheme, path = name.split("://")
+        assert scheme == "file"
+        assert Path(path).is_file()
+
+
+def test_other_packages_stay_as_they_are() -> None:
+    theirs = '<mesh filename="package://my_description/tool0_description/x.stl"/>'
+    assert with_mesh_files(theirs) == theirs

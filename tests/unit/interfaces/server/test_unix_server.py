@@ -8,22 +8,18 @@ import json
 import os
 import socket
 import stat
-import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from served import serving, use_folder
 
 import tool0
-from tool0.api.address import Claim
 from tool0.errors import ControlError, GoalTimeoutError, TransportError
-from tool0.interfaces.server.backend import SimulationBackend
-from tool0.interfaces.server.line_transport import MAX_LINE
 from tool0.interfaces.server.server import Server
-from tool0.interfaces.server.unix_socket import UnixSocketService
+from tool0.interfaces.server.session import MAX_LINE
 from tool0.requests.codec import PROTOCOL
 from tool0.runtime.bus import GoalFinished, WasReset
 from tool0.scene import Box
@@ -34,22 +30,13 @@ LONG = 30.0  # [wall s]; only a failing test waits so long
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    tmp_path.chmod(0o700)
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    return tmp_path / "tool0"
+    return use_folder(monkeypatch, tmp_path)
 
 
 @pytest.fixture(scope="module")
 def robot() -> Iterator[tool0.Robot]:
     with tool0.bringup(speed=2.0) as robot:
         yield robot
-
-
-@contextlib.contextmanager
-def serving(robot: tool0.Robot, name: str = "tool0") -> Iterator[Server]:
-    service = UnixSocketService(Claim(name))
-    with Server(SimulationBackend(robot.simulation), [service], name) as server:
-        yield server
 
 
 @pytest.fixture
@@ -114,18 +101,6 @@ def test_it_greets_with_its_protocol(peer: Peer) -> None:
     assert (peer.hello["pid"], peer.hello["mode"]) == (os.getpid(), "simulation")
 
 
-@pytest.mark.parametrize(
-    "line", [b"nothing", b"[]", b"{}", b'{"id": 1, "method": 5}', b"\xff\xfe", b"[" * 9]
-)
-def test_malformed_lines_are_answered_and_the_next_one_works(
-    peer: Peer, line: bytes
-) -> None:
-    peer.send(b"")  # an empty line is ignored
-    peer.send(line)
-    assert peer.receive()["error"]["type"] == "TransportError"
-    assert peer.ask("read_snapshot")["result"]["is_paused"] is False
-
-
 def test_an_endless_line_is_answered_and_ends_only_that_connection(
     peer: Peer, folder: Path
 ) -> None:
@@ -141,21 +116,10 @@ def test_an_endless_line_is_answered_and_ends_only_that_connection(
 
 def test_requests_of_one_connection_are_answered_in_order(peer: Peer) -> None:
     peer.ask("pause")
+    peer.send(b"")  # an empty line is ignored
     for ident in range(50):
         peer.send({"id": ident, "method": "step"})
     assert [peer.receive()["id"] for _ in range(50)] == list(range(50))
-
-
-def test_an_emergency_stop_overtakes_queued_steps(
-    peer: Peer, robot: tool0.Robot
-) -> None:
-    peer.ask("pause")
-    for ident in range(50):
-        peer.send({"id": ident, "method": "step", "params": {"ticks": 300}})
-    peer.send({"id": "stop", "method": "emergency_stop"})
-    order = [peer.receive()["id"] for _ in range(51)]
-    assert order.index("stop") < 25
-    assert robot.snapshot.is_stopped
 
 
 def test_a_goal_is_followed_to_its_end_and_a_dead_peer_s_goal_goes_on(
@@ -174,30 +138,6 @@ def test_a_goal_is_followed_to_its_end_and_a_dead_peer_s_goal_goes_on(
     goal = robot.simulation.goals.find(started["goal"])
     assert goal.wait(LONG)
     assert goal.status.value == "SUCCEEDED"
-
-
-def test_a_client_that_is_killed_is_forgotten(server: Server, folder: Path) -> None:
-    program = (
-        "import socket, sys; s = socket.socket(socket.AF_UNIX); "
-        "s.connect(sys.argv[1]); s.recv(9); print('in', flush=True); sys.stdin.read()"
-    )
-    with subprocess.Popen(
-        [sys.executable, "-c", program, str(folder / "tool0.sock")],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-    ) as client:
-        assert client.stdout is not None
-        assert client.stdout.readline() == b"in\n"
-        client.kill()
-    other = Peer(folder)
-    assert "result" in other.ask("read_snapshot")
-    other.close()
-
-
-def test_a_second_bringup_of_the_name_is_refused(server: Server) -> None:
-    with pytest.raises(TransportError) as caught:
-        Claim("tool0")
-    assert str(os.getpid()) in str(caught.value)
 
 
 def test_closing_ends_connections_and_waits(robot: tool0.Robot) -> None:

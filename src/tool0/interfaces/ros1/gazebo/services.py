@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, final
 
 from gazebo_msgs import msg, srv
@@ -13,8 +13,12 @@ from tool0.api.robot import Robot
 from tool0.description.forward_kinematics import FrameMotion
 from tool0.description.model import JointType
 from tool0.errors import ControlError, Tool0Error
-from tool0.interfaces.ros1.gazebo.changes import GazeboChanges
-from tool0.interfaces.ros1.gazebo.world import GROUND, GazeboWorld, WorldState
+from tool0.interfaces.ros1.gazebo.world import (
+    GROUND,
+    GazeboChanges,
+    GazeboWorld,
+    WorldState,
+)
 from tool0.interfaces.ros1.messages import Message, pose_message, twist_message
 from tool0.interfaces.ros1.node import RosNode
 from tool0.sensing.snapshot import Snapshot
@@ -182,27 +186,25 @@ class GazeboStatePublisher:
 
     def __init__(self, node: RosNode, world: GazeboWorld) -> None:
         self._world = world
-        self._models = node.publisher(
-            f"{node.options.node}/model_states", msg.ModelStates
-        )
-        self._links = node.publisher(f"{node.options.node}/link_states", msg.LinkStates)
+        self._topics = [
+            (node.publisher(f"{node.options.node}/{name}", kind), motions_of)
+            for name, kind, motions_of in (
+                ("model_states", msg.ModelStates, WorldState.models),
+                ("link_states", msg.LinkStates, WorldState.links),
+            )
+        ]
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish pose and velocity of models and links."""
         state = WorldState(self._world, snapshot)
-        if self._models.get_num_connections():
-            self._publish(self._models, state.models())
-        if self._links.get_num_connections():
-            self._publish(self._links, state.links())
+        for publisher, motions_of in self._topics:
+            if publisher.get_num_connections():
+                motions = motions_of(state)
+                publisher.publish(
+                    name=list(motions),
+                    pose=[pose_message(motion.pose) for motion in motions.values()],
+                    twist=[twist_message(motion) for motion in motions.values()],
+                )
 
     def close(self) -> None:
-        """Unregister the topics."""
-        self._models.unregister()
-        self._links.unregister()
-
-    def _publish(self, publisher: Any, motions: Mapping[str, FrameMotion]) -> None:
-        publisher.publish(
-            name=list(motions),
-            pose=[pose_message(motion.pose) for motion in motions.values()],
-            twist=[twist_message(motion) for motion in motions.values()],
-        )
+        for publisher, _ in self._topics:
+            publisher.unregister()

@@ -1,14 +1,14 @@
-"""Streams of every snapshot and event to the connections that subscribed.
-
-The bus is polled in the server's thread: publishing costs the tick the same with any
-number of subscribers.  A snapshot is encoded once for all of a rate.
-"""
+"""Streams of setpoints from connections, and of snapshots and events to them."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from typing import Final, final
+from collections.abc import Awaitable, Callable, Collection
+from dataclasses import dataclass
+from typing import Any, Final, final
+
+import msgspec
 
 from tool0.interfaces.server.session import Session
 from tool0.requests.codec import (
@@ -27,6 +27,85 @@ from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 
+INTERVAL: Final = 0.1
+"""Shortest time between two setpoints of one stream that are carried out [wall s]."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class StreamedSetpoint:
+    """The newest setpoint of a stream, and who sent it."""
+
+    sender: object
+    request: Any
+    """A request with ``positions``."""
+
+
+@final
+class SetpointStreams:
+    """Keeps the newest setpoint of each stream until it is its turn.
+
+    Of a slider's thousand only the newest is carried out.  The last one always is, also
+    when its sender has disconnected.
+    """
+
+    def __init__(
+        self, carry_out: Callable[[StreamedSetpoint], Awaitable[None]]
+    ) -> None:
+        self._carry_out = carry_out
+        self._waiting: dict[str, StreamedSetpoint] = {}
+        self._tasks: dict[str, asyncio.Task[None]] = {}
+        self._locks: dict[str, asyncio.Lock] = {}
+
+    def submit(self, setpoint: StreamedSetpoint) -> None:
+        """Put ``setpoint`` in place of the one that waits.
+
+        Joints that only the older one of the same sender names keep its positions.
+        """
+        key = getattr(setpoint.request, "controller", "")
+        before = self._waiting.get(key)
+        if before is not None and before.sender is setpoint.sender:
+            positions = {**before.request.positions, **setpoint.request.positions}
+            request = msgspec.structs.replace(setpoint.request, positions=positions)
+            setpoint = StreamedSetpoint(setpoint.sender, request)
+        self._waiting[key] = setpoint
+        if key not in self._tasks:
+            self._tasks[key] = asyncio.create_task(self._run(key))
+
+    def drop(self, keys: Collection[str]) -> None:
+        """Drop what waits: a newer request supersedes it."""
+        for key in keys:
+            self._waiting.pop(key, None)
+
+    async def settle(self, keys: Collection[str]) -> None:
+        """Drop what waits, and wait for what is being carried out."""
+        self.drop(keys)
+        for key in keys:
+            if key in self._locks:
+                async with self._locks[key]:
+                    pass
+
+    def close(self) -> None:
+        """Drop everything."""
+        self._waiting.clear()
+        for task in self._tasks.values():
+            task.cancel()
+
+    async def _run(self, key: str) -> None:
+        lock = self._locks.setdefault(key, asyncio.Lock())
+        loop = asyncio.get_running_loop()
+        try:
+            while key in self._waiting:
+                start = loop.time()
+                async with lock:
+                    setpoint = self._waiting.pop(key, None)  # settled meanwhile
+                    if setpoint is not None:
+                        await self._carry_out(setpoint)
+                await asyncio.sleep(start + INTERVAL - loop.time())
+        finally:
+            del self._tasks[key]
+
+
 POLL_PERIOD: Final = 0.004
 """[wall s]: twice the shortest snapshot period; nothing is missed in between."""
 
@@ -42,18 +121,12 @@ class _RateStream:
         """Whether each has received a complete snapshot."""
         self.last: Snapshot | None = None
 
-    def is_due(self, snapshot: Snapshot) -> bool:
-        """Return whether a snapshot belongs to a stream of this rate."""
-        last = self.last
-        return last is None or not (
-            0.0 <= snapshot.time - last.time < self.period - 1e-6
-        )
-
     def send(self, snapshot: Snapshot) -> None:
-        """Queue a snapshot for every session."""
-        if not self.is_due(snapshot):
+        """Queue a snapshot for every session, if it is due at this rate."""
+        before = self.last
+        if before and 0.0 <= snapshot.time - before.time < self.period - 1e-6:
             return
-        before, self.last = self.last, snapshot
+        self.last = snapshot
         changes = encode(snapshot_message(snapshot, before))
         for session, is_complete in self.sessions.items():
             if session.missed or not is_complete:
@@ -67,7 +140,11 @@ class _RateStream:
 
 @final
 class SnapshotStreams:
-    """Sends snapshots and events to subscribed sessions, in the event loop."""
+    """Sends snapshots and events to subscribed sessions, in the event loop.
+
+    The bus is polled in the server's thread: publishing costs the tick the same with
+    any number of subscribers.  A snapshot is encoded once for all of a rate.
+    """
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
