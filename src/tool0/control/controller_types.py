@@ -8,12 +8,12 @@ from importlib import import_module
 from typing import Protocol
 
 from tool0.control.parameters import RobotJoints
-from tool0.control.setpoint import Setpoint
+from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface
 from tool0.description.yaml_tree import Tree
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import JointState
 
 
 class Controller(Protocol):

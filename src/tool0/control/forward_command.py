@@ -16,13 +16,12 @@ from tool0.control.parameters import (
     single_joint,
 )
 from tool0.control.pid import Gains, Pid
-from tool0.control.segment import shortest_turn
-from tool0.control.setpoint import Setpoint
-from tool0.control.spline import JointSpline, hold
+from tool0.control.spline import JointSpline, hold, shortest_turn
+from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ControlError
-from tool0.hardware.joint_state import JointState, joint_selector
+from tool0.hardware.engine import JointState, joint_selector
 
 
 class Quantity(enum.Enum):

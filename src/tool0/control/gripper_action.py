@@ -16,13 +16,13 @@ from tool0.control.parameters import (
     single_joint,
 )
 from tool0.control.pid import Gains, Pid
-from tool0.control.setpoint import Setpoint
 from tool0.control.spline import hold
+from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import GoalRejectedError
-from tool0.hardware.drive_limits import DriveLimits
-from tool0.hardware.joint_state import JointState, joint_selector
+from tool0.hardware.engine import JointState, joint_selector
+from tool0.hardware.limits import DriveLimits
 
 
 @final
@@ -184,11 +184,9 @@ class GripperActionController:
             self._finish(GoalStatus.PREEMPTED)
 
     def setpoint(self) -> Setpoint:
-        """Return the commanded position, with the state measured at the last update."""
         return Setpoint((self.spec.joint,), (self._hold,), self._select, self._state)
 
     def stop(self) -> None:
-        """End an active goal as PREEMPTED; the controller is dropped after that."""
         self._finish(GoalStatus.PREEMPTED)
 
     def _finish(

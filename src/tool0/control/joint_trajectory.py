@@ -16,7 +16,7 @@ from tool0.control.goal import (
     Tolerance,
     TrajectoryTolerances,
 )
-from tool0.control.goal_check import check_names
+from tool0.control.goal_check import TrajectoryReplacement, check_names
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     RobotJoints,
@@ -24,15 +24,17 @@ from tool0.control.parameters import (
     read_gains,
 )
 from tool0.control.pid import Gains, Pid
-from tool0.control.replacement import TrajectoryReplacement
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
-from tool0.control.segment import MotionPlan, shortest_turn
-from tool0.control.setpoint import Setpoint, joints_motion
-from tool0.control.spline import JointSpline, hold
-from tool0.control.trajectory import JointsMotion, TrajectoryGoal
+from tool0.control.spline import JointSpline, MotionPlan, hold, shortest_turn
+from tool0.control.trajectory import (
+    JointsMotion,
+    Setpoint,
+    TrajectoryGoal,
+    joints_motion,
+)
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
-from tool0.hardware.joint_state import JointState, joint_selector
+from tool0.hardware.engine import JointState, joint_selector
 
 PREEMPTED = GoalResult(status=GoalStatus.PREEMPTED)
 
@@ -194,7 +196,6 @@ class JointTrajectoryController:
             self._end_goal(PREEMPTED)
 
     def stop(self) -> None:
-        """End an active goal as PREEMPTED; the controller is dropped after that."""
         self._end_goal(PREEMPTED)
 
     def _accept(self, goal: TrajectoryGoal, now: float, handle: Goal | None) -> None:
@@ -243,7 +244,6 @@ class JointTrajectoryController:
         return joints_motion(self._sampler.samples(time))
 
     def setpoint(self) -> Setpoint:
-        """Return desired and measured motion, as a value that later ticks leave be."""
         return Setpoint(
             self.spec.joint_models, self._sampler.splines, self._select, self._state
         )

@@ -10,10 +10,10 @@ from typing import final
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_types import Controller, ControllerSpec
 from tool0.control.parameters import RobotJoints
-from tool0.control.setpoint import Setpoint
+from tool0.control.trajectory import Setpoint
 from tool0.description.model import Joint
 from tool0.errors import ClaimError, ControlError, GoalRejectedError, did_you_mean
-from tool0.hardware.joint_state import JointState, as_slice
+from tool0.hardware.engine import JointState, as_slice
 from tool0.hardware.robot_hardware import RobotHardware
 
 

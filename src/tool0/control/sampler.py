@@ -8,8 +8,14 @@ from operator import neg, sub
 from typing import final
 
 from tool0.control.goal import Goal, GoalResult, GoalStatus
-from tool0.control.segment import Polynomial, Sample, Segment, resting
-from tool0.control.spline import JointSpline, SplineSection
+from tool0.control.spline import (
+    JointSpline,
+    Polynomial,
+    Sample,
+    Segment,
+    SplineSection,
+    resting,
+)
 from tool0.errors import ControlError
 
 

@@ -1,14 +1,55 @@
-"""The interface to a physics engine: its joints, and the world around the robot."""
+"""The interface to a physics engine: joint states, and the world around the robot."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol, final
+from operator import itemgetter
+from typing import NamedTuple, Protocol, final
 
 from tool0.description.scene import SceneObject
 from tool0.description.transform import Vector3
-from tool0.hardware.joint_state import JointState
+
+
+class JointState(NamedTuple):
+    """The measured state of every movable joint at one instant.
+
+    Lists have shape (n_joints,), ordered as the engine's ``joint_names``.  A named
+    tuple of plain lists: the tick makes one a thousand times a second, and plain
+    floats are what Python computes with fastest.
+    """
+
+    time: float
+    """Simulated time [s]."""
+    position: list[float]
+    """[rad], or [m] for a prismatic joint."""
+    velocity: list[float]
+    """[rad/s] or [m/s]."""
+    effort: list[float]
+    """Last applied effort [N·m] or [N]."""
+
+
+JointSelector = Callable[[list[float]], Sequence[float]]
+"""Takes some joints out of a list of all joints."""
+
+
+def joint_selector(indices: Sequence[int]) -> JointSelector:
+    """Return the function that takes ``indices`` out of a list.
+
+    It runs in C: a slice where the joints stand side by side, as they mostly do.
+    """
+    run = as_slice(indices)
+    if run is not None:
+        return itemgetter(run)
+    return itemgetter(*indices)
+
+
+def as_slice(indices: Sequence[int]) -> slice | None:
+    """Return the slice that is ``indices``, or None if they do not stand in a row."""
+    first = indices[0] if indices else 0
+    if list(indices) == list(range(first, first + len(indices))):
+        return slice(first, first + len(indices))
+    return None
 
 
 @final

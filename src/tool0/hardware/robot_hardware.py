@@ -14,10 +14,9 @@ from typing import final
 from tool0.description.model import Interface, JointLimits, RobotModel
 from tool0.description.transform import Vector3
 from tool0.errors import ModelError, did_you_mean
-from tool0.hardware.drive_limits import DriveLimits
-from tool0.hardware.joint_dynamics import STANDARD_GRAVITY, JointDynamics
-from tool0.hardware.joint_state import JointState
-from tool0.hardware.limits import EffortLimiter, EffortLimits
+from tool0.hardware.bodies import STANDARD_GRAVITY, JointDynamics
+from tool0.hardware.engine import JointState
+from tool0.hardware.limits import DriveLimits, EffortLimiter, EffortLimits
 from tool0.hardware.servo import Brake, PositionServo, Servo, VelocityServo
 
 POSE_PERIOD = 64

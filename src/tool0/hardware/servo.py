@@ -89,7 +89,6 @@ class VelocityServo:
     def acceleration(
         self, command: float, position: float, velocity: float, dt: float
     ) -> float:
-        """Return the acceleration for ``command`` [rad/s² | m/s²]."""
         slowest, fastest = velocity_window(position, self._limits, self._soft)
         error = min(max(command, slowest), fastest) - velocity
         gain = 2.0 * DAMPING_RATIO * BANDWIDTH

@@ -20,18 +20,16 @@ import numpy as np
 from tool0.description.model import JointType, RobotModel
 from tool0.description.transform import Vector3
 from tool0.hardware.bodies import (
+    STANDARD_GRAVITY,
     BodyInertia,
+    JointDynamics,
     Matrix,
     MovingBody,
     fixed_to_world,
     moving_bodies,
-)
-from tool0.hardware.engine import Contact
-from tool0.hardware.joint_dynamics import (
-    STANDARD_GRAVITY,
-    JointDynamics,
     turn_z_to,
 )
+from tool0.hardware.engine import Contact
 
 Frame = tuple[float, ...]
 """Axes x, y, z and origin, 12 floats."""

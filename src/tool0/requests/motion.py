@@ -9,7 +9,7 @@ from msgspec import Meta, Struct, field
 from tool0.control.goal import Goal, GoalStatus, ToleranceOverride
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.errors import ControlError
-from tool0.hardware.drive_limits import DriveLimits
+from tool0.hardware.limits import DriveLimits
 from tool0.requests.fields import JointPositions, Name, SpeedScale
 from tool0.requests.table import Request, handles
 from tool0.runtime.joint_motion import import_planner

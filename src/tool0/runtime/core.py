@@ -16,9 +16,8 @@ from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, did_you_mean
-from tool0.hardware.drive_limits import DriveLimits
-from tool0.hardware.engine import Engine
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import Engine, JointState
+from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
 from tool0.runtime.scene_objects import SceneObjects

@@ -7,7 +7,7 @@ from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from tool0.control.goal_check import ROUNDING
-from tool0.control.segment import Motion, MotionPlan, shortest_turn
+from tool0.control.spline import Motion, MotionPlan, shortest_turn
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
 from tool0.errors import ControlError

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from tool0.control.goal_check import check_position
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
-from tool0.control.segment import MotionPlan
+from tool0.control.spline import MotionPlan
 from tool0.errors import ControlError, GoalRejectedError, did_you_mean
 from tool0.runtime.joint_motion import plan_motion
 

@@ -14,8 +14,7 @@ from tool0.description.catalogue import RobotDescription
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.transform import Vector3
 from tool0.errors import ControlError
-from tool0.hardware.engine import Contact, Engine
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import Contact, Engine, JointState
 from tool0.hardware.tool_dynamics import ToolDynamics
 
 Contacts = Callable[[], tuple[Contact, ...]]

@@ -3,8 +3,7 @@ from itertools import pairwise
 import pytest
 from toy_robot import DT, ToyRobot
 
-from tool0.control.joint_state import PublishedJointState
-from tool0.control.publish_rate import PublishRate
+from tool0.control.joint_state import PublishedJointState, PublishRate
 from tool0.errors import ConfigError
 
 TYPE = "type: joint_state_controller/JointStateController"

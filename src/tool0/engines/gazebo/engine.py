@@ -28,14 +28,14 @@ from tool0.engines.gazebo.server import GazeboServer
 from tool0.engines.gazebo.world import GazeboServerWorld
 from tool0.errors import DivergenceError
 from tool0.hardware.bodies import check_masses, moving_bodies
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import JointState
 from tool0.installation.gazebo.installation import find_installation
 from tool0.installation.gazebo.plugin import bridge_libraries
 
 
 @final
 class GazeboEngine:
-    """One robot and its scene in a gzserver of its own, in lock step with the loop."""
+    """An ``Engine``: a gzserver of its own, in lock step with the loop."""
 
     name = "gazebo"
 
@@ -107,7 +107,6 @@ class GazeboEngine:
             failed.pop_all()
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Put joints at ``position`` [rad | m] and objects where they began."""
         self._finish_step()
         self._steps = round(time / self.dt)
         poses = body_poses(self._bodies, list(position))
@@ -121,7 +120,6 @@ class GazeboEngine:
         self._effort = [0.0] * len(self.joint_names)
 
     def read(self) -> JointState:
-        """Return the measured state, or raise DivergenceError."""
         if self._is_stepping:
             self._finish_step()
         values, n = self._state, len(self.joint_names)
@@ -132,7 +130,6 @@ class GazeboEngine:
         return JointState(time, list(values[:n]), list(values[n:]), self._effort)
 
     def write(self, effort: Sequence[float]) -> None:
-        """Hold ``effort`` [N·m | N] until the next call, or raise DivergenceError."""
         held = list(effort)
         if not math.isfinite(sum(held)):
             raise effort_divergence(self.joint_names, held, self._steps * self.dt)

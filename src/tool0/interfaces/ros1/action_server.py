@@ -11,7 +11,7 @@ from rospy import Time
 
 from tool0.api.controller import GoalHandle
 from tool0.control.goal import GoalStatus, Result
-from tool0.control.publish_rate import PublishRate
+from tool0.control.joint_state import PublishRate
 from tool0.errors import Tool0Error
 from tool0.interfaces.ros1.messages import Message
 from tool0.interfaces.ros1.node import RosNode

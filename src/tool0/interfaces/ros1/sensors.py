@@ -12,7 +12,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from tool0.api.robot import Robot
 from tool0.api.sensors import CameraHandle, ForceTorque
-from tool0.control.publish_rate import PublishRate
+from tool0.control.joint_state import PublishRate
 from tool0.description.camera import Camera
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.ros1.messages import Message, transform_message

@@ -10,7 +10,7 @@ from typing import Any, final
 from tf2_msgs.msg import TFMessage
 
 from tool0.api.robot import Robot
-from tool0.control.publish_rate import PublishRate
+from tool0.control.joint_state import PublishRate
 from tool0.description.forward_kinematics import joint_transform
 from tool0.description.model import Joint
 from tool0.installation.child_process import ChildProcess
