@@ -16,7 +16,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from typing import final
 
-from tool0.control.goal import Goal, TrajectoryTolerances, tolerance_numbers
+from tool0.control.goal import Goal, Tolerance, TrajectoryTolerances
 from tool0.control.spline import (
     JointSpline,
     Knots,
@@ -63,7 +63,8 @@ def check_names(
                 raise _invalid_joints(
                     f"tolerance for unknown joint '{name}'", name, joints
                 )
-            if not all(map(math.isfinite, tolerance_numbers(override))):
+            numbers = override if isinstance(override, Tolerance) else (override,)
+            if not all(map(math.isfinite, numbers)):
                 raise GoalRejectedError(f"tolerance {override} of '{name}'")
     if not math.isfinite(goal.goal_time_tolerance or 0.0):
         raise GoalRejectedError(f"goal_time_tolerance {goal.goal_time_tolerance}")
@@ -148,13 +149,7 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
 
 
 def check_limits(goal: TrajectoryGoal, joints: Sequence[Joint], first: int) -> None:
-    """Reject positions that the joints cannot reach.
-
-    Args:
-        goal: Its points are examined from number ``first`` on.
-        joints: Those of the points' numbers.
-        first: The first point still to be reached.
-    """
+    """Reject positions that ``joints`` cannot reach, from point ``first`` on."""
     limits = [_limits(joint) for joint in joints]
     blocks = [range(first, len(goal.points))]
     if goal.position_ranges is not None:
@@ -221,13 +216,7 @@ class TrajectoryReplacement:
         tolerances: TrajectoryTolerances,
         stop_duration: float,
     ) -> None:
-        """Take the controller's parameters.
-
-        Args:
-            joints: Those of the controller.
-            tolerances: Those of the controller.
-            stop_duration: Length of the ramp to rest [s]; 0 for none.
-        """
+        """Take the controller's parameters; its stop takes ``stop_duration`` [s]."""
         self._joints = {joint.name: joint for joint in joints}
         self._tolerances = tolerances
         self._stop_duration = stop_duration
@@ -333,12 +322,9 @@ def _offset(
 def _motion_at(
     points: Sequence[TrajectoryPoint], column: int, offset: float | None
 ) -> Callable[[int], Motion]:
-    """Return the function that returns the motion of one joint at each point.
+    """Return the function that returns the motion of joint ``column`` at each point.
 
-    Args:
-        points: The points.
-        column: Which of their numbers are the joint's.
-        offset: What is added to the positions [rad], for a continuous joint.
+    ``offset`` [rad] is added to the positions of a continuous joint.
     """
 
     def motion_at(number: int) -> Motion:

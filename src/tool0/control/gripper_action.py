@@ -52,13 +52,11 @@ class GripperActionSpec:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joint it claims."""
         return (self.joint.name,)
 
     def start(
         self, indices: Sequence[int], state: JointState
     ) -> GripperActionController:
-        """Return a controller that holds the measured position."""
         return GripperActionController(self, indices[0], state)
 
 
@@ -145,12 +143,8 @@ class GripperActionController:
     ) -> Goal:
         """Replace the goal and return the new one's handle, or reject it.
 
-        Args:
-            position: Where to go [rad | m].
-            max_effort: Limit of the effort [N·m | N], its sign ignored as in ROS; None
-                or 0 for the controller's own.
-            now: Simulated time of the coming update [s].
-            drive_limits: Those of the joint's drive meanwhile.
+        The sign of ``max_effort`` [N·m | N] is ignored as in ROS; None or 0 is the
+        controller's own.  ``drive_limits`` hold meanwhile.
 
         Raises:
             GoalRejectedError: What was commanded before goes on untouched.

@@ -67,11 +67,7 @@ class JointStateSpec:
     ) -> PublishedJointState:
         """Return the message to publish; extra joints keep their values from YAML.
 
-        Args:
-            joint_names: The joints of the other three, all of shape (n_joints,).
-            position: [rad | m]
-            velocity: [rad/s | m/s]
-            effort: [N·m | N]
+        All have shape (n_joints,), ordered as ``joint_names``.
         """
         picked = [joint_names.index(name) for name in self.joints]
         extra = self.extra_joints

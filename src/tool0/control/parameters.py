@@ -31,12 +31,7 @@ class RobotJoints:
 
     @staticmethod
     def assumed(names: Iterable[str], type_name: str) -> RobotJoints:
-        """Return joints that a controller of a type can command, for want of a robot.
-
-        Args:
-            names: The joints.
-            type_name: The controller's type; its package names the interface.
-        """
+        """Return joints that a controller of this type can command, without a robot."""
         package = type_name.partition("/")[0]
         interface = INTERFACE_OF_PACKAGE.get(package, Interface.EFFORT)
         joints = {
@@ -60,13 +55,9 @@ def joint_entries(controller: YamlEntry) -> list[YamlEntry]:
 def controlled_joint(
     robot: RobotJoints, name: str, interface: Interface | None, entry: YamlEntry
 ) -> Joint:
-    """Return the joint called ``name``, if a controller may command it.
+    """Return the joint called ``name``, if it takes ``interface``; None is any.
 
-    Args:
-        robot: Where the joint must be.
-        name: The joint.
-        interface: What it must take; None for any.
-        entry: Where a file names it, for messages.
+    ``entry`` is where a file names it, for messages.
     """
     joint = robot.joints.get(name)
     wanted = "any interface" if interface is None else f"'{interface.value}'"
@@ -121,10 +112,7 @@ def single_joint(
 def read_gains(parameters: Namespace, path: str, why: str) -> Gains:
     """Return the gains at ``path``; ``p`` is required, as in control_toolbox.
 
-    Args:
-        parameters: The controller's.
-        path: Such as ``gains/elbow_joint``.
-        why: Who needs them, for the message that they are missing.
+    ``why`` says who needs them, for the message that they are missing.
     """
     gains = parameters.namespace(path)
     if gains is None:

@@ -10,7 +10,7 @@ joints costs less than one NumPy call per joint would.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -89,21 +89,29 @@ def moving_bodies(model: RobotModel) -> tuple[MovingBody, ...]:
         while (above := model.parent_joint.get(link)) and not above.is_movable:
             placement, link = pose_matrix(above.origin) @ placement, above.parent
         links = tuple(_fixed_links(model, joint.child, np.eye(4)))
-        parts = [
-            BodyInertia.of(inertial, frame)
-            for name, frame in links
-            if (inertial := model.link_by_name[name].inertial) is not None
-        ]
         bodies.append(
             MovingBody(
                 joint=joint,
                 parent=index[above.name] if above else -1,
                 placement=placement,
                 links=links,
-                inertia=BodyInertia.total(parts),
+                inertia=total_inertia(model, links),
             )
         )
     return tuple(bodies)
+
+
+def total_inertia(
+    model: RobotModel, links: Iterable[tuple[str, Matrix]]
+) -> BodyInertia:
+    """Return the inertia of links, given with their frames, in the frame of these."""
+    return BodyInertia.total(
+        [
+            BodyInertia.of(inertial, frame)
+            for name, frame in links
+            if (inertial := model.link_by_name[name].inertial) is not None
+        ]
+    )
 
 
 def check_masses(model: RobotModel, bodies: Sequence[MovingBody]) -> None:

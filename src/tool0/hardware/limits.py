@@ -228,19 +228,11 @@ class SpeedLimiter:
     all its effort where something stops it.
     """
 
-    def __init__(
-        self,
-        hard: JointLimits,
-        *,
-        armature: float,
-        dt: float,
-    ) -> None:
+    def __init__(self, hard: JointLimits, *, armature: float, dt: float) -> None:
         """Begin with a rotor that nothing holds back.
 
-        Args:
-            hard: The joint's limits.
-            armature: Inertia of the rotor as the joint feels it [kg·m²]; 0 if unknown.
-            dt: Length of a step [s].
+        ``armature`` is its inertia as the joint feels it [kg·m²], 0 if unknown; ``dt``
+        [s] the length of a step.
         """
         self._effort = hard.effort
         self._speed = hard.velocity

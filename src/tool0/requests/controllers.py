@@ -6,8 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from tool0.control.config import ControllerConfig
-from tool0.control.controller_types import ControllerSpec
+from tool0.control.config import ControllerConfig, ControllerSpec
 from tool0.control.manager import ControllerStatus, Strictness
 from tool0.control.trajectory import JointsMotion, TrajectoryState
 from tool0.requests.fields import Name

@@ -106,7 +106,7 @@ def start_simulation(
         spawn_z=simulation.spawn_z,
         cameras=cameras,
         ground=engine.world.ground,
-        warnings=lint(config, model),
+        warnings=lint(config, [joint.name for joint in model.movable_joints]),
     )
 
 
@@ -187,7 +187,7 @@ def _core(
     grasp_assist: bool,
 ) -> Core:
     overrides = {
-        name: limits.over(model.joint(name).limits)
+        name: replace(model.joint(name).limits, **limits)
         for name, limits in config.joint_limits().items()
     }
     hardware = RobotHardware(

@@ -22,7 +22,7 @@ from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.joint_moves import joints_by_controller, planned_motion
 from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
-from tool0.sensing.grasp_assist import GraspAssist
+from tool0.sensing.grasp import GraspAssist
 
 
 @final
@@ -143,7 +143,7 @@ class Core:
         for name, targets in moves.items():
             self._set_drive_limits(name, targets)
         return tuple(
-            self._started(trajectory.follow_plan(plan, self.time))
+            self._started(trajectory.follow(plan, self.time))
             for trajectory, plan in planned
         )
 
@@ -191,7 +191,7 @@ class Core:
         """Replace a controller's motion by a smooth one, without a goal."""
         trajectory = self._drivable(controller, JointTrajectoryController)
         plan = planned_motion(trajectory, positions, speed=speed, now=self.time)
-        trajectory.command_plan(plan, self.time)
+        trajectory.command(plan, self.time)
         self._set_drive_limits(controller, positions)
         self._note_commanded(controller)
 

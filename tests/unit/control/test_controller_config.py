@@ -1,11 +1,17 @@
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from toy_robot import ARM, JOINTS
 
-from tool0.control.config import ControllerConfig, joint_limit_parameters
-from tool0.control.controller_types import TYPES, parameters_of, readers_of
+from tool0.control.config import (
+    TYPES,
+    ControllerConfig,
+    joint_limit_parameters,
+    parameters_of,
+    readers_of,
+)
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.control.parameters import RobotJoints
@@ -193,11 +199,11 @@ joint_limits:
 """
     ).joint_limits()
     urdf = JointLimits(lower=-6.0, upper=6.0, velocity=3.0, effort=50.0)
-    assert limits["hip"].over(urdf) == JointLimits(
+    assert replace(urdf, **limits["hip"]) == JointLimits(
         lower=-6.0, upper=6.0, velocity=2.0, effort=50.0
     )
-    assert limits["slide"].over(urdf).lower == -1.0
-    assert limits["wheel"].over(urdf).effort == math.inf
+    assert limits["slide"]["lower"] == -1.0
+    assert limits["wheel"]["effort"] == math.inf
     assert from_text("a: 1").joint_limits() == {}
 
 

@@ -51,13 +51,7 @@ class GazeboEngine:
     ) -> None:
         """Start gzserver, and spawn the robot and its scene.
 
-        Args:
-            description: The robot.
-            dt: Length of a step [s].
-            spawn_z: Height of the robot's root above the world's origin [m].
-            scene: The objects around it.
-            world: A world file; an empty one with the ground at z = 0 if left out.
-            gui: Whether to open gzclient.
+        For the arguments see ``EngineSettings`` and ``GazeboEngineOptions``.
 
         Raises:
             EngineUnavailableError: If there is no Gazebo, or it does not start.
