@@ -9,12 +9,13 @@ from typing import final
 
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
+    Gains,
+    Pid,
     RobotJoints,
     controlled_joints,
     read_gains,
     single_joint,
 )
-from tool0.control.pid import Gains, Pid
 from tool0.control.spline import JointSpline, hold, shortest_turn
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface, Joint, JointType

@@ -192,9 +192,5 @@ def _override(default: Tolerance, override: ToleranceOverride | None) -> Toleran
     if override is None:
         return default
     wanted = override if isinstance(override, Tolerance) else Tolerance(override)
-    return Tolerance(
-        *(
-            max(new, 0.0) if new else old
-            for old, new in zip(default, wanted, strict=True)
-        )
-    )
+    pairs = zip(default, wanted, strict=True)
+    return Tolerance(*(max(new, 0.0) if new else old for old, new in pairs))

@@ -11,11 +11,12 @@ from tool0.control.goal import Goal, GoalStatus, GripperResult
 from tool0.control.goal_check import check_position
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
+    Gains,
+    Pid,
     RobotJoints,
     read_gains,
     single_joint,
 )
-from tool0.control.pid import Gains, Pid
 from tool0.control.spline import hold
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface, Joint

@@ -19,11 +19,12 @@ from tool0.control.goal import (
 from tool0.control.goal_check import TrajectoryReplacement, check_names
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
+    Gains,
+    Pid,
     RobotJoints,
     controlled_joints,
     read_gains,
 )
-from tool0.control.pid import Gains, Pid
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
 from tool0.control.spline import JointSpline, MotionPlan, hold, shortest_turn
 from tool0.control.trajectory import (

@@ -13,7 +13,7 @@ from tool0.cli import FAILED, OK, main
 from tool0.description.camera import Camera
 from tool0.errors import RenderError
 from tool0.interfaces.server.unix_socket import MAX_LINE
-from tool0.sensing.png import encode_depth, encode_png
+from tool0.sensing.cameras import encode_depth, encode_png
 
 
 @pytest.fixture(autouse=True)

@@ -14,8 +14,7 @@ from tool0.control.config import (
 )
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_trajectory import JointTrajectorySpec
-from tool0.control.parameters import RobotJoints
-from tool0.control.pid import Gains
+from tool0.control.parameters import Gains, RobotJoints
 from tool0.description.model import Interface, Joint, JointLimits, JointType
 from tool0.errors import ConfigError, SourceLocation
 

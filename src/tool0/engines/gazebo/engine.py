@@ -12,7 +12,6 @@ from typing import final
 from tool0.description.catalogue import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.transform import Pose, pose_matrix
-from tool0.engines.checks import check_dt, effort_divergence
 from tool0.engines.gazebo.connection import (
     RequestKind,
     pack_floats,
@@ -28,7 +27,7 @@ from tool0.engines.gazebo.server import GazeboServer
 from tool0.engines.gazebo.world import GazeboServerWorld
 from tool0.errors import DivergenceError
 from tool0.hardware.bodies import check_masses, moving_bodies
-from tool0.hardware.engine import JointState
+from tool0.hardware.engine import JointState, check_dt, effort_divergence
 from tool0.installation.gazebo.installation import find_installation
 from tool0.installation.gazebo.plugin import bridge_libraries
 

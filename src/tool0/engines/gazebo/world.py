@@ -20,7 +20,6 @@ import numpy as np
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.transform import Pose, Vector3, pose_matrix
-from tool0.engines.checks import check_attachable, check_new_name, check_placement
 from tool0.engines.gazebo.connection import (
     ANSWER_TIMEOUT,
     SPAWN_TIMEOUT,
@@ -41,7 +40,13 @@ from tool0.errors import (
     did_you_mean,
 )
 from tool0.hardware.bodies import Matrix, MovingBody, fixed_to_world
-from tool0.hardware.engine import Contact, ObjectState
+from tool0.hardware.engine import (
+    Contact,
+    ObjectState,
+    check_attachable,
+    check_new_name,
+    check_placement,
+)
 
 logger = logging.getLogger(__name__)
 

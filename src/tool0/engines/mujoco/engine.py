@@ -12,11 +12,15 @@ import numpy as np
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
-from tool0.engines.checks import check_dt, effort_divergence
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.world import MujocoWorld
 from tool0.errors import ConfigError, DivergenceError, ModelError
-from tool0.hardware.engine import JointState, joint_selector
+from tool0.hardware.engine import (
+    JointState,
+    check_dt,
+    effort_divergence,
+    joint_selector,
+)
 
 
 @final

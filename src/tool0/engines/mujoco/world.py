@@ -14,12 +14,6 @@ import numpy as np
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.transform import Quaternion, Vector3
-from tool0.engines.checks import (
-    check_attachable,
-    check_new_name,
-    check_placement,
-    find_object,
-)
 from tool0.engines.mujoco.model import MIMIC_SOLIMP, MIMIC_SOLREF
 from tool0.engines.mujoco.objects import (
     ObjectStates,
@@ -27,7 +21,14 @@ from tool0.engines.mujoco.objects import (
     free_joint_name,
 )
 from tool0.errors import EngineError
-from tool0.hardware.engine import Contact, ObjectState
+from tool0.hardware.engine import (
+    Contact,
+    ObjectState,
+    check_attachable,
+    check_new_name,
+    check_placement,
+    find_object,
+)
 
 logger = logging.getLogger(__name__)
 
