@@ -13,7 +13,7 @@ import tool0
 from tool0.cli.pick_demo.grasps import find_bin
 from tool0.cli.pick_demo.monitor import GraspMonitor
 from tool0.cli.pick_demo.picker import Picker, PickFailure, PickOptions
-from tool0.cli.pick_demo.trials import TABLE, DemoReport, random_poses, run_trials
+from tool0.cli.pick_demo.trials import DemoReport, random_poses, run_trials
 from tool0.description.forward_kinematics import link_poses
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
 from tool0.sensing.grasp import pad_links
@@ -76,7 +76,7 @@ def hold_and_shake(
     with tool0.bringup(
         description=description, engine=engine, scene=scene, realtime=False
     ) as robot:
-        monitor = GraspMonitor(robot, robot.gripper, ITEM)
+        monitor = GraspMonitor(robot, ITEM)
         picker = Picker(robot, ITEM, PickOptions(force=force), monitor)
         try:
             picker.take(LIFT)
@@ -141,7 +141,7 @@ def picks(engine: str, n_picks: int, seed: int) -> DemoReport:
             robot,
             "cube",
             find_bin(robot.scene.objects, "bin"),
-            random_poses(TABLE, height, seed),
+            random_poses(height, seed),
             n_picks,
         )
 

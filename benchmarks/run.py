@@ -23,7 +23,7 @@ from benchmarks import (
     tick,
 )
 from tool0.installation.gazebo.status import gazebo_status
-from tool0.installation.ros1.status import ros1_status
+from tool0.installation.ros1.packages import ros1_status
 
 
 @dataclass(frozen=True)

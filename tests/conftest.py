@@ -22,8 +22,6 @@ from tool0.installation.gazebo.installation import (
 )
 
 if TYPE_CHECKING:
-    from fake_robot import FakeRobot
-
     from tool0.interfaces.panel.server import Panel
 
 
@@ -51,20 +49,6 @@ def runtime_folder() -> Iterator[Path]:
         patch.setenv("XDG_RUNTIME_DIR", folder)
         keep_data_in(Path(folder, "data"), patch)
         yield Path(folder)
-
-
-@pytest.fixture
-def served_robot(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[FakeRobot]:
-    """Return a robot that this test's commands and visitors find."""
-    from fake_robot import FakeRobot
-    from served import serving, use_folder
-
-    use_folder(monkeypatch, tmp_path)
-    robot = FakeRobot()
-    with serving(robot):
-        yield robot
 
 
 @pytest.fixture(autouse=True)

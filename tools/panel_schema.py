@@ -22,6 +22,7 @@ def schema_text() -> str:
     requests = {
         name: entry.request
         for name, entry in sorted(entries().items())
+        if entry.request.__module__.startswith("tool0.")
         if not entry.is_local
     }
     messages = [Hello, Reply, *get_args(ViewMessage), *get_args(EventMessage)]

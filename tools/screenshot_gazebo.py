@@ -17,16 +17,16 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-from render_picture import write_png
 
 import tool0
+from tool0.sensing.cameras import encode_png
 from tool0.user_data import cache_folder, data_folder
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENE = "table_and_cubes"
-_PATIENCE = 60.0
+_TIMEOUT = 60.0
 """Longest wait for the window [wall s]."""
-_LOOKS = 15
+_SAME_FRAMES = 15
 """How often the window must look the same: it is drawn for the last time then."""
 
 
@@ -54,12 +54,12 @@ def main() -> None:
                 if looks and not np.array_equal(looks[-1], pixels):
                     looks.clear()
                 looks.append(pixels)
-                return len(looks) > _LOOKS and len(np.unique(pixels)) > 100
+                return len(looks) > _SAME_FRAMES and len(np.unique(pixels)) > 100
 
-            picture = screen.wait_for(is_drawn, _PATIENCE)
+            picture = screen.wait_for(is_drawn, _TIMEOUT)
     if picture is None:
-        sys.exit(f"the window was not drawn within {_PATIENCE:g} s")
-    write_png(options.output, picture)
+        sys.exit(f"the window was not drawn within {_TIMEOUT:g} s")
+    options.output.write_bytes(encode_png(picture))
 
 
 @contextmanager

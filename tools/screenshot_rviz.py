@@ -14,12 +14,12 @@ import sys
 import tempfile
 from pathlib import Path
 
-from render_picture import write_png
+from tool0.sensing.cameras import encode_png
 
 ROOT = Path(__file__).resolve().parent.parent
-_PATIENCE = 60.0
+_TIMEOUT = 60.0
 """Longest wait for the window [wall s]."""
-_LOOKS = 15
+_SAME_FRAMES = 15
 """How often the world must look the same: the robot stands still then."""
 _JITTER = 0.002
 """Part of the world that may look different: the edges of what holds a pose."""
@@ -51,11 +51,11 @@ def main() -> None:
             if looks and (looks[-1] != world).mean() > _JITTER:
                 looks.clear()
             looks.append(world)
-            return len(looks) > _LOOKS
+            return len(looks) > _SAME_FRAMES
 
-        before = screen.wait_for(is_drawn, _PATIENCE)
+        before = screen.wait_for(is_drawn, _TIMEOUT)
         if before is None:
-            sys.exit(f"RViz did not show the robot within {_PATIENCE:g} s")
+            sys.exit(f"RViz did not show the robot within {_TIMEOUT:g} s")
         ros.run(
             *("rostopic", "pub", "--once", "/eff_joint_traj_controller/command"),
             "trajectory_msgs/JointTrajectory",
@@ -63,10 +63,10 @@ def main() -> None:
             f"[{{positions: {_POSE}, time_from_start: {{secs: 1}}}}]}}",
         )
         looks.clear()
-        picture = screen.wait_for(is_drawn, _PATIENCE)
+        picture = screen.wait_for(is_drawn, _TIMEOUT)
         if picture is None or (view(picture) != view(before)).mean() < 10 * _JITTER:
-            sys.exit(f"RViz did not follow the robot within {_PATIENCE:g} s")
-        write_png(options.output, picture)
+            sys.exit(f"RViz did not follow the robot within {_TIMEOUT:g} s")
+        options.output.write_bytes(encode_png(picture))
 
 
 def _options() -> argparse.Namespace:

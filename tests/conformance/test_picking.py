@@ -8,7 +8,7 @@ from conformance_types import BringUp
 import tool0
 from tool0.cli.pick_demo.grasps import find_bin
 from tool0.cli.pick_demo.picker import PickOptions, pick_and_place
-from tool0.cli.pick_demo.trials import TABLE, random_poses, run_trials
+from tool0.cli.pick_demo.trials import random_poses, run_trials
 from tool0.sensing.snapshot import Snapshot
 
 N_PICKS = 3
@@ -21,7 +21,7 @@ def start(bring_up: BringUp, **options: object) -> tool0.Robot:
 def test_cubes_from_anywhere_end_in_the_bin(bring_up: BringUp) -> None:
     robot = start(bring_up)
     into = find_bin(robot.scene.objects, "bin")
-    poses = random_poses(TABLE, 0.045, seed=7)
+    poses = random_poses(0.045, seed=7)
     report = run_trials(robot, "cube", into, poses, N_PICKS)
     assert [pick.failure for pick in report.picks] == [None] * N_PICKS
     assert report.n_succeeded == N_PICKS

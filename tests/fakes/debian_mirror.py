@@ -6,10 +6,11 @@ import hashlib
 import os
 import shutil
 import subprocess
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from tool0.installation.gazebo.packages import FROM_HOST, HEADERS
+from tool0.installation.gazebo.debian import FROM_HOST, HEADERS
 
 VERSION = "11.1.0"
 CONFIG = f'#define GAZEBO_VERSION_FULL "{VERSION}"\n'
@@ -34,16 +35,17 @@ class Mirror:
 def make_mirror(folder: Path, *, signed: bool = True) -> Mirror:
     """Return a mirror whose ``gazebo`` is a script and a header."""
     mirror = Mirror(folder / "mirror", folder / "keys.gpg")
-    (mirror.folder / "pool").mkdir(parents=True)
+    mirror.folder.mkdir()
     programs = {f"usr/bin/gzserver-{VERSION}": SERVER}
     programs[f"usr/bin/gzclient-{VERSION}"] = SERVER
     programs["usr/share/doc/gazebo/copyright"] = "dropped"
     header = {"usr/include/gazebo-11/gazebo/gazebo_config.h": CONFIG}
     needed = ("gazebo-common", *FROM_HOST[:3], "libqt5core5a")
-    _build(mirror, "gazebo", programs, depends=needed)
+    build_package(mirror.folder, "gazebo", programs, depends=needed)
     for name in ("gazebo-common", "gazebo-plugin-base", "libqt5core5a", *HEADERS):
         own = {f"usr/share/{name}/file": name}
-        _build(mirror, name, header if name == "libgazebo-dev" else own)
+        content = header if name == "libgazebo-dev" else own
+        build_package(mirror.folder, name, content)
     _index(mirror.folder, "amd64")
     _index(mirror.folder, "arm64")
     _release(mirror.folder)
@@ -54,10 +56,11 @@ def make_mirror(folder: Path, *, signed: bool = True) -> Mirror:
     return mirror
 
 
-def _build(
-    mirror: Mirror, name: str, files: dict[str, str], depends: tuple[str, ...] = ()
-) -> None:
-    root = mirror.folder / "build" / name
+def build_package(
+    folder: Path, name: str, files: Mapping[str, str], depends: tuple[str, ...] = ()
+) -> Path:
+    """Return a package of these files, which is in the subfolder ``pool``."""
+    root = folder / "build" / name
     control = root / "DEBIAN" / "control"
     control.parent.mkdir(parents=True)
     lines = [f"Package: {name}", "Version: 1:11.1.0-6", "Architecture: all"]
@@ -69,12 +72,11 @@ def _build(
         (root / path).parent.mkdir(parents=True, exist_ok=True)
         (root / path).write_text(content)
         (root / path).chmod(0o755)
-    package = mirror.folder / "pool" / f"{name}_11.1.0-6_all.deb"
-    subprocess.run(
-        ["dpkg-deb", "--build", "--root-owner-group", str(root), str(package)],
-        check=True,
-        capture_output=True,
-    )
+    package = folder / "pool" / f"{name}_11.1.0-6_all.deb"
+    package.parent.mkdir(exist_ok=True)
+    command = ["dpkg-deb", "--build", "--root-owner-group", str(root), str(package)]
+    subprocess.run(command, check=True, capture_output=True)
+    return package
 
 
 def _index(folder: Path, architecture: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tool0.installation.doctor.machine import ExaminedMachine
+from tool0.installation.machine import Machine
 
 
 def add_program(path: Path, script: str = "") -> Path:
@@ -21,7 +21,7 @@ def make_machine(
     release: str = "",
     system: str = "linux",
     **variables: str,
-) -> ExaminedMachine:
+) -> Machine:
     """Return a machine with these programs, which do nothing.
 
     Args:
@@ -36,4 +36,11 @@ def make_machine(
     (root / "etc").mkdir(exist_ok=True)
     (root / "etc/os-release").write_text(release)
     environ = {"PATH": str(root / "bin"), **variables}
-    return ExaminedMachine(root=root, environ=environ, system=system)
+    return Machine(root=root, environ=environ, system=system)
+
+
+def add_gazebo_header(root: Path, version: str) -> None:
+    """Write the header of Gazebo that states its version."""
+    header = root / "include/gazebo-11/gazebo/gazebo_config.h"
+    header.parent.mkdir(parents=True)
+    header.write_text(f'#define GAZEBO_VERSION_FULL "{version}"\n')

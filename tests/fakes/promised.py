@@ -11,8 +11,7 @@ import pytest
 from tool0.engines.mujoco.gl import make_context
 from tool0.errors import RenderError
 from tool0.installation.gazebo.status import gazebo_status
-from tool0.installation.ros1.packages import required_components
-from tool0.installation.ros1.status import ros1_status
+from tool0.installation.ros1.packages import required_components, ros1_status
 
 
 def absent(part: str, why: str) -> NoReturn:

@@ -25,8 +25,7 @@ from tool0.description.catalogue import assemble, named_poses
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.installation.gazebo.installation import find_installation
-from tool0.installation.workspace.layout import PACKAGES
-from tool0.installation.workspace.writing import write_workspace
+from tool0.installation.workspace import PACKAGES, write_workspace
 
 DATA = Path(__file__).parents[1] / "data"
 GAZEBO = ("tool0_gazebo", "ur5_robotiq_2f_85_bringup.launch")

@@ -115,7 +115,7 @@ def ours(launch: LaunchFile) -> Any:
     nodes = {}
     for node in launch.nodes():
         args = "" if node.args is None else node.args.resolved or ""
-        remaps = sorted([r.from_name.resolved, r.to_name.resolved] for r in node.remaps)
+        remaps = sorted([t.resolved for _, t in r.texts] for r in node.remaps)
         program = [node.package.resolved, node.type.resolved]
         nodes[node.full_name] = [*program, args.split(), remaps]
     params: dict[str, object] = {}

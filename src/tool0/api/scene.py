@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import final, overload
 
 from tool0.api.channel import Channel
-from tool0.description.scene import DEFAULT_FRICTION, RGBA, SceneObject
-from tool0.description.shapes import Geometry, mesh
+from tool0.description.scene import DEFAULT_FRICTION, SceneObject
+from tool0.description.shapes import RGBA, Geometry, mesh
 from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.engine import ObjectState

@@ -12,29 +12,37 @@ from typing import Final
 
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "bringup": ("bringup", "bring up a robot in simulation, with controllers"),
-    "view": ("view", "show a robot in a web page and pose it, without physics"),
+    "view": ("panel", "show a robot in a web page and pose it, without physics"),
     "demo": ("demo", "watch a complete task: pick a cube and place it in a bin"),
     "describe": ("describe", "write the robot as a tree, a table, URDF or MJCF"),
-    "controllers": ("controllers", "list, load, start, stop or switch controllers"),
-    "move": ("move", "move joints, or the tool to a pose"),
-    "grip": ("grip", "open or close the gripper"),
+    "controllers": ("simulation", "list, load, start, stop or switch controllers"),
+    "move": ("motion", "move joints, or the tool to a pose"),
+    "grip": ("motion", "open or close the gripper"),
     "scene": ("scene", "list, add, remove or place objects around the robot"),
-    "state": ("state", "print time and joints"),
-    "wrench": ("wrench", "print force and torque at the wrist, or tare the sensor"),
-    "camera": ("camera", "take a picture with a camera, or list the cameras"),
+    "state": ("sensors", "print time and joints"),
+    "wrench": ("sensors", "print force and torque at the wrist, or tare the sensor"),
+    "camera": ("sensors", "take a picture with a camera, or list the cameras"),
     "pause": ("simulation", "pause simulated time"),
     "resume": ("simulation", "resume simulated time"),
     "step": ("simulation", "advance a paused simulation by some ticks"),
     "reset": ("simulation", "return to time zero and the initial pose"),
     "estop": ("simulation", "engage or release the emergency stop"),
-    "gazebo": ("gazebo", "install a Gazebo 11, or show which one would run"),
-    "ros1": ("ros1", "install ROS 1 for bringup --ros1, or show what is installed"),
+    "gazebo": ("installing", "install a Gazebo 11, or show which one would run"),
+    "ros1": (
+        "installing",
+        "install ROS 1 for bringup --ros1, or show what is installed",
+    ),
     "check": ("check", "find mistakes in URDF, xacro, YAML and launch files"),
     "explain": ("explain", "explain what a launch file does and where arguments go"),
     "workspace": ("workspace", "write the robot as catkin packages for Noetic"),
-    "doctor": ("doctor", "show what this machine can run, and how to get the rest"),
+    "doctor": ("installing", "show what this machine can run, and how to get the rest"),
 }
-"""Command → its module in this package, and a summary."""
+"""Command → its module in this package, and a summary.
+
+In the module, the function of the command's name carries it out: its parameters are
+the options, and it returns the exit status, or None for 0.  In its place there may be
+a mapping of subcommands to such functions.  ``bringup`` reads its options itself.
+"""
 
 OK: Final = 0
 GOAL_FAILED: Final = 1
@@ -71,9 +79,18 @@ def _run(command: str, arguments: list[str]) -> int:
 
     from tool0.errors import Tool0Error
 
-    module = import_module(f"tool0.cli.{COMMANDS[command][0]}")
+    module, summary = COMMANDS[command]
     try:
-        status: int = module.run(command, arguments)
+        function = getattr(import_module(f"tool0.cli.{module}"), command)
+        if command == "bringup":  # without tyro, where possible
+            status = function(arguments)
+        elif command == "doctor" and not arguments:  # tyro may be what is missing
+            status = function()
+        else:
+            from tool0.cli.options import READERS
+            from tool0.cli.parsing import parse
+
+            status = parse(function, command, arguments, READERS, summary)
     except Tool0Error as error:
         print(f"tool0: error: {error}", file=sys.stderr)
         return FAILED
@@ -82,7 +99,7 @@ def _run(command: str, arguments: list[str]) -> int:
     except BrokenPipeError:  # `tool0 describe tree | head`: what was read is enough
         sys.stderr.close()  # or the interpreter complains once more at exit
         return OK
-    return status
+    return OK if status is None else int(status)
 
 
 def _help() -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import logging
 import math
 import sys
@@ -28,13 +29,11 @@ _RUN_PERIOD: Final = 0.2
 """Simulated time between checks without real time [s]: some 10 ms of wall time."""
 
 
-def run(command: str, arguments: list[str]) -> int:
+def bringup(arguments: list[str]) -> int:
     """Run the command and return its exit status."""
     options = parse_quickly(BringupOptions, arguments, READERS)
     if options is None:
-        options = parse(
-            BringupOptions, command, arguments, readers=READERS, flag_pairs=True
-        )
+        options = parse(BringupOptions, "bringup", arguments, READERS)
     return bring_up(options)
 
 
@@ -47,6 +46,8 @@ def bring_up(options: BringupOptions) -> int:
     console = sys.stderr if is_json else sys.stdout
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
+        gc.disable()  # what a start makes stays: collections would find nothing
+        exits.callback(gc.enable)
         # Names first: a wrong or taken one is reported before the robot is made.
         claim = _claim(options.run)
         if claim is not None:
@@ -65,6 +66,9 @@ def bring_up(options: BringupOptions) -> int:
             from tool0.cli.panel import show
 
             show(endpoint.url, options.panel, console)
+        gc.freeze()
+        exits.callback(gc.unfreeze)
+        gc.enable()
         url = None if endpoint is None else endpoint.url
         if not is_json or console.isatty():
             print(greeting(robot, options, url, ros), file=console, flush=True)

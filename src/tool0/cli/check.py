@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from tool0.cli.parsing import parse
-
 if TYPE_CHECKING:
     from tool0.lint.check import CheckReport
 
@@ -16,12 +14,6 @@ Format = Literal["text", "json"]
 
 CLEAN = 0
 FOUND = 1
-
-
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    status: int = parse(check, command, arguments)
-    return status
 
 
 def check(

@@ -37,6 +37,9 @@ class Bringup:
         return connect(self.name)
 
 
+DEFAULT: Final = Bringup()
+
+
 def wait_for_goal(
     robot: Robot, start: Callable[[], GoalHandle], timeout: float | None
 ) -> int:

@@ -15,8 +15,7 @@ import tyro
 from tool0.cli import GOAL_FAILED, OK
 from tool0.cli.bringup import quiet_overruns
 from tool0.cli.options import PanelOptions
-from tool0.cli.progress import ProgressBar
-from tool0.cli.text import finite, panel_line
+from tool0.cli.text import ProgressBar, finite, panel_line
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
 from tool0.runtime.config import SimulationConfig
@@ -33,18 +32,6 @@ if TYPE_CHECKING:
 
 ITEM, BIN = "cube", "bin"
 """Their names in the scene ``table_and_bin``."""
-
-
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    status: int = tyro.extras.subcommand_cli_from_dict(
-        {"pick": pick},
-        prog=f"tool0 {command}",
-        description="Watch the robot do a whole task.",
-        args=arguments,
-        config=(tyro.conf.OmitArgPrefixes,),
-    )
-    return status
 
 
 @final
@@ -118,6 +105,9 @@ def pick(
         if not arguments.headless:
             _linger()
     return OK if report.n_succeeded == len(report.picks) else GOAL_FAILED
+
+
+demo = {"pick": pick}
 
 
 def _bring_up(arguments: PickArguments) -> Robot:
@@ -202,9 +192,9 @@ def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
 
 
 def _poses(arguments: PickArguments) -> Iterator[Pose | None]:
-    from tool0.cli.pick_demo.trials import TABLE, random_poses
+    from tool0.cli.pick_demo.trials import random_poses
 
-    drawn = random_poses(TABLE, arguments.size, arguments.seed or 0)
+    drawn = random_poses(arguments.size, arguments.seed or 0)
     return drawn if arguments.seed is not None else itertools.chain([None], drawn)
 
 

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from tool0.cli.options import READERS
-from tool0.cli.parsing import parse
 from tool0.cli.text import columns
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
@@ -19,12 +17,6 @@ if TYPE_CHECKING:
     from tool0.description.model import Joint, RobotModel
 
 Form = Literal["tree", "table", "urdf", "mjcf"]
-
-
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    parse(describe, command, arguments, readers=READERS)
-    return 0
 
 
 def describe(

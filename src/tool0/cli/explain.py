@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import textwrap
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, final
 
 import tyro
 
-from tool0.cli.parsing import parse
 from tool0.errors import ConfigError, DescriptionError
 
 if TYPE_CHECKING:
@@ -17,11 +18,12 @@ if TYPE_CHECKING:
     from tool0.lint.packages import PackageIndex
 
 OK, HAS_ERRORS = 0, 1
-
-
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    return parse(explain, command, arguments)
+WIDTH = 100
+"""Columns of the terminal."""
+EMPTY = "''"
+_LEAST = 40
+"""Columns left to text, however deep the tree."""
+_FIND = "$(find\N{NO-BREAK SPACE}"
 
 
 def explain(
@@ -56,8 +58,6 @@ def explain(
     if format == "json":
         print(json.dumps(_json(tree, arguments, launch.findings)))
     else:
-        from tool0.cli.explain_text import text_of
-
         print(text_of(tree, arguments, launch.findings, packages), end="")
     errors = [finding for finding in launch.findings if finding.severity == "error"]
     return HAS_ERRORS if errors else OK
@@ -120,3 +120,149 @@ def _as_json(item: Item) -> dict[str, object]:
         "note": item.note,
         "items": [_as_json(inner) for inner in item.items],
     }
+
+
+def text_of(
+    contents: Item,
+    arguments: tuple[Item, ...],
+    findings: tuple[Finding, ...],
+    packages: PackageIndex,
+) -> str:
+    """Return all of it: what there is, where arguments go, what is wrong."""
+    writer = _Writer(packages)
+    lines = [writer.path(contents.name), *writer.tree(contents.items, "")]
+    for file in arguments:
+        lines += ["", f"Arguments of {writer.path(file.name)}"]
+        for argument in file.items:
+            lines += writer.argument(argument, file.name)
+    if findings:
+        lines += ["", _count(findings)]
+    for finding in findings:
+        lines += textwrap.wrap(
+            f"{finding.severity}: {finding}",
+            WIDTH,
+            subsequent_indent="  ",
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+    return "".join(f"{line.rstrip()}\n" for line in lines)
+
+
+def _count(findings: tuple[Finding, ...]) -> str:
+    counts = []
+    for severity in ("error", "warning"):
+        number = sum(finding.severity == severity for finding in findings)
+        if number:
+            counts.append(f"{number} {severity}{'s' if number > 1 else ''}")
+    return ", ".join(counts)
+
+
+@final
+class _Writer:
+    """Writes items; paths are shown from their packages on."""
+
+    def __init__(self, packages: PackageIndex) -> None:
+        self._packages = packages
+        known = {str(f): name for name, f in packages.folders().items()}
+        self._folders = dict(sorted(known.items(), key=lambda item: -len(item[0])))
+
+    def path(self, name: str) -> str:
+        """Return a file's name as ``package/path`` if it lies in one."""
+        around = self._packages.around(Path(name)) if name.startswith("/") else None
+        if around is None:
+            return name
+        package, folder = around
+        return f"{package}/{Path(name).relative_to(folder)}"
+
+    def argument(self, item: Item, file: str) -> Iterator[str]:
+        """Yield the lines of an argument: value, origin, and where it goes."""
+        head = f"  {item.name}"
+        if item.value is not None:
+            head += f" = {self._value(item.value) or EMPTY}"
+        place = "" if item.location.file is None else _place(item, file)
+        origin = ", ".join(part for part in (place, item.note) if part)
+        yield from _wrapped(head, "      ")
+        yield from _wrapped(f"  {'│' if item.items else ' '} {origin}", "      ")
+        yield from self.uses(item.items, "  ", file)
+
+    def uses(self, items: tuple[Item, ...], indent: str, around: str) -> Iterator[str]:
+        """Yield the lines of what uses an argument.
+
+        Args:
+            items: The uses.
+            indent: What stands before each line.
+            around: What the line above says, and the file it is written in: a file that
+                is named there need not be named again.
+        """
+        places = [_place(item, around) for item in items]
+        width = max(map(len, places), default=0)
+        for item, place in zip(items, places, strict=True):
+            text = f"{place:{width}}  {item.name}{_note(item)}"
+            yield from _branch(text, indent, item, is_last=item is items[-1])
+            below = indent + ("   " if item is items[-1] else "│  ")
+            yield from self.uses(item.items, below, f"{item.location.file} {item.name}")
+
+    def tree(self, items: tuple[Item, ...], indent: str) -> Iterator[str]:
+        """Yield the lines of items and of all in them."""
+        lines = [str(item.location.line or "") for item in items]
+        digits = max(map(len, lines), default=0)
+        kinds = max((len(item.kind) for item in items), default=0)
+        for item, line in zip(items, lines, strict=True):
+            text = f"{line:>{digits}}  {item.kind:{kinds}}  {self._full(item)}"
+            yield from _branch(text, indent, item, is_last=item is items[-1])
+            below = indent + ("   " if item is items[-1] else "│  ")
+            yield from self.tree(item.items, below)
+
+    def _full(self, item: Item) -> str:
+        is_file = item.kind in ("include", "xacro")
+        text = self.path(item.name) if is_file else item.name
+        if item.value is not None:
+            sign = " = " if item.kind in ("param", "xacro arg", "env") else "  "
+            if item.kind == "remap":
+                sign = " -> "
+            text += sign + (self._value(item.value) or EMPTY)
+        return text + _note(item)
+
+    def _value(self, value: str) -> str:
+        """Return a value with the folders of packages as roslaunch writes them."""
+        value = " ".join(value.split())
+        for folder, name in self._folders.items():
+            value = value.replace(f"{folder}/", f"$(find {name})/")
+        return value
+
+
+def _place(item: Item, around: str) -> str:
+    """Return the line, with the file unless it is known from what is around."""
+    line, name = item.location.line, Path(str(item.location.file)).name
+    if name in around:
+        return "" if line is None else f"line {line}"
+    return name if line is None else f"{name}:{line}"
+
+
+def _note(item: Item) -> str:
+    return f"  [{item.note}]" if item.note else ""
+
+
+def _branch(text: str, indent: str, item: Item, *, is_last: bool) -> Iterator[str]:
+    below = indent + ("   " if is_last else "│  ")
+    bar = "│" if item.items else " "
+    yield from _wrapped(
+        f"{indent}{'└─' if is_last else '├─'} {text}", f"{below}{bar}   "
+    )
+
+
+def _wrapped(text: str, indent: str) -> Iterator[str]:
+    """Yield lines of at most the width, those after the first below ``indent``."""
+    if len(text) <= WIDTH:
+        yield text
+        return
+    width = max(WIDTH, len(indent) + _LEAST)
+    start = len(text) - len(text.lstrip(" │├└─"))
+    lines = textwrap.wrap(
+        text[start:].replace("$(find ", _FIND),  # not to be broken there
+        width,
+        initial_indent=text[:start],
+        subsequent_indent=indent,
+        break_on_hyphens=False,
+    )
+    yield from (line.replace(_FIND, "$(find ") for line in lines)

@@ -1,4 +1,4 @@
-"""The panel of a command: its address, its server, and the browser that shows it."""
+"""The panel of a command, and ``tool0 view``: a robot posed there, without physics."""
 
 from __future__ import annotations
 
@@ -8,10 +8,15 @@ import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TextIO
 
+from tool0.cli.options import PanelOptions
+from tool0.cli.stop_signal import StopSignal
+from tool0.cli.text import panel_line
+from tool0.description.config import DescriptionConfig
+from tool0.runtime.config import SimulationConfig
+
 if TYPE_CHECKING:
     from threading import Thread
 
-    from tool0.cli.options import PanelOptions
     from tool0.interfaces.panel.address import Endpoint
 
 
@@ -61,3 +66,29 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     )
     opener.start()
     return opener
+
+
+def view(
+    description: DescriptionConfig = DescriptionConfig(),  # noqa: B008  # frozen
+    spawn_z: float = SimulationConfig().spawn_z,  # frozen
+    panel: PanelOptions = PanelOptions(),  # noqa: B008  # frozen
+) -> None:
+    """Show a robot in a web page, without physics, and pose its joints there.
+
+    Args:
+        description: Which robot.
+        spawn_z: Height of the robot's root above the ground [m].
+        panel: Where the page is.
+    """
+    from tool0.description.catalogue import load_description
+    from tool0.interfaces.panel.server import Panel
+    from tool0.interfaces.panel.view import RobotView
+
+    with contextlib.ExitStack() as exits:
+        endpoint = exits.enter_context(listening(panel))
+        stop = exits.enter_context(StopSignal())
+        robot = RobotView(load_description(description), ground=-spawn_z)
+        exits.enter_context(Panel(robot, endpoint=endpoint))
+        print(f"{panel_line(endpoint.url)}\nCtrl-C ends it.", flush=True)
+        show(endpoint.url, panel, sys.stdout)
+        stop.wait()

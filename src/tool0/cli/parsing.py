@@ -13,7 +13,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -39,6 +38,8 @@ Parsed = TypeVar("Parsed")
 
 REPEATABLE = ("--controllers-file", "--args", "--initial-pose", "--joints")
 """Options of several values: a repeated one adds to the values."""
+_WITH_NEGATIONS = ("bringup", "view", "demo")
+"""Commands whose flags ``--x`` also have a ``--no-x``."""
 
 
 def joint_values(words: Sequence[str], option: str) -> dict[str, float]:
@@ -87,21 +88,21 @@ _PLAIN: Final[dict[object, Callable[[str], object]]] = {
 
 
 def parse(
-    form: Callable[..., Parsed],
+    form: Callable[..., Parsed] | Mapping[str, Callable[..., Parsed]],
     command: str,
     arguments: Sequence[str],
-    *,
-    readers: Readers = MappingProxyType({}),  # immutable
-    flag_pairs: bool = False,
+    readers: Readers,
+    summary: str = "",
 ) -> Parsed:
     """Return what ``form`` makes of the arguments, or print help and exit.
 
     Args:
-        form: A function or dataclass; its parameters are the options.
-        command: The words before the arguments.
+        form: A function or dataclass, whose parameters are the options; or functions
+            by the names of subcommands.
+        command: The word before the arguments.
         arguments: The words.
         readers: For types that tyro does not know.
-        flag_pairs: Whether every flag ``--x`` also has a ``--no-x``.
+        summary: What subcommands are for.
 
     Raises:
         ConfigError: If a value is refused.
@@ -110,17 +111,22 @@ def parse(
     import tyro
 
     markers = [tyro.conf.OmitArgPrefixes]
-    if not flag_pairs:
+    if command not in _WITH_NEGATIONS:
         markers.append(tyro.conf.FlagCreatePairsOff)
     registry = tyro.constructors.ConstructorRegistry()
     registry.primitive_rule(partial(_tyro_rule, readers))
+    words, program = gathered(arguments), f"tool0 {command}"
     with registry:
-        return tyro.cli(
-            form,
-            prog=f"tool0 {command}",
-            args=gathered(arguments),
+        if callable(form):
+            return tyro.cli(form, prog=program, args=words, config=tuple(markers))
+        parsed: Parsed = tyro.extras.subcommand_cli_from_dict(
+            dict(form),
+            prog=program,
+            description=f"{summary[:1].upper()}{summary[1:]}.",
+            args=words,
             config=tuple(markers),
         )
+        return parsed
 
 
 def _tyro_rule(

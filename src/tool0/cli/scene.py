@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from tool0.cli.connection import Bringup
+from tool0.cli.connection import DEFAULT, Bringup
 from tool0.cli.text import columns
 from tool0.description.scene import DEFAULT_FRICTION
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
@@ -24,26 +24,13 @@ if TYPE_CHECKING:
 
 Three = tuple[float, float, float]
 Name = Annotated[str, tyro.conf.Positional]
-_DEFAULT = Bringup()
 _ZERO: Three = (0.0, 0.0, 0.0)
-
-
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    tyro.extras.subcommand_cli_from_dict(
-        {"list": show, "add": add, "remove": remove, "place": place},
-        prog=f"tool0 {command}",
-        description="List, add, remove or place objects around the robot.",
-        args=arguments,
-        config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
-    )
-    return 0
 
 
 def show(
     *,
     as_json: Annotated[bool, tyro.conf.arg(name="json")] = False,
-    bringup: Bringup = _DEFAULT,
+    bringup: Bringup = DEFAULT,
 ) -> None:
     """List the objects: what they are and where.
 
@@ -78,7 +65,7 @@ def add(
     mass: float | None = None,
     friction: float = DEFAULT_FRICTION,
     rgba: tuple[float, float, float, float] | None = None,
-    bringup: Bringup = _DEFAULT,
+    bringup: Bringup = DEFAULT,
 ) -> None:
     """Add an object, at rest.
 
@@ -105,7 +92,7 @@ def add(
 
 def remove(
     names: Annotated[tuple[str, ...], tyro.conf.Positional],
-    bringup: Bringup = _DEFAULT,
+    bringup: Bringup = DEFAULT,
 ) -> None:
     """Remove objects.
 
@@ -121,7 +108,7 @@ def remove(
 
 
 def place(
-    name: Name, *, xyz: Three, rpy: Three = _ZERO, bringup: Bringup = _DEFAULT
+    name: Name, *, xyz: Three, rpy: Three = _ZERO, bringup: Bringup = DEFAULT
 ) -> None:
     """Put an object somewhere at once, at rest.
 
@@ -133,6 +120,9 @@ def place(
     """
     with bringup.connect() as robot:
         robot.scene.place(name, xyz, to_transform(Pose(xyz=xyz, rpy=rpy)).quat_wxyz)
+
+
+scene = {"list": show, "add": add, "remove": remove, "place": place}
 
 
 def _shape(

@@ -1,15 +1,20 @@
-"""Text for terminals: tables, and what ``tool0 bringup`` prints."""
+"""Text for terminals: tables, progress, and what ``tool0 bringup`` prints."""
 
 from __future__ import annotations
 
 import math
+import shutil
+import sys
 import time
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, TextIO, final
+from typing import TYPE_CHECKING, Any, Final, TextIO, final
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot
     from tool0.cli.options import BringupOptions
+
+_BAR: Final = 24
+"""Characters of a progress bar."""
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:
@@ -117,6 +122,51 @@ class StatusLine:
         if self._is_shown:
             self._console.write("\r\x1b[K")
             self._console.flush()
+
+
+@final
+class ProgressBar:
+    """A bar that is drawn over itself on a terminal; else a line for each activity."""
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self._stream = sys.stderr if stream is None else stream
+        self._is_terminal = self._stream.isatty()
+        self._shown = ""
+        self._activity = ""
+
+    def __enter__(self) -> ProgressBar:
+        """Return itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the bar's line, so that what follows has its own."""
+        self._end_line()
+
+    def __call__(self, activity: str, fraction: float) -> None:
+        """Show that ``fraction`` of the activity is done, from 0 to 1."""
+        if activity != self._activity and self._activity:
+            self._end_line()
+        is_new, self._activity = activity != self._activity, activity
+        if self._is_terminal:
+            self._draw(activity, min(max(fraction, 0.0), 1.0))
+        elif is_new:
+            print(activity, file=self._stream, flush=True)
+
+    def _draw(self, activity: str, fraction: float) -> None:
+        done = int(fraction * _BAR)
+        bar = "#" * done + "." * (_BAR - done)
+        line = f"{bar} {100 * fraction:3.0f} %  {activity}"
+        line = line[: shutil.get_terminal_size().columns - 1]
+        if line != self._shown:
+            self._stream.write(f"\r\x1b[K{line}")
+            self._stream.flush()
+            self._shown = line
+
+    def _end_line(self) -> None:
+        if self._shown:
+            self._stream.write("\n")
+            self._stream.flush()
+        self._shown = ""
 
 
 def summary_line(summary: dict[str, Any]) -> str:

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import tyro
 
-from tool0.cli.parsing import parse
-
-if TYPE_CHECKING:
-    from tool0.installation.workspace.writing import WorkspaceChanges
+from tool0.installation.workspace import (
+    PACKAGES,
+    FileAction,
+    WorkspaceChanges,
+    write_workspace,
+)
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 """Where robotiq_2f_85_gripper_visualization is; no distribution packages it."""
-
-
-def run(command: str, arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    parse(workspace, command, arguments)
-    return 0
 
 
 def workspace(
@@ -42,48 +37,39 @@ def workspace(
         force: Overwrite files that you have edited, too; your version stays beside
             each, as FILE.orig.
     """
-    from tool0.installation.workspace.writing import write_workspace
-
     changes = write_workspace(folder, upstream_meshes=upstream_meshes, force=force)
-    for line in report(changes):
-        print(line)
+    _print_changes(changes)
     print()
-    for line in next_steps(changes.source, upstream_meshes=upstream_meshes):
-        print(line)
+    _print_next_steps(changes.source, upstream_meshes=upstream_meshes)
 
 
-def report(changes: WorkspaceChanges) -> Iterator[str]:
-    """Yield what was done with the files, for people."""
-    from tool0.installation.workspace.layout import PACKAGES
-    from tool0.installation.workspace.writing import FileAction
-
+def _print_changes(changes: WorkspaceChanges) -> None:
     counts = (
         f"{len(changes.paths(action))} {action.value}"
         for action in FileAction
         if changes.paths(action)
     )
     packages = " and ".join(str(changes.source / name) for name in PACKAGES)
-    yield f"{packages}: files {', '.join(counts)}"
+    print(f"{packages}: files {', '.join(counts)}")
     for path, aside in changes.backups.items():
-        yield f"  overwritten: {path}; your version: {aside}"
+        print(f"  overwritten: {path}; your version: {aside}")
     kept = changes.paths(FileAction.KEEP)
     for path in kept:
-        yield f"  kept: {path}; you have edited it"
+        print(f"  kept: {path}; you have edited it")
     if kept:
-        yield "  --force overwrites them, and puts your versions beside them (.orig)"
+        print("  --force overwrites them, and puts your versions beside them (.orig)")
 
 
-def next_steps(source: Path, *, upstream_meshes: bool) -> Iterator[str]:
-    """Yield the commands that a person types next."""
+def _print_next_steps(source: Path, *, upstream_meshes: bool) -> None:
     sources = next((p for p in (source, *source.parents) if p.name == "src"), source)
     name = shlex.quote(sources.name)
     option = "" if sources.name == "src" else f" --source {name}"
-    yield "next, where /opt/ros/noetic/setup.bash is sourced:"
-    yield f"  cd {shlex.quote(str(sources.parent))}"
+    print("next, where /opt/ros/noetic/setup.bash is sourced:")
+    print(f"  cd {shlex.quote(str(sources.parent))}")
     if upstream_meshes:
-        yield f"  git clone {_ROBOTIQ} {name}/robotiq"
-    yield f"  rosdep install --from-paths {name} --ignore-src --rosdistro noetic -y"
-    yield f"  catkin_make{option}"
-    yield "  source devel/setup.bash"
-    yield "  roslaunch tool0_gazebo ur5_robotiq_2f_85_bringup.launch"
-    yield "  roslaunch tool0_description view_ur5_robotiq_2f_85.launch   # RViz alone"
+        print(f"  git clone {_ROBOTIQ} {name}/robotiq")
+    print(f"  rosdep install --from-paths {name} --ignore-src --rosdistro noetic -y")
+    print(f"  catkin_make{option}")
+    print("  source devel/setup.bash")
+    print("  roslaunch tool0_gazebo ur5_robotiq_2f_85_bringup.launch")
+    print("  roslaunch tool0_description view_ur5_robotiq_2f_85.launch   # RViz alone")

@@ -247,7 +247,7 @@ class ControllerConfig:
         """
         limits = Namespace(self.tree.root).namespace("joint_limits")
         entries = {} if limits is None else limits.entry.children
-        return {name: _limits(Namespace.of(entry)) for name, entry in entries.items()}
+        return {name: _limits(Namespace(entry)) for name, entry in entries.items()}
 
 
 @cache

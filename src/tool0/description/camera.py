@@ -122,12 +122,9 @@ def looking(
     at: Sequence[float],
     up: Sequence[float] = (0.0, 0.0, 1.0),
 ) -> Pose:
-    """Return the pose of an optical frame that looks from one point at another.
+    """Return the pose of an optical frame that looks from one point at another [m].
 
-    Args:
-        position: Where the camera is [m].
-        at: What is to be in the middle of the picture [m].
-        up: What is to point up in the picture.
+    ``at`` is in the middle of the picture, and ``up`` points up in it.
 
     Raises:
         ConfigError: If the points coincide, or ``up`` points at what is looked at.
@@ -149,36 +146,24 @@ def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
     """Return ``scene``, and ``wrist`` if there is one link ``tool0`` to carry it."""
     scene = Camera(
         name="scene",
-        pose=looking(SCENE_POSITION, SCENE_TARGET),
-        field_of_view=SCENE_FIELD_OF_VIEW,
+        pose=looking((1.35, -0.95, 0.85), (0.35, 0.05, 0.15)),  # the arm's reach
+        field_of_view=math.radians(50.0),
         far=20.0,
     )
     if len(model.flanges) != 1:
         return (scene,)
+    # Beside the gripper's body, in the plane between its fingers, where a bracket of a
+    # depth camera holds it; the fingertips are in the lower part of the picture.  The
+    # field of view is that of the depth image of a RealSense D435 (87° x 58°,
+    # https://www.intelrealsense.com/depth-camera-d435/), whose picture is wider.
     wrist = Camera(
         name="wrist",
         link=model.flanges[0],
-        pose=looking(WRIST_POSITION, WRIST_TARGET, up=WRIST_UP),
-        field_of_view=WRIST_FIELD_OF_VIEW,
+        pose=looking((-0.075, 0.0, 0.05), (0.0, 0.0, 0.25), up=(-1.0, 0.0, 0.0)),
+        field_of_view=math.radians(58.0),
         far=5.0,
     )
     return (wrist, scene)
-
-
-SCENE_POSITION: Vector3 = (1.35, -0.95, 0.85)
-SCENE_TARGET: Vector3 = (0.35, 0.05, 0.15)
-"""In the robot's root [m]: arm, gripper and what lies within its reach."""
-SCENE_FIELD_OF_VIEW = math.radians(50.0)
-
-WRIST_POSITION: Vector3 = (-0.075, 0.0, 0.05)
-"""On tool0 [m], beside the gripper's body, in the plane between its fingers: where a
-bracket of a depth camera holds it."""
-WRIST_TARGET: Vector3 = (0.0, 0.0, 0.25)
-"""Ahead of the fingers: their tips are in the lower part of the picture [m]."""
-WRIST_UP: Vector3 = (-1.0, 0.0, 0.0)
-WRIST_FIELD_OF_VIEW = math.radians(58.0)
-"""As of the depth image of a RealSense D435 (87° x 58°, https://www.intelrealsense.com
-/depth-camera-d435/); its picture is wider than ours of 4:3."""
 
 
 def merged(*groups: Iterable[Camera]) -> dict[str, Camera]:

@@ -20,6 +20,7 @@ from tool0.description.model import RobotModel
 from tool0.description.packages import find_package
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file, to_text
+from tool0.description.yaml_tree import read_verbatim
 from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 
 if TYPE_CHECKING:
@@ -136,11 +137,7 @@ def assemble(
 def load_robot(
     path: Path | str, args: Mapping[str, Argument] | None = None
 ) -> RobotDescription:
-    """Return the robot in your own xacro or URDF file.
-
-    Args:
-        path: The file; expanded as xacro unless its name ends in ``.urdf``.
-        args: Values for its ``<xacro:arg>`` elements.
+    """Return the robot in your own file, which is xacro unless it ends in ``.urdf``.
 
     Raises:
         DescriptionError: If the file, or a file it refers to, cannot be read.
@@ -243,10 +240,8 @@ def _check(kind: str, name: str, valid: tuple[str, ...]) -> None:
 def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, str]:
     """Return the arguments as text, as xacro wants them, without those left out.
 
-    Args:
-        args: The values by name.
-        ours: Whether ``…_params`` are paths: xacro would resolve a relative one from
-            the folder of its own file.
+    In ``ours`` each ``…_params`` is a path, made absolute here: xacro would resolve a
+    relative one from the folder of its own file.
     """
     texts = {}
     for name, value in args.items():
@@ -263,15 +258,9 @@ def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, s
 
 def _load(folder: str, what: str) -> Mapping[str, Any]:  # Any: as the YAML has it
     """Return what ``config/<folder>/<what>.yaml`` lists; nothing without the file."""
-    import yaml
-
     path = config_file(folder, f"{what}.yaml")
-    if not path.is_file():
-        return {}
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    data = yaml.load(path.read_text(encoding="utf-8"), loader)
-    listed: Mapping[str, Any] = data[what]
-    return listed
+    entries = read_verbatim(path).root.children[what].children if path.is_file() else {}
+    return {name: entry.plain() for name, entry in entries.items()}
 
 
 def _with_prefix(text: str, prefix: str, joints: Collection[str]) -> str:

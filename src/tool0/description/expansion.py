@@ -22,9 +22,9 @@ from typing import Any, final
 from xml.dom.minidom import Document, Node
 
 from tool0.description.packages import find_package
-from tool0.description.parameters import load_parameters
 from tool0.description.xml_source import locate, parse_file
-from tool0.errors import DescriptionError, SourceLocation, did_you_mean
+from tool0.description.yaml_tree import YamlEntry, read_verbatim
+from tool0.errors import ConfigError, DescriptionError, SourceLocation, did_you_mean
 
 logger = logging.getLogger(__name__)
 
@@ -40,43 +40,33 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
     """
     import xacro
 
+    start = str(path.absolute())
     with _LOCK:
-        run = _Expansion(xacro, dict(args or {}))
+        run = _Expansion(xacro)
         with _substituted(xacro, run):
-            document = run.expand(path.absolute())
-    run.refuse_unused_args(path)
+            xacro.init_stacks(start)
+            try:
+                document = run.parse(None, start)
+                xacro.process_doc(document, mappings=dict(args or {}), verbosity=0)
+            except Exception as error:  # the file's Python raises anything
+                raise _describe(xacro, error) from error
+    for name in args or {}:
+        if name not in run.known:
+            hint = did_you_mean(name, run.known)
+            raise DescriptionError(
+                f"no file declares the argument '{name}'{hint}", SourceLocation(path)
+            )
     return document
 
 
 @final
 class _Expansion:
-    """One expansion: the given arguments, and those that the files declare or read."""
+    """What xacro calls during one expansion instead of its own functions."""
 
-    def __init__(self, xacro: ModuleType, args: dict[str, str]) -> None:
+    def __init__(self, xacro: ModuleType) -> None:
         self._xacro = xacro
-        self._args = args
-        self._known: set[str] = set()
-
-    def expand(self, path: Path) -> Document:
-        """Return ``path`` expanded, or raise DescriptionError."""
-        xacro = self._xacro
-        xacro.init_stacks(str(path))
-        try:
-            document = self.parse(None, str(path))
-            xacro.process_doc(document, mappings=dict(self._args), verbosity=0)
-        except Exception as error:  # the file's Python raises anything
-            raise _describe(xacro, error) from error
-        return document
-
-    def refuse_unused_args(self, path: Path) -> None:
-        """Raise DescriptionError if an argument was given that no file reads."""
-        for name in self._args:
-            if name not in self._known:
-                hint = did_you_mean(name, self._known)
-                raise DescriptionError(
-                    f"no file declares the argument '{name}'{hint}",
-                    SourceLocation(path),
-                )
+        self.known: set[str] = set()
+        """The arguments that the files declare or read."""
 
     def parse(self, inp: None, filename: str) -> Document:
         """Replace ``xacro.parse``: elements have their lines."""
@@ -87,50 +77,53 @@ class _Expansion:
             raise self._xacro.XacroException(f"there is no file '{path}'", exc=error)
         document = parse_file(path)
         for element in document.getElementsByTagName("xacro:arg"):
-            self._known.add(element.getAttribute("name"))
+            self.known.add(element.getAttribute("name"))
         return document
 
     def substitute(self, text: str) -> str:
         """Replace ``xacro.eval_extension``: the value of ``$(command …)``."""
-        command, _, rest = text[2:-1].strip().partition(" ")
-        words = rest.split()
-        if command in {"find", "arg", "env"} and len(words) != 1:
-            raise DescriptionError(f"{text}: '{command}' takes one name")
-        if command == "find":
-            return str(find_package(words[0]))
-        if command == "dirname":
-            return str(Path(self._xacro.filestack[-1]).parent)
-        if command == "cwd":
-            return str(Path.cwd())
-        if command == "arg":
-            return self._arg(words[0])
-        if command == "env":
-            return _environment(words[0])
-        if command == "optenv" and words:
-            return os.environ.get(words[0], " ".join(words[1:]))
-        if command == "eval":
-            return self._evaluate(text)
+        match text[2:-1].split():
+            case "find", package:
+                return str(find_package(package))
+            case "arg", name:
+                return self._arg(name)
+            case "env", name if name in os.environ:
+                return os.environ[name]
+            case "env", name:
+                raise DescriptionError(
+                    f"the environment variable '{name}' is not set; "
+                    f"set it, or write $(optenv {name} DEFAULT)"
+                )
+            case ("find" | "arg" | "env") as command, *_:
+                raise DescriptionError(f"{text}: '{command}' takes one name")
+            case "dirname", *_:
+                return str(Path(self._xacro.filestack[-1]).parent)
+            case "cwd", *_:
+                return str(Path.cwd())
+            case "optenv", name, *default:
+                return os.environ.get(name, " ".join(default))
+            case "eval", *_:
+                return self._evaluate(text)
         raise DescriptionError(
             f"nothing reads {text}; valid: $(find PACKAGE), $(dirname), $(arg NAME), "
             "$(env NAME), $(optenv NAME DEFAULT), $(eval EXPRESSION), $(cwd)"
         )
 
     def _arg(self, name: str) -> str:
-        self._known.add(name)
+        self.known.add(name)
         args: dict[str, str] = self._xacro.substitution_args_context["arg"]
-        try:
+        if name in args:
             return args[name]
-        except KeyError:
-            hint = did_you_mean(name, set(args))
-            raise DescriptionError(
-                f"the argument '{name}' has neither value nor default{hint}"
-            ) from None
+        hint = did_you_mean(name, set(args))
+        raise DescriptionError(
+            f"the argument '{name}' has neither value nor default{hint}"
+        )
 
     def _evaluate(self, text: str) -> str:
         from xacro.substitution_args import resolve_args
 
         context = dict(self._xacro.substitution_args_context)
-        self._known.update(name for name in context["arg"] if name in text)
+        self.known.update(name for name in context["arg"] if name in text)
         return str(resolve_args(text, context=context))
 
     def load_yaml(self, filename: str) -> Any:  # whatever YAML holds
@@ -138,19 +131,49 @@ class _Expansion:
         units = {
             unit.value.tag: unit.constructor for unit in self._xacro.ConstructUnits
         }
-        return load_parameters(
-            Path(self._xacro.abs_filename_spec(str(filename))), units
-        )
+        path = Path(self._xacro.abs_filename_spec(str(filename)))
+        if not path.is_file():
+            raise DescriptionError(
+                f"cannot read the parameters '{path}': there is no such file"
+            )
+        try:
+            root = read_verbatim(path, units).root
+        except ConfigError as error:
+            raise DescriptionError(error.message, error.location) from None
+        if root.is_null:
+            raise DescriptionError("holds no parameters", root.location)
+        return _wrapped(root)
 
 
-def _environment(name: str) -> str:
-    try:
-        return os.environ[name]
-    except KeyError:
-        raise DescriptionError(
-            f"the environment variable '{name}' is not set; "
-            f"set it, or write $(optenv {name} DEFAULT)"
-        ) from None
+@final
+class Parameters(dict[str, Any]):
+    """A mapping of YAML whose keys are attributes, too: ``limits.elbow.upper``.
+
+    A key that is missing is an AttributeError with file, line and the nearest key.
+    """
+
+    _place = ""  # in the class, so that no key of YAML is hidden by an attribute
+
+    def __getattr__(self, key: str) -> Any:
+        try:
+            return dict.__getitem__(self, str(key))
+        except KeyError:
+            hint = did_you_mean(str(key), self)
+            raise AttributeError(f"{self._place} has no key '{key}'{hint}") from None
+
+    __getitem__ = __getattr__
+
+
+def _wrapped(entry: YamlEntry) -> Any:
+    """Return a value of YAML, its mappings as ``Parameters``."""
+    if entry.is_list:
+        return [_wrapped(item) for item in entry.items]
+    if not entry.is_mapping:
+        return entry.scalar
+    wrapped = Parameters({key: _wrapped(c) for key, c in entry.children.items()})
+    name = entry.key.replace("/", ".")
+    wrapped._place = f"'{name}' in {entry.location}" if name else str(entry.location)
+    return wrapped
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, final
 
 from tool0.errors import SourceLocation
@@ -56,26 +57,26 @@ class Finding:
 
 
 def error_at(
-    location: SourceLocation, rule: str, key: str, message: str, remedy: str = ""
+    location: SourceLocation,
+    rule: str,
+    key: str,
+    message: str,
+    remedy: str = "",
+    *,
+    severity: Severity = "error",
 ) -> Finding:
-    """Return an error; the arguments are those of ``Finding``."""
-    return Finding(
-        location=location, rule=rule, key=key, message=message, remedy=remedy
-    )
-
-
-def warning_at(
-    location: SourceLocation, rule: str, key: str, message: str, remedy: str = ""
-) -> Finding:
-    """Return a warning; the arguments are those of ``Finding``."""
+    """Return a finding, an error by default; the arguments are those of ``Finding``."""
     return Finding(
         location=location,
         rule=rule,
-        severity="warning",
+        severity=severity,
         key=key,
         message=message,
         remedy=remedy,
     )
+
+
+warning_at = partial(error_at, severity="warning")
 
 
 def quoted(names: Iterable[str]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 from tool0.description.model import Joint, JointType, RobotModel
@@ -26,10 +26,7 @@ def link_poses(
 ) -> dict[str, Transform]:
     """Return the pose of every link in the root link.
 
-    Args:
-        model: The robot.
-        position: Joint positions [rad | m] by name.  A joint left out is at 0, or
-            follows the one it mimics.
+    A joint without a ``position`` [rad | m] is at 0, or follows the one it mimics.
 
     Raises:
         ModelError: If ``position`` names a joint that the robot lacks.
@@ -60,16 +57,13 @@ def link_pose(
 def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
     """Return the pose of the joint's child link in its parent link.
 
-    Args:
-        joint: The joint; planar and floating ones rest at 0.
-        position: Joint positions [rad | m] by name, as for ``link_poses``.
+    Positions are as for ``link_poses``; planar and floating joints rest at 0.
     """
-    return to_transform(joint.origin) @ displacement(
-        joint, joint_position(joint, position)
-    )
+    q = joint_position(joint, position)
+    return to_transform(joint.origin) @ _displacement(joint, q)
 
 
-def displacement(joint: Joint, q: float) -> Transform:
+def _displacement(joint: Joint, q: float) -> Transform:
     """Return the joint's own motion at ``q`` [rad | m], in its frame at 0."""
     x, y, z = joint.axis
     if joint.type is JointType.PRISMATIC:
@@ -89,13 +83,10 @@ def displacement(joint: Joint, q: float) -> Transform:
 
 def joint_position(joint: Joint, position: Mapping[str, float]) -> float:
     """Return the position of ``joint``: as given, else by its mimic relation or 0."""
-    if joint.name in position:
-        return position[joint.name]
-    if joint.mimic is None:
-        return 0.0
-    return joint.mimic.multiplier * position.get(joint.mimic.joint, 0.0) + (
-        joint.mimic.offset
-    )
+    mimic = joint.mimic
+    if mimic is None or joint.name in position:
+        return position.get(joint.name, 0.0)
+    return mimic.multiplier * position.get(mimic.joint, 0.0) + mimic.offset
 
 
 def joint_positions(
@@ -131,14 +122,6 @@ def joint_positions(
         name: positions[name] for name in joints if joints[name].mimic is None
     }
     return [joint_position(joint, independent) for joint in joints.values()]
-
-
-def _joint_velocity(joint: Joint, velocity: Mapping[str, float]) -> float:
-    if joint.name in velocity:
-        return velocity[joint.name]
-    if joint.mimic is None:
-        return 0.0
-    return joint.mimic.multiplier * velocity.get(joint.mimic.joint, 0.0)
 
 
 @final
@@ -189,27 +172,23 @@ def link_motions(
 ) -> dict[str, FrameMotion]:
     """Return how every link moves in the root link.
 
-    Args:
-        model: The robot.
-        position: Joint positions [rad | m] by name, as for ``link_poses``.
-        velocity: Of the same joints [rad/s | m/s]; mimic joints that are left out
-            follow, others stand still.
+    Positions [rad | m] are by joint, as for ``link_poses``; so are velocities [rad/s |
+    m/s], of which mimic joints that are left out follow, and others are 0.
     """
-    poses = link_poses(model, position)
     found = {model.root: FrameMotion()}
     for joint in model.joints:
-        parent = found[joint.parent]
-        pose = poses[joint.child]
-        arm = subtract(pose.position, parent.pose.position)
-        linear = add(parent.linear, cross(parent.angular, arm))
-        angular = parent.angular
-        rate = _joint_velocity(joint, velocity)
+        motion = found[joint.parent].carry(joint_transform(joint, position))
+        mimic = joint.mimic
+        if mimic is None or joint.name in velocity:
+            rate = velocity.get(joint.name, 0.0)
+        else:
+            rate = mimic.multiplier * velocity.get(mimic.joint, 0.0)
         if rate:  # the axis is the same before and after the joint's own motion
-            x, y, z = pose.rotate(joint.axis)
+            x, y, z = motion.pose.rotate(joint.axis)
             own = (rate * x, rate * y, rate * z)
             if joint.type is JointType.PRISMATIC:
-                linear = add(linear, own)
+                motion = replace(motion, linear=add(motion.linear, own))
             else:
-                angular = add(angular, own)
-        found[joint.child] = FrameMotion(pose=pose, linear=linear, angular=angular)
+                motion = replace(motion, angular=add(motion.angular, own))
+        found[joint.child] = motion
     return found

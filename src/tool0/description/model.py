@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeVar, final
 
-from tool0.description.shapes import Geometry
+from tool0.description.shapes import RGBA, Geometry
 from tool0.description.transform import Pose, Vector3
 from tool0.errors import LimitsError, ModelError, SourceLocation, did_you_mean
 
@@ -21,8 +21,6 @@ Item = TypeVar("Item")
 
 FLANGE = "tool0"
 """Name of the link at the end of an arm, after a prefix (REP-199)."""
-
-
 DEFAULT_TURN_VELOCITY = 1.0
 """Velocity of turning joints without a velocity limit [rad/s]; chosen to be slow."""
 DEFAULT_SLIDE_VELOCITY = 0.25
@@ -44,13 +42,36 @@ class Inertial:
     iyz: float = 0.0
     izz: float
 
+    @property
+    def principal_moments(self) -> Vector3:
+        """The eigenvalues of the inertia [kg·m²], smallest first.
+
+        In closed form, as https://en.wikipedia.org/wiki/Eigenvalue_algorithm gives it
+        for symmetric 3 by 3 matrices: NumPy is slow to import.
+        """
+        a, b, c = self.ixx, self.iyy, self.izz
+        d, e, f = self.ixy, self.ixz, self.iyz
+        off = d * d + e * e + f * f
+        if off == 0.0:
+            low, middle, high = sorted((a, b, c))
+            return low, middle, high
+        mean = (a + b + c) / 3
+        a, b, c = a - mean, b - mean, c - mean
+        spread = math.sqrt((a * a + b * b + c * c + 2 * off) / 6)
+        determinant = a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)
+        cosine = determinant / (2 * spread**3)
+        angle = math.acos(min(1.0, max(-1.0, cosine))) / 3
+        high = mean + 2 * spread * math.cos(angle)
+        low = mean + 2 * spread * math.cos(angle + 2 * math.pi / 3)
+        return low, 3 * mean - high - low, high
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Visual:
     geometry: Geometry
     origin: Pose = field(default_factory=Pose)
-    rgba: tuple[float, float, float, float] | None = None
+    rgba: RGBA | None = None
 
 
 @final

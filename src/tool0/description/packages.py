@@ -31,19 +31,23 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
     Raises:
         DescriptionError: If it is not found; the message lists the search path.
     """
-    preferred = _PREFERRED.get().get(name)
-    if preferred is not None:
-        return preferred
+    if name in _PREFERRED.get():
+        return _PREFERRED.get()[name]
     bundled = BUNDLED / name
     if (bundled / "package.xml").is_file():
         return bundled
     seen = {path.name for path in crawl(BUNDLED)} | set(_PREFERRED.get())
-    for entry in search_path():
+    search_path = [
+        path
+        for entry in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)
+        if entry and (path := Path(entry).expanduser()).is_dir()
+    ]
+    for entry in search_path:
         for folder in crawl(entry):
             if package_name(folder) == name:
                 return folder
             seen.add(package_name(folder))
-    looked = ", ".join(map(str, (BUNDLED, *search_path())))
+    looked = ", ".join(map(str, (BUNDLED, *search_path)))
     raise DescriptionError(
         f"there is no ROS package '{name}' in {looked}{did_you_mean(name, seen)}; "
         "add the folder that holds it to ROS_PACKAGE_PATH",
@@ -59,13 +63,6 @@ def preferring(packages: Mapping[str, Path]) -> Iterator[None]:
         yield
     finally:
         _PREFERRED.reset(before)
-
-
-def search_path() -> tuple[Path, ...]:
-    """Return the entries of ``ROS_PACKAGE_PATH`` that exist."""
-    entries = os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)
-    paths = (Path(entry).expanduser() for entry in entries if entry)
-    return tuple(path for path in paths if path.is_dir())
 
 
 def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:

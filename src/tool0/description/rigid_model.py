@@ -1,18 +1,50 @@
-"""A simple model from URDF or SDF, as a value: one rigid body of one shape."""
+"""A simple model from the text of an untrusted URDF or SDF.
+
+A simple model is one rigid body with one collision shape.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
+from xml.dom.minidom import Document, Element
 
-from tool0.description.scene import DEFAULT_FRICTION, RGBA, SceneObject
-from tool0.description.shapes import Geometry
-from tool0.description.transform import Transform, to_pose
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import RobotModel
+from tool0.description.scene import DEFAULT_FRICTION, SceneObject
+from tool0.description.shapes import RGBA, SHAPES, Geometry, read_geometry, sizes
+from tool0.description.transform import Pose, Transform, to_pose, to_transform
+from tool0.description.urdf import read_model
+from tool0.description.xml_source import (
+    child_number,
+    children,
+    locate,
+    only_child,
+    parse_text,
+    required,
+    required_child,
+    text_of,
+    to_numbers,
+)
+from tool0.errors import DescriptionError, ModelError, SourceLocation
 
-UNPAINTED: RGBA = (0.7, 0.7, 0.7, 1.0)
+MAX_LENGTH = 1_000_000
+"""Of the text [characters]: far more than one body needs, and read within a second."""
+MAX_SIZE, MAX_MASS = 100.0, 1e6
+"""[m, kg]: beyond them the physics of either engine diverges."""
+MAX_FRICTION = 1e6
+"""[1] A larger friction changes no motion, and only spoils the engines' numerics."""
+
+_WORLD = "world"
+"""The name of a root link that Gazebo takes for the world itself."""
+_TRUE = {"true", "1"}
+_MANY = ("include", "model", "gripper")
+"""Elements of an SDF <model> that would make it more than one body."""
+_DEFAULT_MASS = 1.0  # [kg] http://sdformat.org/spec?ver=1.6&elem=link#inertial_mass
+
+_UNPAINTED: RGBA = (0.7, 0.7, 0.7, 1.0)
 """Grey, as Gazebo shows what names no colour."""
-
-_NAMED: dict[str, RGBA] = {
+_GAZEBO_COLOURS: dict[str, RGBA] = {
     "black": (0.0, 0.0, 0.0, 1.0),
     "blue": (0.0, 0.0, 1.0, 1.0),
     "darkgrey": (0.175, 0.175, 0.175, 1.0),
@@ -27,11 +59,6 @@ _NAMED: dict[str, RGBA] = {
     "wood": (0.65, 0.5, 0.33, 1.0),
     "yellow": (1.0, 1.0, 0.0, 1.0),
 }
-
-
-def gazebo_colour(name: str) -> RGBA | None:
-    """Return what ``Gazebo/Red`` and the like look like; None for textures."""
-    return _NAMED.get(name.removeprefix("Gazebo/").lower())
 
 
 @final
@@ -52,7 +79,7 @@ class RigidModel:
     mass: float | None = None
     """[kg]; None stands still."""
     friction: float = DEFAULT_FRICTION
-    rgba: RGBA = UNPAINTED
+    rgba: RGBA = _UNPAINTED
 
     def scene_object(self, name: str, T_root_model: Transform) -> SceneObject:
         """Return the object with the model's frame there; raises ConfigError."""
@@ -64,3 +91,237 @@ class RigidModel:
             friction=self.friction,
             rgba=self.rgba,
         )
+
+
+def read_rigid_model(text: str) -> RigidModel:
+    """Return the model that ``text`` describes, in URDF or SDF.
+
+    Raises:
+        DescriptionError: If it cannot be read, or is no single body of one shape.
+        ModelError: If nothing could be like this.
+    """
+    if len(text) > MAX_LENGTH:
+        raise DescriptionError(
+            f"the model's XML has {len(text)} characters; {MAX_LENGTH} is the most"
+        )
+    document = parse_text(text)
+    root = document.documentElement
+    tag = None if root is None else root.tagName
+    if root is not None and tag == "robot":
+        return _bounded(_read_urdf(document, root))
+    if root is not None and tag == "sdf":
+        return _bounded(_read_sdf(root))
+    raise DescriptionError(
+        f"<{tag}> is no model; write a URDF's <robot>, or <sdf><model>", locate(root)
+    )
+
+
+def _bounded(model: RigidModel) -> RigidModel:
+    """Return ``model`` with a friction that is no larger than it needs to be.
+
+    Raises:
+        ModelError: If its size, its mass or an offset is too large.
+    """
+    extents = sizes(model.geometry)
+    offsets = [
+        value
+        for frame in (model.placement, model.T_model_link, model.T_model_shape)
+        for value in frame.position
+    ]
+    if not all(abs(value) <= MAX_SIZE for value in (*extents, *offsets)):
+        raise ModelError(
+            f"model '{model.name}' has sizes {extents} and offsets {offsets}; "
+            f"{MAX_SIZE:g} m is the most"
+        )
+    if model.mass is not None and not model.mass <= MAX_MASS:
+        raise ModelError(
+            f"model '{model.name}' has a mass of {model.mass:g} kg; {MAX_MASS:g} kg "
+            "is the most"
+        )
+    return replace(model, friction=min(model.friction, MAX_FRICTION))
+
+
+def _read_urdf(document: Document, robot: Element) -> RigidModel:
+    model = read_model(document)
+    if model.movable_joints:
+        names = ", ".join(f"'{joint.name}'" for joint in model.movable_joints)
+        raise DescriptionError(
+            f"model '{model.name}' has joints that move, {names}: only one rigid "
+            "body can be spawned; write fixed joints, or leave them out"
+        )
+    shapes = [(link, shape) for link in model.links for shape in link.collisions]
+    if len(shapes) != 1:
+        raise DescriptionError(
+            f"model '{model.name}' has {len(shapes)} <collision> shapes; what is "
+            "spawned has exactly one"
+        )
+    ((link, shape),) = shapes
+    poses = link_poses(model)
+    base = model.root
+    if base == _WORLD and model.child_joints[base]:
+        base = model.child_joints[base][0].child
+    mu1 = None if link.surface is None else link.surface.mu1
+    extensions = list(children(robot, "gazebo"))
+    return RigidModel(
+        name=model.name,
+        geometry=shape.geometry,
+        link=base,
+        collision=f"{link.name}_collision",
+        T_model_link=poses[base],
+        T_model_shape=poses[link.name] @ to_transform(shape.origin),
+        mass=_urdf_mass(model, extensions),
+        friction=DEFAULT_FRICTION if mu1 is None else mu1,
+        rgba=_urdf_colour(model, extensions),
+    )
+
+
+def _urdf_mass(model: RobotModel, extensions: list[Element]) -> float | None:
+    """Return the mass of all links [kg]; None of what stands still."""
+    if model.root == _WORLD or any(_flag(item, "static") for item in extensions):
+        return None
+    mass = sum(link.inertial.mass for link in model.links if link.inertial is not None)
+    if not mass:
+        raise DescriptionError(
+            f"model '{model.name}' has no mass; give its link an <inertial>, or write "
+            "<gazebo><static>true</static></gazebo>"
+        )
+    return mass
+
+
+def _urdf_colour(model: RobotModel, extensions: list[Element]) -> RGBA:
+    """Return the colour for Gazebo if one is named, else the first visual's."""
+    for extension in extensions:
+        named = _gazebo_colour(only_child(extension, "material"))
+        if named is not None:
+            return named
+    visuals = [visual for link in model.links for visual in link.visuals]
+    return next((v.rgba for v in visuals if v.rgba is not None), _UNPAINTED)
+
+
+def _gazebo_colour(element: Element | None) -> RGBA | None:
+    """Return what ``Gazebo/Red`` and the like look like; None for textures."""
+    name = "" if element is None else text_of(element)
+    return _GAZEBO_COLOURS.get(name.removeprefix("Gazebo/").lower())
+
+
+def _read_sdf(sdf: Element) -> RigidModel:
+    model = required_child(sdf, "model")
+    name = required(model, "name")
+    for tag in _MANY:
+        for element in children(model, tag):
+            raise DescriptionError(
+                f"<{tag}> in model '{name}' is not supported: only one rigid body can "
+                "be spawned",
+                locate(element),
+            )
+    link = _one(model, "link", name)
+    shape = _one(link, "collision", name)
+    is_static = _flag(model, "static") or _is_bolted(model, name)
+    inertial = only_child(link, "inertial")
+    mass = None if inertial is None else child_number(inertial, "mass")
+    ode = _descendant(shape, "surface", "friction", "ode")
+    mu = None if ode is None else child_number(ode, "mu")
+    T_model_link = _sdf_pose(link)
+    return RigidModel(
+        name=name,
+        geometry=_sdf_geometry(required_child(shape, "geometry")),
+        link=required(link, "name"),
+        collision=required(shape, "name"),
+        T_model_link=T_model_link,
+        T_model_shape=T_model_link @ _sdf_pose(shape),
+        placement=_sdf_pose(model),
+        mass=None if is_static else _DEFAULT_MASS if mass is None else mass,
+        friction=DEFAULT_FRICTION if mu is None else mu,
+        rgba=_sdf_colour(link),
+    )
+
+
+def _one(parent: Element, tag: str, name: str) -> Element:
+    found = list(children(parent, tag))
+    if len(found) != 1:
+        raise DescriptionError(
+            f"model '{name}' has {len(found)} <{tag}> in <{parent.tagName}>; what is "
+            "spawned has exactly one",
+            locate(found[1] if found else parent),
+        )
+    return found[0]
+
+
+def _descendant(element: Element | None, *tags: str) -> Element | None:
+    """Return the only child of the only child …; None where there is none."""
+    for tag in tags:
+        element = None if element is None else only_child(element, tag)
+    return element
+
+
+def _is_bolted(model: Element, name: str) -> bool:
+    """Return whether a fixed joint holds the link to the world."""
+    joints = list(children(model, "joint"))
+    for joint in joints:
+        parent = text_of(required_child(joint, "parent"))
+        if joint.getAttribute("type") != "fixed" or parent != "world":
+            raise DescriptionError(
+                f"model '{name}' has a joint '{joint.getAttribute('name')}': only a "
+                "fixed one to the world is supported",
+                locate(joint),
+            )
+    return bool(joints)
+
+
+def _flag(element: Element, tag: str) -> bool:
+    return any(text_of(child).lower() in _TRUE for child in children(element, tag))
+
+
+def _sdf_pose(element: Element) -> Transform:
+    child = only_child(element, "pose")
+    if child is None:
+        return Transform()
+    for attribute in ("frame", "relative_to"):
+        if child.getAttribute(attribute):
+            raise DescriptionError(
+                f"<pose {attribute}=…> is not supported; write the pose in the parent",
+                locate(child),
+            )
+    x, y, z, roll, pitch, yaw = _numbers(child, 6) if text_of(child) else [0.0] * 6
+    return to_transform(Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw)))
+
+
+def _numbers(element: Element, count: int) -> tuple[float, ...]:
+    return to_numbers(text_of(element), count, element, "its text")
+
+
+def _sdf_geometry(element: Element) -> Geometry:
+    shapes = list(children(element))
+    kind = shapes[0].tagName if len(shapes) == 1 else f"{len(shapes)} shapes"
+    if kind not in SHAPES:
+        raise DescriptionError(
+            f"<geometry> holds {kind}; give one of {', '.join(SHAPES)}", locate(element)
+        )
+    (shape,) = shapes
+
+    def numbers(
+        name: str, count: int, default: tuple[float, ...] | None = None
+    ) -> tuple[float, ...]:
+        if default is not None and only_child(shape, name) is None:
+            return default
+        return _numbers(required_child(shape, name), count)
+
+    def uri() -> tuple[str, SourceLocation | None]:
+        child = required_child(shape, "uri")
+        return text_of(child), locate(child)
+
+    return read_geometry(kind, numbers, uri)
+
+
+def _sdf_colour(link: Element) -> RGBA:
+    for visual in children(link, "visual"):
+        for tag in ("diffuse", "ambient"):
+            colour = _descendant(visual, "material", tag)
+            if colour is not None:
+                opaque = len(text_of(colour).split()) == 3
+                red, green, blue, *alpha = _numbers(colour, 3 if opaque else 4)
+                return red, green, blue, alpha[0] if alpha else 1.0
+        named = _gazebo_colour(_descendant(visual, "material", "script", "name"))
+        if named is not None:
+            return named
+    return _UNPAINTED

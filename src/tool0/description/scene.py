@@ -10,11 +10,9 @@ from typing import final
 
 from tool0.description.camera import Camera
 from tool0.description.model import RobotModel
-from tool0.description.shapes import Box, Geometry, check_geometry
+from tool0.description.shapes import RGBA, Box, Geometry, check_geometry
 from tool0.description.transform import Pose, Vector3, to_transform
 from tool0.errors import ConfigError, SourceLocation
-
-RGBA = tuple[float, float, float, float]
 
 DEFAULT_FRICTION = 1.0
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
@@ -114,16 +112,11 @@ class Scene:
 
     def check_beside(self, model: RobotModel) -> None:
         """Raise ConfigError if an object has the name of a link, or of the ground."""
+        taken = {**dict.fromkeys(model.link_by_name, "a link"), GROUND: "the ground"}
         for item in self.objects:
-            if item.name == GROUND:
+            if item.name in taken:
                 raise ConfigError(
-                    f"no object can be called '{GROUND}': that is the ground plane; "
-                    "rename it",
-                    self.locations.get(item.name),
-                )
-            if item.name in model.link_by_name:
-                raise ConfigError(
-                    f"object '{item.name}' has the name of a link of the robot; "
+                    f"object '{item.name}' has the name of {taken[item.name]}; "
                     "rename it",
                     self.locations.get(item.name),
                 )

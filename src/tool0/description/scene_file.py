@@ -22,27 +22,24 @@ import itertools
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from tool0.description.camera import Camera, looking
 from tool0.description.scene import (
     DEFAULT_FRICTION,
     DEFAULT_WALL,
     PALETTE,
-    RGBA,
     STILL_RGBA,
     Scene,
     SceneObject,
     bin_walls,
 )
 from tool0.description.shapes import (
-    Box,
-    Cylinder,
+    RGBA,
+    SHAPES,
     Geometry,
-    Mesh,
-    Sphere,
     check_geometry,
-    find_mesh,
+    read_geometry,
 )
 from tool0.description.transform import Pose
 from tool0.description.yaml_tree import YamlEntry, read_files
@@ -54,9 +51,20 @@ from tool0.errors import (
     did_you_mean,
 )
 
+Item = TypeVar("Item", SceneObject, Camera)
+
 SCENE_FOLDER = Path(__file__).resolve().parent.parent / "scenes"
 
 _ZERO = (0.0, 0.0, 0.0)
+_BIN = "bin"
+_KINDS = (*SHAPES, _BIN)
+_SHAPE_KEYS = {
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+    "mesh": ("file", "scale"),
+    _BIN: ("size", "wall"),
+}
 _CAMERA_NUMBERS = ("field_of_view", "near", "far")
 _CAMERA_PIXELS = ("width", "height")
 
@@ -69,9 +77,7 @@ def shipped_scenes() -> dict[str, Path]:
 def scene_path(given: Path | str) -> Path:
     """Return the file of a scene that is given by path or built-in name.
 
-    Args:
-        given: A path, or a name without folder and suffix.  A file of that very name
-            comes first.
+    A file comes before a built-in scene of the same name.
 
     Raises:
         ConfigError: If it is only a name, and there is neither.
@@ -89,55 +95,43 @@ def scene_path(given: Path | str) -> Path:
 
 
 def load_scene(path: Path | str) -> Scene:
-    """Return the objects in a YAML file, or in a built-in scene.
-
-    Args:
-        path: The file, or the name of one of ``shipped_scenes``.
+    """Return the objects in a YAML file, or in the built-in scene of that name.
 
     Raises:
         ConfigError: If anything in it is wrong, with file and line.
     """
     tree = read_files([scene_path(path)])
-    for finding in tree.findings:  # no later key may hide an earlier one
-        raise ConfigError(
-            f"'{finding.key}' stands twice; {finding.remedy}", finding.location
-        )
+    tree.require_unique_keys()
     root = Namespace(tree.root)
     root.only("objects", "cameras")
     colors = itertools.cycle(PALETTE)
-    objects: list[SceneObject] = []
+    objects, locations = _read_list(root, "objects", lambda e: _objects(e, colors))
+    cameras, _ = _read_list(root, "cameras", lambda e: (_camera(e),))
+    return Scene(objects, locations, cameras)
+
+
+def _read_list(
+    root: Namespace, kind: str, read: Callable[[YamlEntry], tuple[Item, ...]]
+) -> tuple[tuple[Item, ...], dict[str, SourceLocation]]:
+    """Return what the entries of a list describe, and where each name is written."""
+    found: list[Item] = []
     locations: dict[str, SourceLocation] = {}
-    for entry in root.items("objects"):
-        for item in _objects(entry, colors):
-            _record("objects", item.name, entry.location, locations)
-            objects.append(item)
-    cameras: list[Camera] = []
-    camera_locations: dict[str, SourceLocation] = {}
-    for entry in root.items("cameras"):
-        cameras.append(_camera(entry))
-        _record("cameras", cameras[-1].name, entry.location, camera_locations)
-    return Scene(tuple(objects), locations, tuple(cameras))
-
-
-def _record(
-    kind: str,
-    name: str,
-    location: SourceLocation,
-    locations: dict[str, SourceLocation],
-) -> None:
-    """Add where ``name`` is written, or raise ConfigError if it is there already."""
-    if name in locations:
-        raise ConfigError(
-            f"two {kind} are called '{name}', the other at {locations[name]}; "
-            "rename one",
-            location,
-        )
-    locations[name] = location
+    for entry in root.items(kind):
+        for item in read(entry):
+            if item.name in locations:
+                raise ConfigError(
+                    f"two {kind} are called '{item.name}', the other at "
+                    f"{locations[item.name]}; rename one",
+                    entry.location,
+                )
+            locations[item.name] = entry.location
+            found.append(item)
+    return tuple(found), locations
 
 
 def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
     """Return the objects of an entry: one, or the walls of a bin."""
-    values = Namespace.of(entry)
+    values = Namespace(entry)
     values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
     mass = values.number("mass") if values.find("mass") is not None else None
     if values.find("rgba") is not None:
@@ -146,10 +140,17 @@ def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...
     else:
         rgba = STILL_RGBA if mass is None else next(colors)
     name = values.text("name")
-    kind, shape = _shape(values, name)
+    kinds = [kind for kind in _KINDS if values.find(kind) is not None]
+    shape = values.namespace(kinds[0]) if len(kinds) == 1 else None
+    if shape is None:
+        raise ConfigError(
+            f"object '{name}' has {' and '.join(kinds) or 'no shape'}; "
+            f"give it one of {', '.join(_KINDS)}",
+            entry.location,
+        )
+    shape.only(*_SHAPE_KEYS[kinds[0]])
     friction = values.number("friction", DEFAULT_FRICTION)
-    if kind == _BIN:
-        shape.only("size", "wall")
+    if kinds == [_BIN]:
         if mass is not None:
             raise ConfigError(
                 f"bin '{name}' stands still; leave out its mass", entry.location
@@ -163,7 +164,7 @@ def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...
                 friction=friction,
                 rgba=rgba,
             )
-    geometry = _SHAPES[kind](shape)
+    geometry = _geometry(kinds[0], shape)
     with _located(shape.entry):
         check_geometry(geometry, f"of object '{name}'")
     with _located(entry):
@@ -178,61 +179,24 @@ def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...
     return (item,)
 
 
-def _shape(values: Namespace, name: str) -> tuple[str, Namespace]:
-    """Return the kind of an object's only shape, and its values."""
-    kinds = [kind for kind in _KINDS if values.find(kind) is not None]
-    if len(kinds) != 1:
-        raise ConfigError(
-            f"object '{name}' has {' and '.join(kinds) or 'no shape'}; "
-            f"give it one of {', '.join(_KINDS)}",
-            values.location,
-        )
-    (kind,) = kinds
-    shape = values.namespace(kind)
-    assert shape is not None  # it was just found
-    return kind, shape
+def _geometry(kind: str, shape: Namespace) -> Geometry:
+    def numbers(
+        name: str, count: int, default: tuple[float, ...] | None = None
+    ) -> tuple[float, ...]:
+        one = count == 1
+        return (shape.number(name),) if one else shape.numbers(name, count, default)
 
+    def uri() -> tuple[str, SourceLocation]:
+        return shape.text("file"), (shape.find("file") or shape.entry).location
 
-def _box(shape: Namespace) -> Box:
-    shape.only("size")
-    return Box(size=shape.vector("size"))
-
-
-def _cylinder(shape: Namespace) -> Cylinder:
-    shape.only("radius", "length")
-    return Cylinder(radius=shape.number("radius"), length=shape.number("length"))
-
-
-def _sphere(shape: Namespace) -> Sphere:
-    shape.only("radius")
-    return Sphere(radius=shape.number("radius"))
-
-
-def _mesh(shape: Namespace) -> Mesh:
-    shape.only("file", "scale")
-    uri = shape.text("file")
-    location = (shape.find("file") or shape.entry).location
     try:
-        path = find_mesh(uri, location)
+        return read_geometry(kind, numbers, uri)
     except DescriptionError as error:
-        raise ConfigError(error.message, location) from None
-    return Mesh(
-        uri=uri, path=path.absolute(), scale=shape.vector("scale", (1.0, 1.0, 1.0))
-    )
-
-
-_SHAPES: dict[str, Callable[[Namespace], Geometry]] = {
-    "box": _box,
-    "cylinder": _cylinder,
-    "sphere": _sphere,
-    "mesh": _mesh,
-}
-_BIN = "bin"
-_KINDS = (*_SHAPES, _BIN)
+        raise ConfigError(error.message, error.location) from None
 
 
 def _camera(entry: YamlEntry) -> Camera:
-    values = Namespace.of(entry)
+    values = Namespace(entry)
     values.only("name", "link", "pose", *_CAMERA_PIXELS, *_CAMERA_NUMBERS)
     given: dict[str, Any] = {  # keywords of two types
         **{key: values.number(key) for key in _CAMERA_NUMBERS if values.find(key)},

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -13,6 +13,9 @@ from tool0.description.transform import Vector3
 from tool0.errors import ConfigError, DescriptionError, SourceLocation
 
 MESH_SUFFIXES = (".dae", ".obj", ".stl")
+SHAPES = ("box", "cylinder", "sphere", "mesh")
+
+RGBA = tuple[float, float, float, float]
 
 
 @final
@@ -50,41 +53,69 @@ class Mesh:
 Geometry = Box | Cylinder | Sphere | Mesh
 
 
-def check_geometry(geometry: Geometry, of: str) -> None:
-    """Raise ConfigError unless its sizes are possible; ``of`` names its owner."""
-    match geometry:
-        case Box(size=size):
-            if len(size) != 3:
-                raise ConfigError(f"the box {of} has three edges, got {len(size)}")
-            _check_sizes("each edge of the box", of, size)
-        case Cylinder(radius=radius, length=length):
-            _check_sizes("radius and length of the cylinder", of, (radius, length))
-        case Sphere(radius=radius):
-            _check_sizes("the radius of the sphere", of, (radius,))
-        case Mesh(scale=scale):
-            if not all(math.isfinite(part) and part for part in scale):
-                raise ConfigError(
-                    f"the scale of the mesh {of} must be finite and never 0, "
-                    f"got {scale}"
-                )
-
-
-def _check_sizes(what: str, of: str, sizes: Iterable[float]) -> None:
-    if not all(0.0 < size < math.inf for size in sizes):
-        got = ", ".join(f"{size:g}" for size in sizes)
-        raise ConfigError(f"{what} {of} must be above 0 m and finite, got {got}")
-
-
-def find_mesh(uri: str, location: SourceLocation | None) -> Path:
-    """Return the file of a mesh.
+def read_geometry(
+    kind: str,
+    numbers: Callable[..., tuple[float, ...]],
+    uri: Callable[[], tuple[str, SourceLocation | None]],
+) -> Geometry:
+    """Return the shape of a kind in ``SHAPES``, its sizes unchecked.
 
     Args:
-        uri: ``package://``, ``file://`` or a path.
-        location: Where it is written, for messages.
+        kind: Its kind.
+        numbers: Reads ``size``, ``radius``, ``length`` or ``scale``, by name, count and
+            an optional default: attributes, child elements or YAML values.
+        uri: Returns the URI of a mesh, and where it is written.
 
     Raises:
-        DescriptionError: If it is not there, or of a kind that nothing reads.
+        DescriptionError: If a mesh is not there, or of a kind that nothing reads.
     """
+    if kind == "box":
+        x, y, z = numbers("size", 3)
+        return Box(size=(x, y, z))
+    if kind == "mesh":
+        text, location = uri()
+        x, y, z = numbers("scale", 3, (1.0, 1.0, 1.0))
+        return Mesh(uri=text, path=_find_mesh(text, location), scale=(x, y, z))
+    (radius,) = numbers("radius", 1)
+    if kind == "sphere":
+        return Sphere(radius=radius)
+    (length,) = numbers("length", 1)
+    return Cylinder(radius=radius, length=length)
+
+
+def sizes(geometry: Geometry) -> tuple[float, ...]:
+    """Return all sizes of a shape [m]; of a mesh, its scale."""
+    match geometry:
+        case Box(size=size):
+            return size
+        case Cylinder(radius=radius, length=length):
+            return radius, length
+        case Sphere(radius=radius):
+            return (radius,)
+        case Mesh(scale=scale):
+            return scale
+
+
+def check_geometry(geometry: Geometry, of: str) -> None:
+    """Raise ConfigError unless its sizes are possible; ``of`` names its owner."""
+    values = sizes(geometry)
+    kind = type(geometry).__name__.lower()
+    if isinstance(geometry, Box) and len(values) != 3:
+        raise ConfigError(f"the box {of} has three edges, got {len(values)}")
+    if isinstance(geometry, Mesh):
+        if not all(math.isfinite(part) and part for part in values):
+            raise ConfigError(
+                f"the scale of the mesh {of} must be finite and never 0, got {values}"
+            )
+    elif not all(0.0 < size < math.inf for size in values):
+        got = ", ".join(f"{size:g}" for size in values)
+        raise ConfigError(
+            f"each size of the {kind} {of} must be above 0 m and finite, got {got}"
+        )
+
+
+def _find_mesh(uri: str, location: SourceLocation | None) -> Path:
+    """Return the file of a mesh, or raise DescriptionError at ``location``."""
     path = resolve_uri(uri, location)
     if path.suffix.lower() not in MESH_SUFFIXES:
         raise DescriptionError(
@@ -96,20 +127,16 @@ def find_mesh(uri: str, location: SourceLocation | None) -> Path:
         raise DescriptionError(
             f"there is no mesh '{path}' (written '{uri}'); check the path", location
         )
-    return path
+    return path.absolute()
 
 
 def mesh(file: Path | str, scale: float | Vector3 = 1.0) -> Mesh:
-    """Return the shape in a file, STL or OBJ.
+    """Return the shape in a file, STL or OBJ: a path, ``package://`` or ``file://``.
 
-    Args:
-        file: Its path, or ``package://``, ``file://``.
-        scale: What its lengths are multiplied by to be [m], in all or each direction:
-            0.001 for millimetres.
+    Its lengths times ``scale``, for all or each direction, are [m]: 0.001 for mm.
 
     Raises:
         DescriptionError: If it is not there, or of a kind that nothing reads.
     """
-    path = find_mesh(str(file), None).absolute()
     three = (scale, scale, scale) if isinstance(scale, (int, float)) else scale
-    return Mesh(uri=str(file), path=path, scale=three)
+    return Mesh(uri=str(file), path=_find_mesh(str(file), None), scale=three)

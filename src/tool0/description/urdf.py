@@ -1,32 +1,58 @@
-"""A strict reading of URDF: a ``RobotModel``, or an error with file and line."""
+"""A strict reading of URDF: a ``RobotModel``, or an error with file and line.
+
+Besides the tree it reads ``<transmission>`` as ros_control does,
+``<gazebo reference=…>`` (surfaces and springs) as Gazebo does, and elements of our own:
+``<loop_joint>``, ``<passive_joint>`` (called so in SRDF) and ``<parallel_gripper>``.
+"""
 
 from __future__ import annotations
 
+import logging
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TypeVar
 from xml.dom.minidom import Document, Element
 
-from tool0.description.attributes import require_known, required
-from tool0.description.model import Joint, Link, RobotModel
-from tool0.description.urdf_extensions import (
-    apply_gazebo,
-    read_grippers,
-    read_transmissions,
+from tool0.description.finding import quoted
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import (
+    Joint,
+    Link,
+    RobotModel,
+    Spring,
+    Surface,
+    Transmission,
 )
-from tool0.description.urdf_joints import (
-    apply_springs,
-    check_loops,
-    check_mimics,
-    mark_passive,
+from tool0.description.urdf_elements import (
+    read_color,
+    read_gripper,
     read_joint,
-    read_loops,
+    read_link,
+    read_loop,
+    read_transmission,
 )
-from tool0.description.urdf_links import read_link, read_materials
-from tool0.description.xml_source import children, locate
-from tool0.errors import DescriptionError, ModelError, SourceLocation
+from tool0.description.xml_source import (
+    child_number,
+    children,
+    choice,
+    locate,
+    not_negative,
+    only_child,
+    require_known,
+    required,
+    text_of,
+)
+from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
+
+logger = logging.getLogger(__name__)
 
 Item = TypeVar("Item", Link, Joint)
 _Locations = dict[str, SourceLocation]
+
+LOOP_GAP = 1e-5
+"""How far apart the two ends of a loop may lie in its rest position [m]."""
+_SURFACE = ("mu1", "mu2", "kp", "kd", "minDepth", "maxVel")
 
 
 def read_model(document: Document) -> RobotModel:
@@ -45,7 +71,11 @@ def read_model(document: Document) -> RobotModel:
             f"the document holds {tag}; a URDF holds <robot>", locate(robot)
         )
     locations: _Locations = {}
-    materials = read_materials(robot)
+    materials = {
+        required(element, "name"): rgba
+        for element in children(robot, "material")
+        if (rgba := read_color(element)) is not None
+    }
     links: dict[str, Link] = {}
     for element in children(robot, "link"):
         _add(links, "link", read_link(element, materials), element, locations)
@@ -54,21 +84,23 @@ def read_model(document: Document) -> RobotModel:
         _add(joints, "joint", read_joint(element), element, locations)
     if not links:
         raise ModelError("the robot has no <link>; give it at least one", locate(robot))
-    check_mimics(joints, locations)
-    joints = mark_passive(robot, apply_springs(robot, joints))
+    _check_mimics(joints, locations)
+    _apply_gazebo(robot, links, joints)
+    _mark_passive(robot, joints)
     root, ordered = _order(links, joints, locations)
-    links = apply_gazebo(robot, links, joints)
     model = RobotModel(
         name=required(robot, "name"),
         root=root,
         links=tuple(links.values()),
         joints=ordered,
-        transmissions=read_transmissions(robot, joints),
-        grippers=read_grippers(robot, joints),
-        loops=read_loops(robot, links),
+        transmissions=_read_transmissions(robot, joints),
+        grippers=tuple(
+            read_gripper(item, joints) for item in children(robot, "parallel_gripper")
+        ),
+        loops=tuple(read_loop(item, links) for item in children(robot, "loop_joint")),
         locations=locations,
     )
-    check_loops(model)
+    _check_loops(model)
     return model
 
 
@@ -115,29 +147,24 @@ def _order(
     roots = [name for name in links if name not in above]
     if len(roots) > 1:
         raise ModelError(
-            f"the robot falls apart: no joint leads to {_quoted(roots)}; "
+            f"the robot falls apart: no joint leads to {quoted(roots)}; "
             "join all but one of them to the rest",
             locations.get(f"link:{roots[1]}"),
         )
-    ordered = _walk(roots[0], below) if roots else ()
-    if len(ordered) != len(joints):
-        reached = {joint.name for joint in ordered}
-        loop = _loop(above, next(iter(joints[n] for n in joints if n not in reached)))
-        raise ModelError(
-            f"the joints {_quoted(loop)} form a loop; URDF is a tree: remove one",
-            locations.get(f"joint:{loop[0]}"),
-        )
-    return roots[0], ordered
-
-
-def _walk(root: str, below: Mapping[str, list[Joint]]) -> tuple[Joint, ...]:
-    ordered: list[Joint] = []
-    waiting = list(reversed(below[root]))
+    ordered: dict[str, Joint] = {}
+    waiting = below[roots[0]][::-1] if roots else []
     while waiting:
         joint = waiting.pop()
-        ordered.append(joint)
+        ordered[joint.name] = joint
         waiting.extend(reversed(below[joint.child]))
-    return tuple(ordered)
+    for joint in joints.values():
+        if joint.name not in ordered:
+            loop = _loop(above, joint)
+            raise ModelError(
+                f"the joints {quoted(loop)} form a loop; URDF is a tree: remove one",
+                locations.get(f"joint:{loop[0]}"),
+            )
+    return roots[0], tuple(ordered.values())
 
 
 def _loop(above: Mapping[str, Joint], start: Joint) -> list[str]:
@@ -150,5 +177,135 @@ def _loop(above: Mapping[str, Joint], start: Joint) -> list[str]:
     return list(reversed(path[path.index(joint.name) :]))
 
 
-def _quoted(names: list[str]) -> str:
-    return ", ".join(f"'{name}'" for name in names)
+def _check_mimics(joints: Mapping[str, Joint], locations: _Locations) -> None:
+    """Raise ModelError unless each mimic joint follows one that follows none."""
+    for joint in joints.values():
+        if joint.mimic is None:
+            continue
+        location = locations.get(f"joint:{joint.name}")
+        what = f"joint '{joint.name}' mimics the unknown joint"
+        require_known(joint.mimic.joint, joints, what, location)
+        leader = joints[joint.mimic.joint]
+        if leader is joint or leader.mimic is not None:
+            raise ModelError(
+                f"joint '{joint.name}' mimics '{leader.name}', which mimics "
+                f"'{leader.mimic.joint if leader.mimic else leader.name}'; "
+                "name the joint at the end of the chain, which must mimic none",
+                location,
+            )
+        if not (leader.is_movable and joint.is_movable):
+            raise ModelError(
+                f"joint '{joint.name}' mimics '{leader.name}', but a fixed joint "
+                "can neither follow nor lead; remove <mimic>",
+                location,
+            )
+
+
+def _apply_gazebo(
+    robot: Element, links: dict[str, Link], joints: dict[str, Joint]
+) -> None:
+    """Add the springs and surfaces that ``<gazebo reference>`` gives to the items."""
+    for element in children(robot, "gazebo"):
+        name = element.getAttribute("reference")
+        if name in joints:
+            joints[name] = _with_spring(joints[name], element)
+        elif name in links:
+            links[name] = _with_surface(links[name], element)
+        elif name:  # without a name it is for the whole model: Gazebo's own matter
+            logger.warning(  # as Gazebo does; published robots have such
+                "%s: <gazebo> refers to '%s', which is no link: it has no effect%s",
+                locate(element),
+                name,
+                did_you_mean(name, [*links, *joints]),
+            )
+
+
+def _with_spring(joint: Joint, element: Element) -> Joint:
+    stiffness = child_number(element, "springStiffness")
+    if stiffness is None:
+        return joint
+    not_negative(stiffness, f"<springStiffness> of joint '{joint.name}' is", element)
+    reference = child_number(element, "springReference") or 0.0
+    return replace(joint, spring=Spring(stiffness=stiffness, reference=reference))
+
+
+def _with_surface(link: Link, element: Element) -> Link:
+    """Return ``link`` with what one ``<gazebo>`` adds; a link may have several."""
+    flag = only_child(element, "selfCollide")
+    if flag is not None:
+        choice(text_of(flag).lower(), ("true", "1", "false", "0"), flag, "boolean")
+    values = {tag: child_number(element, tag) for tag in _SURFACE}
+    given = {
+        tag: not_negative(value, f"<{tag}> is", element)
+        for tag, value in values.items()
+        if value is not None
+    }
+    if not given:
+        return link
+    before = None if link.surface is None else link.surface.mu1
+    return replace(link, surface=Surface(mu1=given.get("mu1", before)))
+
+
+def _mark_passive(robot: Element, joints: dict[str, Joint]) -> None:
+    """Mark the joints that only a loop holds."""
+    for element in children(robot, "passive_joint"):
+        name = required(element, "name")
+        what = "<passive_joint> names the unknown joint"
+        require_known(name, joints, what, locate(element))
+        if joints[name].mimic is None:
+            raise ModelError(
+                f"passive joint '{name}' lacks <mimic>, which gives its rest position",
+                locate(element),
+            )
+        joints[name] = replace(joints[name], passive=True)
+
+
+def _read_transmissions(
+    robot: Element, joints: Mapping[str, Joint]
+) -> tuple[Transmission, ...]:
+    found: dict[str, Transmission] = {}
+    for element in children(robot, "transmission"):
+        transmission = read_transmission(element)
+        what = f"transmission '{transmission.name}' drives the unknown joint"
+        require_known(transmission.joint, joints, what, locate(element))
+        if transmission.joint in found:
+            raise ModelError(
+                f"joint '{transmission.joint}' has two transmissions, "
+                f"'{found[transmission.joint].name}' and '{transmission.name}'; "
+                "remove one",
+                locate(element),
+            )
+        found[transmission.joint] = transmission
+    return tuple(found.values())
+
+
+def _check_loops(model: RobotModel) -> None:
+    """Raise ModelError unless every loop is closed in every rest position.
+
+    The ``<mimic>`` of passive joints must keep the loop closed; both ends and the
+    middle of each master's range are tried.
+    """
+    masters = {
+        joint.mimic.joint for joint in model.joints if joint.mimic and joint.passive
+    }
+    limits = {name: model.joint(name).limits for name in sorted(masters)}
+    for share in (0.0, 0.5, 1.0) if model.loops else ():
+        position = {
+            name: joint.lower + share * (joint.upper - joint.lower)
+            for name, joint in limits.items()
+            if math.isfinite(joint.upper - joint.lower)
+        }
+        frames = link_poses(model, position)
+        for loop in model.loops:
+            first, second = (
+                frames[link].apply(point)
+                for link, point in zip(loop.links, loop.points, strict=True)
+            )
+            gap = math.dist(first, second)
+            if not gap <= LOOP_GAP:
+                raise ModelError(
+                    f"loop '{loop.name}' does not close: its ends on "
+                    f"'{loop.links[0]}' and '{loop.links[1]}' are "
+                    f"{1000 * gap:.3f} mm apart at {position}; "
+                    "check its points and the <mimic> of its joints"
+                )

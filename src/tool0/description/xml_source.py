@@ -1,4 +1,4 @@
-"""XML whose elements know the file and line they were written on.
+"""XML whose elements know the file and line they were written on, and typed reading.
 
 The location follows an element when xacro clones a macro's body, so that an error in
 expanded XML points at the macro's source.  Comments and the white space between
@@ -7,14 +7,16 @@ elements are left out: nothing reads them, and xacro is much faster without.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, final
 from xml.dom import NotFoundErr
 from xml.dom.minidom import Attr, Document, Element, Node
 from xml.parsers import expat
 
-from tool0.errors import DescriptionError, SourceLocation
+from tool0.description.transform import Pose, Vector3
+from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
 
 MAX_DEPTH = 500
 """Of elements in elements; minidom climbs to the top for each that is added."""
@@ -74,13 +76,14 @@ class LocatedElement(Element):
     ) -> None:
         """Write the element and all below it; text alone stays on its line."""
         attributes = "".join(
-            f' {name}="{_escape(value)}"' for name, value in self._values.items()
+            f' {name}="{value.translate(_ESCAPES)}"'
+            for name, value in self._values.items()
         )
         writer.write(f"{indent}<{self.tagName}{attributes}")
         if not self.childNodes:
             writer.write(f"/>{newl}")
         elif len(self.childNodes) == 1 and not isinstance(self.childNodes[0], Element):
-            text = _escape(self.childNodes[0].nodeValue or "")
+            text = (self.childNodes[0].nodeValue or "").translate(_ESCAPES)
             writer.write(f">{text}</{self.tagName}>{newl}")
         else:
             writer.write(f">{newl}")
@@ -89,17 +92,10 @@ class LocatedElement(Element):
             writer.write(f"{indent}</{self.tagName}>{newl}")
 
 
-def _escape(text: str) -> str:
-    """Return ``text`` as it may stand in XML, between tags or double quotes."""
-    for character, entity in (
-        ("&", "&amp;"),
-        ("<", "&lt;"),
-        (">", "&gt;"),
-        ('"', "&quot;"),
-        ("\n", "&#10;"),
-    ):
-        text = text.replace(character, entity)
-    return text
+_ESCAPES = str.maketrans(
+    {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;"}
+)
+"""How text stands in XML, between tags or double quotes."""
 
 
 def parse_file(path: Path) -> Document:
@@ -144,19 +140,11 @@ def children(element: Element, tag: str | None = None) -> Iterator[Element]:
 
 def to_text(document: Document) -> str:
     """Return ``document`` as indented XML; its blank text is lost."""
-    _strip(document.documentElement)
+    for element in document.getElementsByTagName("*"):
+        for child in list(element.childNodes):
+            if not isinstance(child, Element) and not (child.nodeValue or "").strip():
+                element.removeChild(child)  # xacro leaves blank text behind
     return document.toprettyxml(indent="  ")
-
-
-def _strip(element: Element | None) -> None:
-    """Remove the blank text that xacro leaves behind."""
-    if element is None:
-        return
-    for child in list(element.childNodes):
-        if isinstance(child, Element):
-            _strip(child)
-        elif not (child.nodeValue or "").strip():
-            element.removeChild(child)
 
 
 @final
@@ -232,3 +220,141 @@ class _Builder:
                 "and write xacro properties instead of entities",
                 self._here(),
             )
+
+
+def required(element: Element, attribute: str) -> str:
+    """Return the text of ``attribute``, or raise DescriptionError."""
+    if not element.hasAttribute(attribute):
+        raise DescriptionError(
+            f'<{element.tagName}> lacks the attribute {attribute}="…"', locate(element)
+        )
+    text = element.getAttribute(attribute).strip()
+    if not text:
+        raise DescriptionError(
+            f'<{element.tagName} {attribute}=""> is empty; give it a value',
+            locate(element),
+        )
+    return text
+
+
+def only_child(element: Element, tag: str) -> Element | None:
+    """Return the one child called ``tag``; None if there is none."""
+    found = list(children(element, tag))
+    if len(found) > 1:
+        raise DescriptionError(
+            f"<{element.tagName}> has {len(found)} <{tag}>; leave one", locate(found[1])
+        )
+    return found[0] if found else None
+
+
+def required_child(element: Element, tag: str) -> Element:
+    """Return the one child called ``tag``, or raise DescriptionError."""
+    child = only_child(element, tag)
+    if child is None:
+        name = element.getAttribute("name")
+        of = f" of '{name}'" if name else ""
+        raise DescriptionError(
+            f"<{element.tagName}>{of} lacks <{tag}>", locate(element)
+        )
+    return child
+
+
+def number(element: Element, attribute: str, default: float | None = None) -> float:
+    """Return ``attribute`` as a number; without ``default`` it must be there."""
+    (value,) = numbers(element, attribute, 1, None if default is None else [default])
+    return value
+
+
+def numbers(
+    element: Element, attribute: str, count: int, default: Sequence[float] | None = None
+) -> tuple[float, ...]:
+    """Return ``count`` numbers from ``attribute``, separated by spaces."""
+    if default is not None and not element.hasAttribute(attribute):
+        return tuple(default)
+    return to_numbers(required(element, attribute), count, element, attribute)
+
+
+def to_numbers(text: str, count: int, element: Element, what: str) -> tuple[float, ...]:
+    """Return ``count`` finite numbers from ``text``, found in ``element``."""
+    words = text.split()
+    if len(words) != count:
+        raise DescriptionError(
+            f"<{element.tagName}>: {what} '{text}' has {len(words)} numbers; "
+            f"give {count}, separated by spaces",
+            locate(element),
+        )
+    values = []
+    for word in words:
+        try:
+            values.append(float(word))
+        except ValueError:
+            values.append(math.nan)
+        if not math.isfinite(values[-1]):
+            raise DescriptionError(
+                f"<{element.tagName}>: {what} '{word}' is not a finite number",
+                locate(element),
+            )
+    return tuple(values)
+
+
+def vector(
+    element: Element, attribute: str, default: Sequence[float] | None = None
+) -> Vector3:
+    """Return three numbers from ``attribute``."""
+    x, y, z = numbers(element, attribute, 3, default)
+    return (x, y, z)
+
+
+def origin(element: Element) -> Pose:
+    """Return ``<origin>`` of ``element``; none means the identity."""
+    child = only_child(element, "origin")
+    if child is None:
+        return Pose()
+    zero = (0.0, 0.0, 0.0)
+    return Pose(xyz=vector(child, "xyz", zero), rpy=vector(child, "rpy", zero))
+
+
+def not_negative(value: float, what: str, element: Element) -> float:
+    """Return ``value``, or raise ModelError; ``what`` comes before it."""
+    if not value >= 0:
+        raise ModelError(f"{what} {value:g}; it must not be negative", locate(element))
+    return value
+
+
+def positive(element: Element, attribute: str) -> float:
+    """Return ``attribute`` as a number above zero."""
+    value = number(element, attribute)
+    if not value > 0:
+        raise DescriptionError(
+            f'<{element.tagName} {attribute}="{value:g}">: must be above zero',
+            locate(element),
+        )
+    return value
+
+
+def choice(text: str, valid: Sequence[str], element: Element, what: str) -> str:
+    """Return ``text`` if it is one of ``valid``, or raise DescriptionError."""
+    if text not in valid:
+        hint = did_you_mean(text, list(valid))
+        raise DescriptionError(f"unknown {what} '{text}'{hint}", locate(element))
+    return text
+
+
+def require_known(
+    name: str, valid: Collection[str], what: str, location: SourceLocation | None
+) -> None:
+    """Raise ModelError unless ``name`` is one of ``valid``; ``what`` comes first."""
+    if name not in valid:
+        raise ModelError(f"{what} '{name}'{did_you_mean(name, list(valid))}", location)
+
+
+def text_of(element: Element) -> str:
+    """Return the text inside ``element``, stripped."""
+    texts = (node for node in element.childNodes if not isinstance(node, Element))
+    return "".join(node.nodeValue or "" for node in texts).strip()
+
+
+def child_number(element: Element, tag: str) -> float | None:
+    """Return the number inside the child ``tag``; None if there is no such child."""
+    child = only_child(element, tag)
+    return None if child is None else to_numbers(text_of(child), 1, child, tag)[0]

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from tool0.description.finding import Finding, Severity
+from tool0.description.finding import Finding, Severity, error_at
 from tool0.errors import ConfigError, SourceLocation
 
 if TYPE_CHECKING:
@@ -86,21 +86,11 @@ class YamlEntry:
         return [item.plain() for item in self.items] if self.is_list else self.scalar
 
     def finding(
-        self,
-        rule: str,
-        message: str,
-        remedy: str = "",
-        *,
-        severity: Severity = "error",
+        self, rule: str, message: str, remedy: str = "", severity: Severity = "error"
     ) -> Finding:
         """Return a finding about this entry."""
-        return Finding(
-            location=self.location,
-            rule=rule,
-            severity=severity,
-            key=self.key,
-            message=message,
-            remedy=remedy,
+        return error_at(
+            self.location, rule, self.key, message, remedy, severity=severity
         )
 
     def leaves(self) -> Iterator[YamlEntry]:
@@ -125,22 +115,25 @@ class Tree:
     def load(self, text: str, location: SourceLocation) -> None:
         """Put the parameters of a YAML text over those that are there.
 
-        Args:
-            text: The YAML.
-            location: Where its first line stands.
-
         Raises:
-            ConfigError: If it is not YAML, or not a mapping.
+            ConfigError: If it is not YAML, or not a mapping; ``location`` is that of
+                its first line.
         """
         entry = _TreeReader(location, self.findings).read(text)
-        if entry is None:
-            return
-        if not entry.is_mapping:
+        if entry is not None and not entry.is_mapping:
             raise ConfigError(
                 f"expected a mapping of parameters, got {entry.describe()}",
                 entry.location,
             )
-        _merge(self.root, entry)
+        if entry is not None:
+            _merge(self.root, entry)
+
+    def require_unique_keys(self) -> None:
+        """Raise ConfigError for the first key that stands twice."""
+        for finding in self.findings:
+            raise ConfigError(
+                f"'{finding.key}' stands twice; {finding.remedy}", finding.location
+            )
 
 
 def read_files(files: list[Path]) -> Tree:
@@ -155,19 +148,18 @@ def read_files(files: list[Path]) -> Tree:
     return tree
 
 
-def read_with_units(file: Path, units: Mapping[str, Constructor]) -> YamlEntry | None:
-    """Return what a YAML file of xacro holds; None if it is empty.
+def read_verbatim(file: Path, units: Mapping[str, Constructor] | None = None) -> Tree:
+    """Return what a YAML file holds; the root is null if it is empty.
 
     Keys and texts are taken as they are, without rosparam's slashes and angles.
-
-    Args:
-        file: The file.
-        units: Constructors of tagged scalars by tag, such as ``!degrees``.
+    ``units`` constructs tagged scalars by tag, such as ``!degrees``.
 
     Raises:
         ConfigError: If it cannot be read, or is not YAML.
     """
-    return _TreeReader(SourceLocation(file, 1), [], units).read(_text_of(file))
+    start, findings = SourceLocation(file, 1), list[Finding]()
+    entry = _TreeReader(start, findings, units or {}).read(_text_of(file))
+    return Tree(entry or YamlEntry("", start), findings)
 
 
 def _text_of(file: Path) -> str:
@@ -255,7 +247,7 @@ class _TreeReader:
         finally:
             self._open.pop()
 
-    def _mapping(self, node: yaml.MappingNode, key: str) -> YamlEntry:
+    def _mapping(self, node: yaml.Node, key: str) -> YamlEntry:
         result = YamlEntry(key, self._where(node), {})
         seen: set[str] = set()
         for name_node, value in self._pairs(node):
@@ -279,9 +271,11 @@ class _TreeReader:
     def _path(self, name_node: yaml.Node, key: str) -> list[str]:
         """Return the names in a key: in ROS ``a/b`` is ``b`` in the namespace ``a``."""
         name = str(name_node.value)
-        if self._units is not None:
-            return [name]
         where = self._where(name_node)
+        if self._units is not None:
+            if not isinstance(name_node.value, str) or not name:
+                raise ConfigError(f"a key under '{key or '/'}' is no name", where)
+            return [name]
         if not name_node.tag.endswith(":str"):
             raise ConfigError(
                 f"key {name!r} under '{key or '/'}' must be a text; quote it", where
@@ -291,12 +285,12 @@ class _TreeReader:
             raise ConfigError(f"key {name!r} names no parameter", where)
         return path
 
-    def _pairs(self, node: yaml.MappingNode) -> Iterator[tuple[yaml.Node, yaml.Node]]:
+    def _pairs(self, node: yaml.Node) -> Iterator[tuple[yaml.Node, yaml.Node]]:
         """Yield keys and values, those of ``<<`` first unless they are overridden."""
         import yaml
 
         own = [pair for pair in node.value if not pair[0].tag.endswith(":merge")]
-        names = {name.value for name, _ in own}
+        names = {str(name.value) for name, _ in own}
         for name, value in node.value:
             if not name.tag.endswith(":merge"):
                 continue
@@ -305,8 +299,8 @@ class _TreeReader:
                 if not isinstance(source, yaml.MappingNode):
                     raise ConfigError("'<<' needs a mapping", self._where(name))
                 for merged_name, merged in self._pairs(source):
-                    if merged_name.value not in names:
-                        names.add(merged_name.value)
+                    if str(merged_name.value) not in names:
+                        names.add(str(merged_name.value))
                         yield merged_name, merged
         yield from own
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import final
 
@@ -16,18 +15,18 @@ from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 @final
 @dataclass(frozen=True, slots=True)
 class Namespace:
-    """A mapping of values; every getter raises ConfigError with file and line."""
+    """A mapping of values; every getter raises ConfigError with file and line.
+
+    So does the constructor if ``entry`` is no mapping.
+    """
 
     entry: YamlEntry
     lookups: set[str] = field(default_factory=set)
     """The full key of everything that was looked up so far."""
 
-    @staticmethod
-    def of(entry: YamlEntry) -> Namespace:
-        """Return ``entry`` as a namespace, or raise ConfigError if it is none."""
-        if not entry.is_mapping:
-            raise _wrong(entry, "a mapping")
-        return Namespace(entry)
+    def __post_init__(self) -> None:
+        if not self.entry.is_mapping:
+            raise _wrong(self.entry, "a mapping")
 
     @property
     def location(self) -> SourceLocation:
@@ -46,8 +45,6 @@ class Namespace:
     def namespace(self, path: str) -> Namespace | None:
         """Return the mapping at ``path``, or None if there is nothing."""
         entry = self.find(path)
-        if entry is not None and not entry.is_mapping:
-            raise _wrong(entry, "a mapping")
         return None if entry is None else Namespace(entry, self.lookups)
 
     def accept(self, *paths: str) -> None:
@@ -73,29 +70,20 @@ class Namespace:
                     entry.location,
                 )
 
-    def names(self) -> Iterator[str]:
-        """Yield the keys."""
-        yield from self.entry.children
-
     def number(self, path: str, default: float | None = None) -> float:
         """Return the finite number at ``path``."""
-        entry = self.find(path)
-        if entry is None:
-            if default is None:
-                raise self.missing(path, "a number")
+        if default is not None and self.find(path) is None:
             return default
-        return _number(entry)
+        return _number(self._required(path, "a number"))
 
     def numbers(
         self, path: str, count: int, default: tuple[float, ...] | None = None
     ) -> tuple[float, ...]:
         """Return the list of ``count`` finite numbers at ``path``."""
-        entry = self.find(path)
-        kind = f"a list of {count} numbers"
-        if entry is None:
-            if default is None:
-                raise self.missing(path, kind)
+        if default is not None and self.find(path) is None:
             return default
+        kind = f"a list of {count} numbers"
+        entry = self._required(path, kind)
         if len(entry.items) != count:
             raise _wrong(entry, kind)
         return tuple(_number(item) for item in entry.items)
@@ -131,18 +119,14 @@ class Namespace:
         return entry.scalar
 
     def text(self, path: str) -> str:
-        entry = self.find(path)
-        if entry is None:
-            raise self.missing(path, "a text")
+        entry = self._required(path, "a text")
         if not isinstance(entry.scalar, str):
             raise _wrong(entry, "a text")
         return entry.scalar
 
     def texts(self, path: str) -> tuple[str, ...]:
         """Return the list of texts at ``path``, with at least one element."""
-        entry = self.find(path)
-        if entry is None:
-            raise self.missing(path, "a list of names")
+        entry = self._required(path, "a list of names")
         texts = tuple(
             item.scalar for item in entry.items if isinstance(item.scalar, str)
         )
@@ -150,11 +134,13 @@ class Namespace:
             raise _wrong(entry, "a list of names, like [joint_1, joint_2]")
         return texts
 
-    def missing(self, path: str, kind: str) -> ConfigError:
-        """Return the error that ``path`` must be there."""
+    def _required(self, path: str, kind: str) -> YamlEntry:
+        entry = self.find(path)
+        if entry is not None:
+            return entry
         near = nearest_name(path, self.entry.children)
         hint = f"; did you mean '{near}'?" if near else ""
-        return ConfigError(
+        raise ConfigError(
             f"'{self.entry.key}' lacks '{path}', {kind}{hint}", self.location
         )
 

@@ -12,14 +12,14 @@ import contextlib
 import json
 import os
 import pickle
-import select
 import signal
 import socket
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import IO, Final, NoReturn, TypeVar, final
 
@@ -27,6 +27,7 @@ from tool0.errors import Tool0Error
 from tool0.installation import supervisor
 
 R = TypeVar("R")
+_Work = Callable[[], object]
 
 _POLL_PERIOD: Final = 0.1
 """Between two calls of ``while_running`` [wall s]."""
@@ -45,7 +46,7 @@ class ChildLimitExceededError(ChildProcessFailedError):
 
 
 @final
-class ChildProcess:
+class ChildProcess(AbstractContextManager["ChildProcess"]):
     """A program that ends with ``close``, and with this process however that ends."""
 
     def __init__(
@@ -54,8 +55,7 @@ class ChildProcess:
         *,
         environment: Mapping[str, str] | None = None,
         folder: Path | None = None,
-        stdout: IO[bytes] | None = None,
-        stderr: IO[bytes] | None = None,
+        log: IO[bytes] | None = None,
         grace: float = 0.0,
     ) -> None:
         """Start it, with nothing on its standard input.
@@ -66,19 +66,19 @@ class ChildProcess:
             command: The program and its arguments.
             environment: Its variables; those of this process if left out.
             folder: Where it runs; where this process does if left out.
-            stdout: A file for its output; a temporary one if left out.
-            stderr: A file for its errors; that of its output if left out.
+            log: A file for its output and errors; if left out, they are kept for
+                ``completed`` and ``last_output``.
             grace: Time between SIGINT and SIGKILL when it is ended [wall s]; 0 for
                 SIGKILL at once.
         """
-        self._log = tempfile.TemporaryFile()  # noqa: SIM115  # closed with the child
+        make = tempfile.TemporaryFile
+        self._files = [] if log is not None else [make(), make()]
         self._is_closed = False
         self._pid: int | None = None
-        output = self._log if stdout is None else stdout
-        errors = output if stderr is None else stderr
+        output, errors = (log, log) if log is not None else self._files
         variables = dict(os.environ if environment is None else environment)
+        self._connection: socket.socket | None = None
         if sys.platform == "win32":
-            self._connection: socket.socket | None = None
             self._process = subprocess.Popen(
                 command,
                 env=variables,
@@ -105,10 +105,6 @@ class ChildProcess:
         }
         with contextlib.suppress(OSError):  # it has ended; its status says so
             self._connection.sendall(json.dumps(request).encode() + b"\n")
-
-    def __enter__(self) -> ChildProcess:
-        """Return itself."""
-        return self
 
     def __exit__(self, *_: object) -> None:
         """End it."""
@@ -137,10 +133,16 @@ class ChildProcess:
         """
         return self._process.wait(timeout)
 
+    def completed(
+        self, timeout: float | None = None
+    ) -> subprocess.CompletedProcess[str]:
+        """Wait as ``wait`` does; return its exit status, output and errors."""
+        status = self.wait(timeout)
+        return subprocess.CompletedProcess(self._process.args, status, *self._texts())
+
     def last_output(self, n_lines: int = 8) -> str:
-        """Return the end of its output, if that had no file of its own."""
-        self._log.seek(0)
-        return last_lines(self._log.read().decode(errors="replace"), n_lines)
+        """Return the end of its output, the errors last; empty if it has a log."""
+        return last_lines("\n".join(self._texts()), n_lines)
 
     def close(self) -> None:
         """End it and what it started, and wait for its end; twice is allowed."""
@@ -152,7 +154,13 @@ class ChildProcess:
         else:
             self._connection.close()
         self._process.wait()
-        self._log.close()
+        for file in self._files:
+            file.close()
+
+    def _texts(self) -> Iterator[str]:
+        for file in self._files:
+            file.seek(0)
+            yield file.read().decode(errors="replace")
 
 
 def run_program(
@@ -165,42 +173,22 @@ def run_program(
 ) -> subprocess.CompletedProcess[str]:
     """Run a program to its end; the caller looks at its exit status.
 
-    Args:
-        command: The program and its arguments.
-        environment: Its variables; if left out those of this process, with messages
-            in English.
-        folder: Where it runs; where this process does if left out.
-        timeout: Time that it may take [wall s].
-        while_running: Called about ten times a second until it has ended.
+    Without ``environment``, its messages are in English.  ``while_running`` is called
+    about ten times a second.
 
     Raises:
-        subprocess.TimeoutExpired: If it takes longer.
+        subprocess.TimeoutExpired: If it takes longer than ``timeout`` [wall s].
     """
     if environment is None:
         environment = {**os.environ, "LC_ALL": "C"}
-    with (
-        tempfile.TemporaryFile() as out,
-        tempfile.TemporaryFile() as errors,
-        ChildProcess(
-            command,
-            environment=environment,
-            folder=folder,
-            stdout=out,
-            stderr=errors,
-            grace=1.0,
-        ) as child,
-    ):
-        if while_running is not None:
-            while child.exit_status is None:
-                while_running()
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    child.wait(_POLL_PERIOD)
-        status = child.wait(timeout)
-        texts = []
-        for file in (out, errors):
-            file.seek(0)
-            texts.append(file.read().decode(errors="replace"))
-    return subprocess.CompletedProcess(command, status, *texts)
+    with ChildProcess(
+        command, environment=environment, folder=folder, grace=1.0
+    ) as child:
+        while while_running is not None and child.exit_status is None:
+            while_running()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                child.wait(_POLL_PERIOD)
+        return child.completed(timeout)
 
 
 def _connection_pair() -> tuple[socket.socket, socket.socket]:
@@ -238,19 +226,15 @@ def call_in_child(work: Callable[[], R], *, timeout: float, memory: int) -> R:
     """
     if sys.platform == "win32":
         return work()
-    connection, their_connection = _connection_pair()
-    answer, their_answer = os.pipe()
+    connection, theirs = _connection_pair()
     child = os.fork()
     if not child:
         connection.close()
-        os.close(answer)
-        _fork_worker(work, their_connection, their_answer, memory)
-    their_connection.close()
-    os.close(their_answer)
+        _fork_worker(work, theirs, memory)
+    theirs.close()
     try:
-        packet = _receive(answer, timeout)
+        packet = _receive(connection, timeout)
     finally:
-        os.close(answer)
         connection.close()
         status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if not packet:
@@ -263,31 +247,28 @@ def call_in_child(work: Callable[[], R], *, timeout: float, memory: int) -> R:
     return value
 
 
-def _receive(answer: int, timeout: float) -> bytes:
+def _receive(connection: socket.socket, timeout: float) -> bytes:
     packet, deadline = bytearray(), time.monotonic() + timeout
-    while True:
-        left = deadline - time.monotonic()
-        if left <= 0.0 or not select.select([answer], [], [], left)[0]:
-            raise ChildLimitExceededError(f"it takes longer than {timeout:g} s")
-        chunk = os.read(answer, _CHUNK)
-        if not chunk:
-            return bytes(packet)
-        packet += chunk
+    with contextlib.suppress(TimeoutError):
+        while (left := deadline - time.monotonic()) > 0.0:
+            connection.settimeout(left)
+            chunk = connection.recv(_CHUNK)
+            if not chunk:
+                return bytes(packet)
+            packet += chunk
+    raise ChildLimitExceededError(f"it takes longer than {timeout:g} s")
 
 
-def _fork_worker(
-    work: Callable[[], object], connection: socket.socket, answer: int, memory: int
-) -> NoReturn:
+def _fork_worker(work: _Work, connection: socket.socket, memory: int) -> NoReturn:
     """Become the supervisor of a process that does the work."""
     try:
         os.setsid()  # Ctrl-C is for the parent alone
         worker = os.fork()
         if not worker:
             os.setpgid(0, 0)
-            _work(work, answer, memory)
+            _work(work, connection, memory)
         with contextlib.suppress(OSError):  # the worker may be first
             os.setpgid(worker, worker)
-        os.close(answer)
 
         def wait() -> int:
             return os.waitstatus_to_exitcode(os.waitpid(worker, 0)[1])
@@ -297,7 +278,7 @@ def _fork_worker(
         os._exit(1)
 
 
-def _work(work: Callable[[], object], answer: int, memory: int) -> NoReturn:
+def _work(work: _Work, connection: socket.socket, memory: int) -> NoReturn:
     """Do it, send the result, and exit."""
     packet = b""
     try:
@@ -309,8 +290,8 @@ def _work(work: Callable[[], object], answer: int, memory: int) -> NoReturn:
     except BaseException as error:  # the parent raises it
         packet = _pickled(error)
     finally:
-        with contextlib.suppress(OSError), os.fdopen(answer, "wb") as stream:
-            stream.write(packet)
+        with contextlib.suppress(OSError):
+            connection.sendall(packet)
         os._exit(0)
 
 

@@ -40,13 +40,7 @@ class ArmChain:
     """Six turning joints from the link that carries an arm to its flange."""
 
     def __init__(self, model: RobotModel, tip: str, joints: Sequence[Joint]) -> None:
-        """Take the chain.
-
-        Args:
-            model: The robot.
-            tip: The link at the end.
-            joints: The six joints, from the base on.
-        """
+        """Take the six joints, from the base on, and the link ``tip`` at the end."""
         self.joints = tuple(joints)
         self.joint_names = tuple(joint.name for joint in joints)
         self.base = joints[0].parent
@@ -90,18 +84,14 @@ def cross_matrix(x: float, y: float, z: float) -> Array:
 
 
 def rodrigues(K: Array, K_squared: Array, angle: Array) -> Array:
-    """Return rotations about unit axes by Rodrigues' formula, shape (…, 3, 3).
+    """Return rotations by ``angle`` [rad], shape (…), about unit axes.
 
-    Args:
-        K: Cross-product matrices of the axes, shape (3, 3) or as the result.
-        K_squared: K @ K.
-        angle: [rad], shape (…).
+    Rodrigues' formula with the axes' cross-product matrices ``K``, of shape (3, 3) or
+    that of the result, (…, 3, 3).
     """
     sin, versine = np.sin(angle), 1.0 - np.cos(angle)
-    rotation: Array = (
-        np.eye(3) + sin[..., None, None] * K + versine[..., None, None] * K_squared
-    )
-    return rotation
+    turn = sin[..., None, None] * K
+    return np.asarray(np.eye(3) + turn + versine[..., None, None] * K_squared)
 
 
 def find_chains(model: RobotModel) -> dict[str, ArmChain]:

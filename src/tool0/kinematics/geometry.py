@@ -71,7 +71,10 @@ class ArmGeometry:
         self.lateral = float(centre[1])
         """How far the wrist's centre is beside the plane through the first axis [m]."""
         self._fifth_angle = _angle(axes[4, [2, 0]])
-        self.wrist = float((centre[[2, 0]] - wrist) @ _in_plane(self._fifth_angle))
+        fifth_direction = np.array(
+            [np.cos(self._fifth_angle), np.sin(self._fifth_angle)]
+        )
+        self.wrist = float((centre[[2, 0]] - wrist) @ fifth_direction)
         """From the fourth axis to the wrist's centre [m]."""
         across = np.cross(axes[4], [0.0, 1.0, 0.0])
         self._sixth_angle = np.arctan2(axes[5] @ across, axes[5, 1])
@@ -96,8 +99,7 @@ class ArmGeometry:
     def wrist_centre(self, T_base_tip: Array) -> Array:
         """Return the wrist's centre from the shoulder [m] in our axes, shape (n, 3)."""
         T = T_base_tip @ self._T_tip_wrist
-        centre: Array = (T[:, :3, 3] - self._origin) @ self._R.T
-        return centre
+        return np.asarray((T[:, :3, 3] - self._origin) @ self._R.T)
 
     def solve(self, T_base_tip: Array, sixth: Array | None = None) -> Array:
         """Return the postures for each pose, NaN where there is none.
@@ -168,14 +170,12 @@ class ArmGeometry:
         """Return the forearm's angle to the upper arm, 0 … π; NaN out of reach."""
         a, b = self.upper_arm, self.forearm
         cosine = ((joint4**2).sum(axis=-1) - a * a - b * b) / (2.0 * a * b)
-        bend: Array = np.arctan2(self._root(1.0 - cosine**2, 1.0), cosine)
-        return bend
+        return np.asarray(np.arctan2(self._root(1.0 - cosine**2, 1.0), cosine))
 
     def _root(self, square: Array, scale: Array | float) -> Array:
         """Return the root; NaN if ``square`` is below 0 by more than the tolerance."""
         within = square > -self._slack * scale
-        root: Array = np.sqrt(np.where(within, np.abs(square), np.nan))
-        return root
+        return np.asarray(np.sqrt(np.where(within, np.abs(square), np.nan)))
 
     def _check(self, chain: ArmChain) -> float:
         """Return the error of known postures [rad], or raise ControlError."""
@@ -210,15 +210,13 @@ def _turned_back(vectors: Array, angle: Array) -> Array:
 def _turn_about(axis: Array, first: Array, second: Array) -> Array:
     """Return the angle from ``first`` to ``second`` about ``axis``."""
     sine = (axis * np.cross(first, second)).sum(axis=-1)
-    angle: Array = np.arctan2(sine, (first * second).sum(axis=-1))
-    return angle
+    return np.asarray(np.arctan2(sine, (first * second).sum(axis=-1)))
 
 
 def _rotated(vectors: Array, axis: Array, angle: Array) -> Array:
     """Return ``vectors``, which are across ``axis``, turned about it."""
     c, s = np.cos(angle)[..., None], np.sin(angle)[..., None]
-    turned: Array = c * vectors + s * np.cross(axis, vectors)
-    return turned
+    return np.asarray(c * vectors + s * np.cross(axis, vectors))
 
 
 def _nearest(point: Array, along: Array, other: Array, other_along: Array) -> Array:
@@ -228,18 +226,12 @@ def _nearest(point: Array, along: Array, other: Array, other_along: Array) -> Ar
     if square < 0.5:  # nearly parallel: no wrist; the check finds that
         return point
     distance = float(np.cross(other - point, other_along) @ n) / square
-    nearest: Array = point + along * distance
-    return nearest
+    return np.asarray(point + along * distance)
 
 
 def wrapped(angle: Array) -> Array:
     """Return angles between -π and π."""
-    between: Array = np.remainder(angle + np.pi, 2 * np.pi) - np.pi
-    return between
-
-
-def _in_plane(angle: float) -> Array:
-    return np.array([np.cos(angle), np.sin(angle)])
+    return np.asarray(np.remainder(angle + np.pi, 2 * np.pi) - np.pi)
 
 
 def _angle(direction: Array) -> float:
@@ -251,5 +243,4 @@ def _norm(vector: Array) -> float:
 
 
 def _unit(vector: Array) -> Array:
-    unit: Array = vector / np.linalg.norm(vector)
-    return unit
+    return np.asarray(vector / np.linalg.norm(vector))

@@ -97,7 +97,8 @@ class InverseKinematics:
         endless = [joint.type is JointType.CONTINUOUS for joint in chain.joints]
         self._lower = np.where(endless, -np.inf, [item.lower for item in limits])
         self._upper = np.where(endless, np.inf, [item.upper for item in limits])
-        self._fastest = np.array([joint.max_velocity for joint in chain.joints])
+        self.fastest = np.array([joint.max_velocity for joint in chain.joints])
+        """Largest velocities of the joints [rad/s], shape (6,)."""
 
     def solutions(
         self, T_base_tip: Array, near: Array, branch: Branch | None = None
@@ -149,17 +150,13 @@ class InverseKinematics:
         found = self.refined(found[np.isfinite(found).all(axis=1)], T_base_tip)
         apart = np.abs(wrapped(found[:, None] - found)).max(axis=2, initial=0.0)
         repeats = np.tril(apart <= _SAME, -1).any(axis=1)
-        different: Array = found[~repeats]
-        return different
+        return np.asarray(found[~repeats])
 
     def refined(self, q: Array, T_base_tip: Array) -> Array:
         """Return those of the postures that reach their poses, by Newton's method.
 
         The closed form is exact for the ideal arm; a calibrated one differs a little.
-
-        Args:
-            q: Positions [rad], shape (n, 6).
-            T_base_tip: Where the flange is to be, shape (4, 4) or (n, 4, 4).
+        ``q`` is in [rad], shape (n, 6); ``T_base_tip`` of shape (4, 4) or (n, 4, 4).
         """
         q = q.copy()
         for step in range(_STEPS + 1):
@@ -175,27 +172,17 @@ class InverseKinematics:
                 J @ Jt + _DAMPING * np.eye(6), error[away, :, None]
             )
             q[away] += np.clip((Jt @ solved)[..., 0], -0.1, 0.1)
-        good: Array = q[sizes <= PRECISION]
-        return good
+        return np.asarray(q[sizes <= PRECISION])
 
     def branch(self, q: Array) -> Branch:
         """Return the branch of one posture, shape (6,)."""
-        (found,) = self._branches(q[None])
-        return found
-
-    def _branches(self, q: Array) -> list[Branch]:
-        signs = self.geometry.signs(q)
-        side = signs.shoulder * (1.0 if self.geometry.lateral >= 0.0 else -1.0)
-        return [
-            Branch(
-                shoulder="left" if s >= 0.0 else "right",
-                elbow="up" if e >= 0.0 else "down",
-                wrist="flip" if w >= 0.0 else "no_flip",
-            )
-            for s, e, w in zip(
-                side, signs.shoulder * signs.elbow, signs.wrist, strict=True
-            )
-        ]
+        shoulder, elbow, wrist = (sign[0] for sign in self.geometry.signs(q[None]))
+        side = shoulder if self.geometry.lateral >= 0.0 else -shoulder
+        return Branch(
+            shoulder="left" if side >= 0.0 else "right",
+            elbow="up" if shoulder * elbow >= 0.0 else "down",
+            wrist="flip" if wrist >= 0.0 else "no_flip",
+        )
 
     def _turned(self, q: Array, near: Array) -> Array:
         """Return ``q`` with the whole turns nearest to ``near``; NaN beyond limits."""
@@ -207,19 +194,16 @@ class InverseKinematics:
             above = np.where(nearest > upper, np.ceil((nearest - upper) / turn), 0.0)
         nearest = nearest + turn * (below - above)
         outside = (nearest < lower) | (nearest > upper)
-        turned: Array = np.where(
-            outside, np.nan, np.clip(nearest, self._lower, self._upper)
-        )
-        return turned
+        clipped = np.clip(nearest, self._lower, self._upper)
+        return np.where(outside, np.nan, clipped)
 
     def _as_solutions(self, q: Array, near: Array) -> list[Solution]:
-        distances = np.linalg.norm((q - near) / self._fastest, axis=1)
-        branches = self._branches(q)
+        distances = np.linalg.norm((q - near) / self.fastest, axis=1)
         names = self.chain.joint_names
         return [
             Solution(
                 positions=dict(zip(names, q[k].tolist(), strict=True)),
-                branch=branches[k],
+                branch=self.branch(q[k]),
                 distance=float(distances[k]),
             )
             for k in np.argsort(distances, kind="stable")
@@ -250,8 +234,7 @@ class InverseKinematics:
 
     def _why_not_allowed(self, q: Array) -> str:
         bad = []
-        allowed = np.clip(np.zeros(len(self._lower)), self._lower, self._upper)
-        outside = ~np.isfinite(self._turned(q, allowed))
+        outside = ~np.isfinite(self._turned(q, np.clip(0.0, self._lower, self._upper)))
         for k in np.flatnonzero(outside.any(axis=0)):
             joint = self.chain.joints[k]
             where = ", ".join(f"{value:.3f}" for value in wrapped(q[outside[:, k], k]))

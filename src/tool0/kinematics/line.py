@@ -35,13 +35,13 @@ class LinePath:
         T_tip_tool: Array,
         T_root_base: Array | None = None,
     ) -> None:
-        """Make the path.
+        """Make the path; every pose has shape (4, 4).
 
         Args:
-            start: Pose of the tool at the start, shape (4, 4).
-            end: Pose of the tool at the end, shape (4, 4).
-            T_tip_tool: Pose of the tool in the arm's flange, shape (4, 4).
-            T_root_base: Where the arm is, shape (4, 4), for messages.
+            start: Pose of the tool at the start.
+            end: Pose of the tool at the end.
+            T_tip_tool: Pose of the tool in the arm's flange.
+            T_root_base: Where the arm is, for messages.
         """
         self._T_root_base = np.eye(4) if T_root_base is None else T_root_base
         self._start = start
@@ -69,8 +69,7 @@ class LinePath:
 
     def tip(self, s: Array) -> Array:
         """Return the flange's pose at each s, shape (n, 4, 4)."""
-        tip: Array = self.tool(s) @ self._T_tool_tip
-        return tip
+        return np.asarray(self.tool(s) @ self._T_tool_tip)
 
     def twist(self, s: Array, T_base_tip: Array) -> Array:
         """Return the flange's motion per s, linear above angular, shape (n, 6)."""
@@ -156,13 +155,11 @@ def _border_speeds(segments: Sequence[PathSegment]) -> list[float]:
     inner = [min(a.speed, b.speed) for a, b in itertools.pairwise(segments)]
     speeds = [0.0, *inner, 0.0]
     ends = [0.0, *(segment.end for segment in segments)]
-    order = range(len(segments))
-    for k in order:
-        reached = _fastest_after(speeds[k], ends[k + 1] - ends[k], segments[k])
-        speeds[k + 1] = min(speeds[k + 1], reached)
-    for k in reversed(order):
-        reached = _fastest_after(speeds[k + 1], ends[k + 1] - ends[k], segments[k])
-        speeds[k] = min(speeds[k], reached)
+    forward = [(k, k, k + 1) for k in range(len(segments))]
+    backward = [(k, k + 1, k) for k in reversed(range(len(segments)))]
+    for k, known, limited in forward + backward:
+        reached = _fastest_after(speeds[known], ends[k + 1] - ends[k], segments[k])
+        speeds[limited] = min(speeds[limited], reached)
     return speeds
 
 

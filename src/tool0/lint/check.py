@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ParamSpec, TypeVar, final
 
-from tool0.description.finding import Finding, error_at
+from tool0.description.finding import Finding
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
 from tool0.lint.launch_file import ParsedLaunch
 from tool0.lint.package_file import judge_missing_package, package_findings
-from tool0.lint.packages import PackageIndex, packages_around
+from tool0.lint.packages import PackageIndex, Packages, packages_around
 from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
-from tool0.lint.resource_limits import ResourceLimitError, run_limited
+from tool0.lint.resource_limits import run_limited
 from tool0.lint.robot.facts import RobotFacts
 from tool0.lint.robot_file import (
     ParsedRobot,
@@ -22,7 +22,7 @@ from tool0.lint.robot_file import (
     read_robot,
     read_xacro_source,
 )
-from tool0.lint.sources import FileKind, Source, collect, read_text
+from tool0.lint.sources import FileKind, Source, collect, finding_of, read_text
 
 R = TypeVar("R")
 P = ParamSpec("P")
@@ -100,12 +100,7 @@ class _Check:
     # --- kinds of files ---
 
     def _launch_files(self) -> None:
-        read: dict[Path, ParsedLaunch] = {}
-        for source in self._sources.of(FileKind.LAUNCH):
-            path = source.path
-            answer = self._try(path, launch_file.read_launch_file, path, self._packages)
-            if answer is not None:
-                read[path] = answer
+        read = self._read_all(FileKind.LAUNCH, launch_file.read_launch_file)
         included = {path for answer in read.values() for path in answer.included}
         for path, answer in read.items():
             named = any(s.path == path and s.was_named for s in self._sources.files)
@@ -114,13 +109,14 @@ class _Check:
 
     def _launch_file(self, path: Path, read: ParsedLaunch) -> None:
         own = {source.path.resolve() for source in self._sources.files}
-        for finding in read.findings:  # but for those in other people's files
-            file = finding.location.file
-            if file is None or file.resolve() in own:
-                self._findings.append(finding)
+        self._findings += [  # but for those in other people's files
+            finding
+            for finding in read.findings
+            if finding.location.file is None or finding.location.file.resolve() in own
+        ]
         facts = None
-        for robot in read.robots:
-            answer = self._read_robot(robot.file, robot.args, spawned=read.spawns)
+        for file, args in read.robots:
+            answer = self._read_robot(file, args, spawned=read.spawns)
             if answer is not None:
                 self._findings += answer.findings
                 facts = facts or answer.facts
@@ -130,13 +126,8 @@ class _Check:
         self._apply(path, launch_file.control_findings, read, facts)
 
     def _xacro_files(self) -> None:
-        read: dict[Path, XacroSource] = {}
-        for source in self._sources.of(FileKind.XACRO):
-            path = source.path
-            answer = self._try(path, read_xacro_source, path, self._packages)
-            if answer is not None:
-                self._findings += answer.findings
-                read[path] = answer
+        read = self._read_all(FileKind.XACRO, read_xacro_source)
+        self._findings += [found for item in read.values() for found in item.findings]
         parts = {path for answer in read.values() for path in answer.includes}
         for path, answer in read.items():
             if answer.makes_a_robot and path.resolve() not in parts | self._loaded:
@@ -201,6 +192,14 @@ class _Check:
 
     # --- parts ---
 
+    def _read_all(
+        self, kind: FileKind, reader: Callable[[Path, Packages], R]
+    ) -> dict[Path, R]:
+        """Return what ``reader`` makes of the files that it can read."""
+        paths = [source.path for source in self._sources.of(kind)]
+        read = {path: self._try(path, reader, path, self._packages) for path in paths}
+        return {path: item for path, item in read.items() if item is not None}
+
     def _read_robot(
         self, file: Path, args: Mapping[str, str] | None, *, spawned: bool = False
     ) -> ParsedRobot | None:
@@ -221,17 +220,13 @@ class _Check:
         **keywords: P.kwargs,
     ) -> R | None:
         """Return what ``work`` returns, or None and add a finding if it fails."""
-        where = SourceLocation(file)
         try:
             return run_limited(work, *arguments, **keywords)
-        except ResourceLimitError as error:
-            message = str(error)
         except RecursionError:
-            message = "its elements are nested too deep to be read"
-        except (Tool0Error, OSError, ValueError) as error:
-            message = getattr(error, "message", str(error))
-            where = getattr(error, "location", None) or where
-        self._findings.append(error_at(where, "unreadable", "", message))
+            error: Exception = ValueError("its elements are nested too deep to be read")
+        except (Tool0Error, OSError, ValueError) as raised:
+            error = raised
+        self._findings.append(finding_of(error, "unreadable", file))
         return None
 
     def _apply(

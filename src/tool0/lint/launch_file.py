@@ -16,10 +16,10 @@ from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.yaml_tree import Tree
 from tool0.errors import ConfigError, DescriptionError, SourceLocation, nearest_name
 from tool0.lint.launch.load_context import read_limited
-from tool0.lint.launch.model import LaunchFile, Node
+from tool0.lint.launch.model import LaunchFile
 from tool0.lint.launch.reader import read_launch
 from tool0.lint.launch.xacro_files import xacro_call
-from tool0.lint.packages import PackageIndex
+from tool0.lint.packages import PackageIndex, Packages
 from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
 from tool0.lint.robot.facts import RobotFacts
 
@@ -30,21 +30,12 @@ _TAKES_VALUE = ("--namespace", "--timeout", "-t", "--shutdown-timeout")
 
 @final
 @dataclass(frozen=True, slots=True)
-class LoadedRobot:
-    """A robot that a launch file puts on the parameter server."""
-
-    file: Path
-    args: Mapping[str, str] | None
-    """The arguments of xacro; None if it is URDF."""
-
-
-@final
-@dataclass(frozen=True, slots=True)
 class ParsedLaunch:
     """A launch file as far as it could be read."""
 
     findings: tuple[Finding, ...]
-    robots: tuple[LoadedRobot, ...] = ()
+    robots: tuple[tuple[Path, Mapping[str, str] | None], ...] = ()
+    """Each file, and the arguments of xacro: None if it is URDF."""
     yamls: tuple[YamlText, ...] = ()
     included: tuple[Path, ...] = ()
     spawns: bool = False
@@ -52,13 +43,8 @@ class ParsedLaunch:
     launch: LaunchFile | None = field(default=None, repr=False)
 
 
-def read_launch_file(file: Path, packages: Mapping[str, Path]) -> ParsedLaunch:
-    """Return what a launch file loads, and what is wrong with itself.
-
-    Args:
-        file: The launch file.
-        packages: Name → folder of packages that come before all others.
-    """
+def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
+    """Return what a launch file loads, and what is wrong with itself."""
     launch = read_launch(file, {}, PackageIndex(packages))
     yamls = []
     for rosparam in launch.rosparams():
@@ -91,31 +77,33 @@ def control_findings(read: ParsedLaunch, robot: RobotFacts | None) -> Iterator[F
     yield from _spawn_findings(wanted, ControllerConfig(tree), list(files))
 
 
-def _robots(launch: LaunchFile) -> Iterator[LoadedRobot]:
+def _robots(launch: LaunchFile) -> Iterator[tuple[Path, Mapping[str, str] | None]]:
     for parameter in launch.parameters():
         call = xacro_call(parameter)
         if call is not None and call.file is not None:
-            yield LoadedRobot(call.file, call.args)
+            yield call.file, call.args
         elif parameter.source == "textfile" and parameter.content.resolved:
             path = Path(parameter.content.resolved)
             if path.suffix == ".urdf":
-                yield LoadedRobot(path, None)
+                yield path, None
 
 
 def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Finding]:
     """Yield YAML whose only <rosparam> is commented out."""
     loaded = {yaml.location.file.name for yaml in yamls if yaml.location.file}
-    for child in launch.files():
-        for location, file in commented_rosparams(child.file):
-            if Path(file).name not in loaded:
-                yield warning_at(
-                    location,
-                    "commented-out",
-                    "rosparam",
-                    f"is commented out, and nothing else loads '{file}': what "
-                    "stands in it has no effect",
-                    "load it, or delete the line and the file",
-                )
+    commented = (
+        item for child in launch.files() for item in commented_rosparams(child.file)
+    )
+    for location, file in commented:
+        if Path(file).name not in loaded:
+            yield warning_at(
+                location,
+                "commented-out",
+                "rosparam",
+                f"is commented out, and nothing else loads '{file}': what "
+                "stands in it has no effect",
+                "load it, or delete the line and the file",
+            )
 
 
 def commented_rosparams(launch_file: Path) -> Iterator[tuple[SourceLocation, str]]:
@@ -146,53 +134,42 @@ class SpawnRequest:
 def _spawn_requests(launch: LaunchFile) -> Iterator[SpawnRequest]:
     """Yield the controllers that the nodes of a launch file load or start."""
     for node in launch.nodes():
-        if node.package.resolved == "controller_manager":
-            yield from _requests_of_node(node)
-
-
-def _requests_of_node(node: Node) -> Iterator[SpawnRequest]:
-    words = list(node.words)
-    is_started = "--stopped" not in words
-    if node.type.resolved not in _SPAWNERS:
-        if node.type.resolved != "controller_manager" or not words:
-            return
-        command = words.pop(0)
+        words = list(node.words)
+        command = "load" if "--stopped" in words else "spawn"
+        if node.package.resolved != "controller_manager":
+            continue
+        if node.type.resolved == "controller_manager" and words:
+            command = words.pop(0)
+        elif node.type.resolved not in _SPAWNERS:
+            continue
         if command not in ("spawn", "start", "load"):
-            return
-        is_started = command != "load"
-    location = node.place.location if node.args is None else node.args.location
-    skip = False
-    for word in words:
-        if not skip and not word.startswith("-") and ":=" not in word:
-            yield SpawnRequest(word, is_started, location)
-        skip = word in _TAKES_VALUE
+            continue
+        location = node.place.location if node.args is None else node.args.location
+        skip = False
+        for word in words:
+            if not skip and not word.startswith("-") and ":=" not in word:
+                yield SpawnRequest(word, command != "load", location)
+            skip = word in _TAKES_VALUE
 
 
 def _spawn_findings(
     wanted: Sequence[SpawnRequest], config: ControllerConfig, files: Sequence[str]
 ) -> Iterator[Finding]:
-    """Yield controllers that no YAML defines, and those that claim the same joint.
-
-    Args:
-        wanted: What the launch file asks for.
-        config: All parameters that it loads.
-        files: The YAML files that these came from, for messages.
-    """
+    """Yield controllers that none of ``files`` defines, and two that claim a joint."""
     known = config.names
     for request in wanted:
         if request.name in known:
             continue
         near = nearest_name(request.name, known)
         where = ", ".join(files) or "and no YAML is loaded"
+        defined = ", ".join(known) or "none"
         yield error_at(
             request.location,
             "no-controller",
             request.name,
             f"no YAML that is loaded defines the controller '{request.name}' "
             f"({where}), so it does not load",
-            f"did you mean '{near}'?"
-            if near
-            else f"defined are: {', '.join(known) or 'none'}",
+            f"did you mean '{near}'?" if near else f"defined are: {defined}",
         )
     yield from _conflicts([item for item in wanted if item.is_started], config)
 
@@ -221,14 +198,10 @@ def _conflicts(
 
 def _claimed(name: str, config: ControllerConfig) -> Iterator[str]:
     """Yield the joints that a controller commands."""
-    entry = config.tree.root.children.get(name)
-    if entry is None or _only_reads(config.types.get(name, "")):
-        return
-    yield from (str(item.scalar) for item in joint_entries(entry))
-
-
-def _only_reads(type_name: str) -> bool:
-    """Return whether a controller only publishes."""
-    if type_name in TYPES:
-        return "publish_rate" in parameters_of(type_name)
-    return "state" in type_name.lower() or "sensor" in type_name.lower()
+    entry, kind = config.tree.root.children.get(name), config.types.get(name, "")
+    if kind in TYPES:
+        only_reads = "publish_rate" in parameters_of(kind)
+    else:
+        only_reads = "state" in kind.lower() or "sensor" in kind.lower()
+    if entry is not None and not only_reads:
+        yield from (str(item.scalar) for item in joint_entries(entry))

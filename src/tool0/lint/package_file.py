@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from xml.dom.minidom import Element
 
-from tool0.description.attributes import text_of
-from tool0.description.finding import Finding, error_at, warning_at
-from tool0.description.xml_source import LocatedElement, children, locate, parse_file
+from tool0.description.finding import Finding, Severity, error_at
+from tool0.description.xml_source import parse_file
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.packages import PackageIndex
-from tool0.lint.sources import FileKind, Source
+from tool0.lint.packages import PackageIndex, Packages
+from tool0.lint.robot.elements import Tag
+from tool0.lint.sources import FileKind, Source, finding_of
 
 DEPENDENCIES = ("depend", "exec_depend", "run_depend", "build_depend", "test_depend")
 _REQUIRED = ("name", "version", "description", "maintainer", "license")
@@ -27,79 +26,60 @@ _NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 def declared_dependencies(package: Path) -> frozenset[str]:
     """Return the dependencies that the package in a folder declares."""
     try:
-        root = parse_file(package / "package.xml").documentElement
+        root = Tag(parse_file(package / "package.xml").documentElement)
     except DescriptionError:
         return frozenset()
-    if root is None:
-        return frozenset()
-    return frozenset(
-        text_of(item) for item in children(root) if item.tagName in DEPENDENCIES
-    )
+    return _dependencies(root)
+
+
+def _dependencies(root: Tag) -> frozenset[str]:
+    return frozenset(item.text for item in root.children() if item.tag in DEPENDENCIES)
 
 
 def package_findings(
-    file: Path, sources: Iterable[Source], given: Mapping[str, Path]
+    file: Path, sources: Iterable[Source], given: Packages
 ) -> Iterator[Finding]:
-    """Yield what is wrong with a package.xml.
-
-    Args:
-        file: The package.xml.
-        sources: The files to check, of which those below it count.
-        given: Name → folder of the packages beside it.
-    """
+    """Yield what is wrong with a package.xml, given the files that are checked."""
     try:
-        root = parse_file(file).documentElement
+        root = Tag(parse_file(file).documentElement)
     except DescriptionError as error:
-        yield error_at(
-            error.location or SourceLocation(file),
-            "bad-xml",
-            "",
-            error.message,
-        )
+        yield finding_of(error, "bad-xml", file)
         return
-    if not isinstance(root, LocatedElement) or root.tagName != "package":
-        yield error_at(
-            SourceLocation(file, 1),
-            "bad-package",
-            "",
-            'a package.xml begins with <package format="3">',
-        )
+    if root.tag != "package":
+        message = 'a package.xml begins with <package format="3">'
+        yield error_at(SourceLocation(file, 1), "bad-package", "", message)
         return
-    present = {item.tagName for item in children(root)}
-    here = root.location or SourceLocation(file)
     for tag in _REQUIRED:
-        if tag not in present:
+        if not root.child(tag):
             yield error_at(
-                here,
+                root.location,
                 "bad-package",
                 tag,
                 f"<{tag}> is missing, so catkin refuses the package",
                 f"add <{tag}>",
             )
-    name = next((text_of(item) for item in children(root, "name")), "")
-    declared = {
-        text_of(item) for item in children(root) if item.tagName in DEPENDENCIES
-    }
+    declared = _dependencies(root)
     reached, is_whole = _reached(declared, PackageIndex(given))
     for used, where in sorted(_used(file.parent, sources).items()):
-        if used in declared or used == name:
+        if used in declared or used == root.child("name").text:
             continue
+        severity: Severity = "warning"
         if used in reached:
-            comes: str | None = f"today it comes with '{reached[used]}', which is named"
+            reason = f"today it comes with '{reached[used]}', which is named"
         elif not is_whole and used not in given:
-            comes = (
+            reason = (
                 "unless a package that is named brings it, rosdep does not install it"
             )
         else:
-            comes = None
-        finding_at = warning_at if comes else error_at
-        yield finding_at(
-            here,
+            severity = "error"
+            reason = "rosdep does not install it; on another machine it is missing"
+        yield error_at(
+            root.location,
             "missing-dependency",
             used,
-            f"{where} uses '{used}', which package.xml does not name: "
-            + (comes or "rosdep does not install it; on another machine it is missing"),
+            f"{where} uses '{used}', which package.xml does not name: {reason}",
             f"add <exec_depend>{used}</exec_depend>",
+            severity=severity,
         )
 
 
@@ -128,35 +108,32 @@ def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
     for source in sources:
         if source.kind not in (FileKind.LAUNCH, FileKind.XACRO, FileKind.URDF):
             continue
-        if not source.path.is_relative_to(folder):
-            continue
-        try:
-            root = parse_file(source.path).documentElement
-        except DescriptionError:
-            continue  # reported where the file is checked
-        for name, element in _uses(root):
-            where = locate(element) or SourceLocation(source.path)
-            found.setdefault(name, where)
+        if source.path.is_relative_to(folder):
+            try:
+                root = Tag(parse_file(source.path).documentElement)
+            except DescriptionError:
+                continue  # reported where the file is checked
+            for name, where in _uses(root):
+                found.setdefault(name, where)
     return found
 
 
-def _uses(root: Element | None) -> Iterator[tuple[str, Element]]:
+def _uses(root: Tag) -> Iterator[tuple[str, SourceLocation]]:
     """Yield the packages that a file uses whatever its arguments are."""
-    waiting = [] if root is None else [root]
+    waiting = [root]
     while waiting:
-        element = waiting.pop()
-        if element.tagName in _CHOICES:
+        tag = waiting.pop()
+        if tag.tag in _CHOICES:
             continue  # perhaps only for machines with that package
-        waiting += reversed(list(children(element)))
-        texts = [*(value for _, value in element.attributes.items()), text_of(element)]
+        waiting += reversed(list(tag.children()))
+        texts = [*(value for _, value in tag.attributes), tag.text]
         for match in _USES.finditer("\n".join(texts)):
-            yield match[1] or match[2], element
-        if element.tagName in ("node", "test") and "$" not in element.getAttribute(
-            "pkg"
-        ):
-            yield element.getAttribute("pkg"), element
-        if _GAZEBO_PLUGIN in element.getAttribute("filename"):
-            yield "gazebo_ros_control", element
+            yield match[1] or match[2], tag.location
+        package = tag.written("pkg")
+        if tag.tag in ("node", "test") and "$" not in package:
+            yield package, tag.location
+        if _GAZEBO_PLUGIN in tag.written("filename"):
+            yield "gazebo_ros_control", tag.location
 
 
 def judge_missing_package(finding: Finding) -> Finding | str:

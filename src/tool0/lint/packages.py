@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import final
+from typing import TypeAlias, final
 
 from tool0.description.finding import Finding, error_at, short, warning_at
 from tool0.description.packages import (
@@ -29,6 +29,10 @@ _MAX_SEARCHES = 200
 """Each package that does not exist costs a walk through ROS_PACKAGE_PATH."""
 
 
+Packages: TypeAlias = Mapping[str, Path]
+"""Name to folder of packages that come before all others, as a workspace's own."""
+
+
 @cache
 def _bundled_names() -> frozenset[str]:
     return frozenset(folder.name for folder in crawl(BUNDLED))
@@ -38,13 +42,7 @@ def _bundled_names() -> frozenset[str]:
 class PackageIndex:
     """Finds packages by name, and searches for each once."""
 
-    def __init__(self, given: Mapping[str, Path] | None = None) -> None:
-        """Prepare to search.
-
-        Args:
-            given: Name to folder of packages that come before all others, such as
-                those of the workspace that is checked.
-        """
+    def __init__(self, given: Packages | None = None) -> None:
         self._given = dict(given or {})
         self._found: dict[str, Path | DescriptionError] = dict(self._given)
         self._around: dict[Path, tuple[str, Path] | None] = {}
@@ -90,6 +88,8 @@ class PackageIndex:
         """Return the finding that ``user`` needs a package that does not exist."""
         near = nearest_name(name, self._given, cutoff=0.85)
         is_name = _NAME.fullmatch(name) is not None
+        message = f"{user} names no package, and '{short(name)}' can be none"
+        remedy = "write package://PACKAGE/PATH or $(find PACKAGE)"
         if is_name:
             message = (
                 f"{user} needs the package '{short(name)}', which is neither here nor "
@@ -98,9 +98,6 @@ class PackageIndex:
             remedy = (
                 "install it, or put it into the workspace and source its setup.bash"
             )
-        else:
-            message = f"{user} names no package, and '{short(name)}' can be none"
-            remedy = "write package://PACKAGE/PATH or $(find PACKAGE)"
         finding_at = error_at if near or not is_name else warning_at
         return finding_at(
             location,
@@ -170,28 +167,17 @@ def _is_package(folder: Path) -> bool:
 def _below(root: Path, depth: int) -> Iterator[Path]:
     """Yield the packages at most ``depth`` levels below ``root``."""
     seen: set[str] = set()
-    level = [root]
-    for _ in range(depth):
-        folders = [inner for folder in level for inner in _folders(folder)]
-        level = []
-        for folder in folders:
-            real = os.path.realpath(folder)
-            if real in seen or len(seen) > _MAX_FOLDERS:
-                continue
-            seen.add(real)
-            if _is_package(folder):
-                yield folder  # packages do not nest
-            else:
-                level.append(folder)
-
-
-def _folders(folder: Path) -> list[Path]:
-    try:
-        with os.scandir(folder) as entries:
-            found = [e.name for e in entries if e.name[0] != "." and e.is_dir()]
-    except OSError:
-        return []
-    return [folder / name for name in sorted(found)]
+    for name, folders, files in os.walk(root, followlinks=True):
+        folder, real = Path(name), os.path.realpath(name)
+        level = len(folder.parts) - len(root.parts)
+        is_new = real not in seen and len(seen) <= _MAX_FOLDERS
+        is_package = level > 0 and "package.xml" in files
+        seen.add(real)
+        if is_new and is_package:
+            yield folder
+        is_end = is_package or level >= depth or not is_new  # packages do not nest
+        names = sorted(name for name in folders if name[0] != ".")
+        folders[:] = [] if is_end else names
 
 
 def _name(folder: Path) -> str:

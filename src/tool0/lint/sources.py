@@ -10,6 +10,7 @@ from enum import Enum
 from pathlib import Path
 from typing import final
 
+from tool0.description.finding import Finding, error_at
 from tool0.description.packages import package_name
 from tool0.errors import ConfigError, SourceLocation
 
@@ -127,6 +128,12 @@ def read_text(file: Path) -> str:
             f"is not UTF-8: {error.reason}; save it as UTF-8",
             SourceLocation(file, line),
         ) from None
+
+
+def finding_of(error: Exception, rule: str, file: Path) -> Finding:
+    """Return an error as a finding, where it says or else about the whole file."""
+    location: SourceLocation = getattr(error, "location", None) or SourceLocation(file)
+    return error_at(location, rule, "", getattr(error, "message", str(error)))
 
 
 def kind_of(file: Path) -> FileKind | None:

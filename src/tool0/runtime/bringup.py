@@ -10,21 +10,14 @@ from tool0.control.config import ControllerConfig
 from tool0.control.lint import lint
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.camera import default_cameras, merged
-from tool0.description.catalogue import (
-    RobotDescription,
-    default_controllers,
-)
+from tool0.description.catalogue import RobotDescription, default_controllers
 from tool0.description.config import File
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
 from tool0.engines.registry import make_engine
-from tool0.errors import (
-    ConfigError,
-    ControlError,
-    did_you_mean,
-)
+from tool0.errors import ConfigError, ControlError, did_you_mean
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.bus import Bus
@@ -53,7 +46,9 @@ def start_simulation(
         Tool0Error: If an option or a file is wrong.
     """
     model = description.model
-    scene = _scene(simulation.scene)
+    scene = simulation.scene or Scene()
+    if not isinstance(scene, Scene):
+        scene = load_scene(scene)
     scene.check_beside(model)
     cameras = merged(default_cameras(model), scene.cameras, simulation.cameras)
     for camera in cameras.values():
@@ -73,18 +68,20 @@ def start_simulation(
         options=simulation.engine_options,
     )
     try:
-        core = _core(
-            model,
-            engine,
-            config,
-            position,
+        hardware, manager = _hardware(model, engine, config)
+        core = Core(
+            model=model,
+            engine=engine,
+            hardware=hardware,
+            manager=manager,
+            initial_position=position,
             scene=scene,
             control_period=control.control_period,
             grasp_assist=simulation.grasp_assist,
         )
         for name in (*started, *stopped):
-            core.manager.load(name)
-        core.manager.switch(started, (), Strictness.STRICT, core.state)
+            manager.load(name)
+        manager.switch(started, (), Strictness.STRICT, core.state)
         bus = Bus()
         loop = Loop(
             core,
@@ -110,14 +107,8 @@ def start_simulation(
     )
 
 
-def _names(names: Names) -> tuple[str, ...]:
-    """Return names given as ROS gives them, separated by spaces, or one by one."""
-    return tuple(names.split()) if isinstance(names, str) else tuple(names)
-
-
 def _controller_config(
-    description: RobotDescription,
-    files: File | Sequence[File] | None,
+    description: RobotDescription, files: File | Sequence[File] | None
 ) -> ControllerConfig:
     if files is None and description.arm is None:
         return ControllerConfig.from_text("")  # your own robot: the brakes hold it
@@ -132,17 +123,20 @@ def _controller_names(
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the controllers to start and those to load only."""
     defined = config.names
-    for name in (*_names(start or ()), *_names(stopped or ())):
-        if name not in defined:
-            raise ConfigError(
-                f"no controller '{name}' in the YAML{did_you_mean(name, set(defined))}"
-            )
-    wanted = _names(start) if start is not None else DEFAULT_CONTROLLERS
-    started = tuple(name for name in wanted if name in defined)
-    kept = _names(stopped) if stopped is not None else DEFAULT_STOPPED_CONTROLLERS
-    return started, tuple(
-        name for name in kept if name in defined and name not in started
-    )
+
+    def existing(names: Names | None, default: tuple[str, ...]) -> tuple[str, ...]:
+        if names is None:
+            return tuple(name for name in default if name in defined)
+        given = tuple(names.split() if isinstance(names, str) else names)
+        for name in given:
+            if name not in defined:
+                hint = did_you_mean(name, set(defined))
+                raise ConfigError(f"no controller '{name}' in the YAML{hint}")
+        return given
+
+    started = existing(start, DEFAULT_CONTROLLERS)
+    kept = existing(stopped, DEFAULT_STOPPED_CONTROLLERS)
+    return started, tuple(name for name in kept if name not in started)
 
 
 def _initial_position(
@@ -155,7 +149,10 @@ def _initial_position(
         if joint.mimic is None
     }
     default = poses.own.get(DEFAULT_POSE)
-    given = _positions(poses, pose) if isinstance(pose, str) else (pose or {})
+    try:
+        given = poses.find(pose).positions if isinstance(pose, str) else (pose or {})
+    except ControlError as error:
+        raise ConfigError(str(error)) from None
     return joint_positions(
         model,
         {**nearest_to_zero, **(default.positions if default else {}), **given},
@@ -163,29 +160,10 @@ def _initial_position(
     )
 
 
-def _positions(poses: PoseBook, name: str) -> Mapping[str, float]:
-    try:
-        return poses.find(name).positions
-    except ControlError as error:
-        raise ConfigError(str(error)) from None
-
-
-def _scene(scene: Scene | File | None) -> Scene:
-    if scene is None:
-        return Scene()
-    return scene if isinstance(scene, Scene) else load_scene(scene)
-
-
-def _core(
-    model: RobotModel,
-    engine: Engine,
-    config: ControllerConfig,
-    position: list[float],
-    *,
-    scene: Scene,
-    control_period: float | None,
-    grasp_assist: bool,
-) -> Core:
+def _hardware(
+    model: RobotModel, engine: Engine, config: ControllerConfig
+) -> tuple[RobotHardware, ControllerManager]:
+    """Return the robot's hardware and its controllers, with the limits of the YAML."""
     overrides = {
         name: replace(model.joint(name).limits, **limits)
         for name, limits in config.joint_limits().items()
@@ -197,14 +175,4 @@ def _core(
         name: replace(joint, limits=hardware.limits.get(name, joint.limits))
         for name, joint in model.joint_by_name.items()
     }
-    manager = ControllerManager(hardware, config, joints)
-    return Core(
-        model=model,
-        engine=engine,
-        hardware=hardware,
-        manager=manager,
-        initial_position=position,
-        scene=scene,
-        control_period=control_period,
-        grasp_assist=grasp_assist,
-    )
+    return hardware, ControllerManager(hardware, config, joints)

@@ -19,7 +19,7 @@ from tool0.errors import ConfigError, ControlError, did_you_mean
 from tool0.hardware.engine import Engine, JointState
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.runtime.joint_moves import joints_by_controller, planned_motion
+from tool0.runtime.joint_motion import joints_by_controller, planned_motion
 from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp import GraspAssist

@@ -20,12 +20,8 @@ def opening_motion(
     """Return points of the driven joint along which the pads ramp up, cruise and stop.
 
     The linkage turns a steady opening into an unsteady angle, so points lie close.
-
-    Args:
-        geometry: The gripper.
-        start: Distance between the pads now [m].
-        end: Distance to go to [m], 0 … ``geometry.max_opening``.
-        speed: Of the pads towards each other [m/s].
+    ``start`` and ``end`` are distances between the pads [m], ``end`` within 0 …
+    ``geometry.max_opening``; ``speed`` is that of the pads towards each other [m/s].
     """
     widest = geometry.max_opening
     start = min(start, widest)

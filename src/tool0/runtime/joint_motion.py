@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from tool0.control.goal_check import ROUNDING
+from tool0.control.goal_check import ROUNDING, check_position
+from tool0.control.joint_trajectory import JointTrajectoryController
+from tool0.control.manager import ControllerManager
 from tool0.control.spline import Motion, MotionPlan, shortest_turn
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
-from tool0.errors import ControlError
+from tool0.errors import ControlError, GoalRejectedError, did_you_mean
 
 if TYPE_CHECKING:
     import ruckig
@@ -61,6 +64,78 @@ def plan_motion(
         _path(joint, k, motion, end)
         for k, (joint, end) in enumerate(zip(joints, ends, strict=True))
     ]
+
+
+def joints_by_controller(
+    manager: ControllerManager, positions: Mapping[str, float]
+) -> Mapping[str, Mapping[str, float]]:
+    """Return the positions of each running trajectory controller's joints.
+
+    Raises:
+        ControlError: If no such controller claims a joint.
+    """
+    owners = {
+        joint: status.name
+        for status in manager.list()
+        if status.state == "running"
+        and isinstance(manager.running(status.name), JointTrajectoryController)
+        for joint in manager.spec(status.name).joints
+    }
+    found: dict[str, dict[str, float]] = {}
+    for joint, position in positions.items():
+        if joint not in owners:
+            raise ControlError(
+                f"no running JointTrajectoryController claims joint '{joint}', so "
+                f"nothing moves{did_you_mean(joint, list(owners))}"
+            )
+        found.setdefault(owners[joint], {})[joint] = position
+    return found
+
+
+def planned_motion(
+    controller: JointTrajectoryController,
+    positions: Mapping[str, float],
+    *,
+    speed: float,
+    now: float,
+) -> MotionPlan:
+    """Return a smooth motion from what the controller wants now to ``positions``.
+
+    Its other joints go on to where they are going, or stay.
+
+    Args:
+        controller: Whose joints; it does not change.
+        positions: Joint → where to [rad | m].
+        speed: Part of each joint's largest velocity.
+        now: Simulated time of the coming update [s].
+
+    Raises:
+        GoalRejectedError: If a joint is not the controller's, or a position is out of
+            its limits.
+        ControlError: If ``speed`` is out of range.
+    """
+    spec = controller.spec
+    for name, position in positions.items():
+        if name not in spec.joints:
+            raise GoalRejectedError(
+                f"joint '{name}' is not one of '{spec.name}'"
+                + did_you_mean(name, spec.joints),
+                GoalRejectedError.INVALID_JOINTS,
+            )
+        if not math.isfinite(position):
+            raise GoalRejectedError(
+                f"position {position} for joint '{name}'; it must be finite"
+            )
+    targets = []
+    for joint, end in zip(
+        spec.joint_models, controller.setpoint().target(), strict=True
+    ):
+        if joint.name in positions:
+            check_position(joint, positions[joint.name], f"a motion of '{spec.name}'")
+        # The present end of a joint that is left out may be beyond its limits.
+        targets.append(positions.get(joint.name, joint.limits.clamp(end)))
+    start = controller.query_state(now)
+    return plan_motion(spec.joint_models, start, targets, speed=speed)
 
 
 def require_speed(speed: float) -> None:

@@ -14,16 +14,8 @@ from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import Array
 from tool0.kinematics.geometry import wrapped
 from tool0.kinematics.inverse import InverseKinematics
-from tool0.kinematics.line import (
-    MIN_PATH_SPEED,
-    LinePath,
-    PathSegment,
-    PathTiming,
-)
-from tool0.runtime.joint_motion import (
-    TIME_TO_FULL_ACCELERATION,
-    TIME_TO_FULL_SPEED,
-)
+from tool0.kinematics.line import MIN_PATH_SPEED, LinePath, PathSegment, PathTiming
+from tool0.runtime.joint_motion import TIME_TO_FULL_ACCELERATION, TIME_TO_FULL_SPEED
 
 STEP = 0.002
 """Distance between the poses that are solved [m]."""
@@ -131,7 +123,13 @@ class LinearMotion:
                 raise self._no_solution(k, poses[k], q)
             nearest = int(np.nanargmin(sizes))
             if sizes[nearest] > MAX_JOINT_STEP:
-                raise self._joint_jump(k, turns[nearest], q)
+                joint = kinematics.chain.joints[int(np.abs(turns[nearest]).argmax())]
+                raise UnreachableError(
+                    "the line passes a singularity, or the reach of "
+                    f"'{kinematics.branch(q)}' ends: joint '{joint.name}' would have "
+                    f"to jump by {sizes[nearest]:.2f} rad {line.at(self._s[k])}; "
+                    f"{_REMEDY}"
+                )
             found[k] = q = q + turns[nearest]
         refined = kinematics.refined(found, poses)
         if len(refined) != len(found):
@@ -142,41 +140,29 @@ class LinearMotion:
         return refined
 
     def _no_solution(self, k: int, pose: Array, q: Array) -> UnreachableError:
-        place = self._line.at(float(self._s[k]))
+        place = self._line.at(self._s[k])
         try:
             self._kinematics.solutions(pose, q)
         except UnreachableError as error:
             return UnreachableError(f"the line cannot be followed: {error}; {place}")
         return UnreachableError(f"the line cannot be followed {place}")
 
-    def _joint_jump(self, k: int, turns: Array, q: Array) -> UnreachableError:
-        branch = self._kinematics.branch(q)
-        joint = self._kinematics.chain.joints[int(np.abs(turns).argmax())]
-        return UnreachableError(
-            f"the line passes a singularity, or the reach of '{branch}' ends: joint "
-            f"'{joint.name}' would have to jump by {np.abs(turns).max():.2f} rad "
-            f"{self._line.at(float(self._s[k]))}; {_REMEDY}"
-        )
-
     def _check_limits(self, q: Array) -> None:
         for k, joint in enumerate(self._kinematics.chain.joints):
             lower, upper = joint.limits.lower, joint.limits.upper
             outside = (q[:, k] < lower - 1e-6) | (q[:, k] > upper + 1e-6)
             if outside.any():
-                first = int(outside.argmax())
                 raise UnreachableError(
                     f"joint '{joint.name}' would leave its limits "
                     f"[{lower:.3f}, {upper:.3f}] rad "
-                    f"{self._line.at(float(self._s[first]))}"
+                    f"{self._line.at(self._s[outside.argmax()])}"
                 )
 
     def _segments(self) -> list[PathSegment]:
         """Return what tool and joints allow along the line."""
         rate, curvature = self._rates(self._s, self._q)
         rate, curvature = np.abs(rate), np.abs(curvature)
-        fastest = np.array(
-            [joint.max_velocity for joint in self._kinematics.chain.joints]
-        )
+        fastest = self._kinematics.fastest
         strongest = fastest / TIME_TO_FULL_SPEED
         line, limits = self._line, self._limits
         ramp = limits.speed / limits.acceleration
@@ -191,7 +177,7 @@ class LinearMotion:
         caps = np.minimum(by_speed, by_curvature)
         slowest = int(caps.argmin())
         if caps[slowest] < MIN_PATH_SPEED:
-            where = line.at(float(self._s[slowest]))
+            where = line.at(self._s[slowest])
             raise UnreachableError(f"the line passes a singularity {where}; {_REMEDY}")
         # Few segments, each as fast as its slowest point: speed changes take length.
         between = np.minimum(caps[:-1], caps[1:]) / top

@@ -9,15 +9,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, final
+from typing import final
 from urllib.parse import quote
 
 from tool0.description.catalogue import RobotDescription, named_poses
+from tool0.description.yaml_tree import YamlEntry, read_verbatim
 from tool0.errors import ConfigError, ControlError, SourceLocation, did_you_mean
 from tool0.user_data import data_folder, locked
-
-if TYPE_CHECKING:
-    import yaml
 
 LONGEST_NAME = 60
 """Characters of a pose's name that fit on a button."""
@@ -127,7 +125,7 @@ class PoseBook:
             status = self.file.stat()
             version = (status.st_mtime_ns, status.st_size, status.st_ino)
             if version != self._version:
-                self._saved = _parse(self.file.read_bytes(), self.file)
+                self._saved = _parse(self.file)
                 self._version = version
         except FileNotFoundError:
             return {}
@@ -171,62 +169,33 @@ def _replace(file: Path, poses: Mapping[str, Positions]) -> None:
         raise
 
 
-def _parse(text: bytes, file: Path) -> dict[str, Positions]:
-    """Return the poses in a file that a user may have edited, or raise ConfigError.
-
-    Names are taken as written: a pose may be called ``on`` or ``1``, or have a slash
-    in its name (so ``yaml_tree``, which reads parameters of ROS, is of no use).
-    """
-    import yaml
-
-    try:
-        node = yaml.compose(text.decode(), Loader=yaml.SafeLoader)
-    except yaml.MarkedYAMLError as error:
-        line = None if error.problem_mark is None else error.problem_mark.line + 1
-        raise ConfigError(
-            f"not YAML: {error.problem or error}", SourceLocation(file, line)
-        ) from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ConfigError(f"not YAML: {error}", SourceLocation(file)) from None
-    if node is None:
-        return {}
+def _parse(file: Path) -> dict[str, Positions]:
+    """Return the poses in a file that a user may have edited, or raise ConfigError."""
+    tree = read_verbatim(file)
+    tree.require_unique_keys()
+    poses = {} if tree.root.is_null else _children(tree.root, "the file")
     return {
         name: {
-            joint: _number(value, f"joint '{joint}' of pose '{name}'", file)
-            for joint, value in _pairs(pose, f"pose '{name}'", file)
+            joint: _number(value, f"joint '{joint}' of pose '{name}'")
+            for joint, value in _children(pose, f"pose '{name}'").items()
         }
-        for name, pose in _pairs(node, "the file", file)
+        for name, pose in poses.items()
     }
 
 
-def _pairs(node: yaml.Node, what: str, file: Path) -> Iterator[tuple[str, yaml.Node]]:
-    import yaml
-
-    if not isinstance(node, yaml.MappingNode):
-        raise ConfigError(f"{what} must be a mapping", _where(node, file))
-    seen: set[str] = set()
-    for key, value in node.value:
-        if not isinstance(key, yaml.ScalarNode) or not key.value:
-            raise ConfigError(f"{what} has a key that is no name", _where(key, file))
-        if key.value in seen:
-            raise ConfigError(
-                f"{what} has '{key.value}' twice; remove one", _where(key, file)
-            )
-        seen.add(key.value)
-        yield key.value, value
+def _children(entry: YamlEntry, what: str) -> dict[str, YamlEntry]:
+    if not entry.is_mapping:
+        raise ConfigError(f"{what} must be a mapping", entry.location)
+    return entry.children
 
 
-def _number(node: yaml.Node, what: str, file: Path) -> float:
+def _number(entry: YamlEntry, what: str) -> float:
     try:
-        number = float(str(node.value))
+        number = float(str(entry.scalar))  # YAML 1.1 takes 1e-05 for a text
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
         raise ConfigError(
-            f"{what} must be a finite number, got {node.value!r}", _where(node, file)
+            f"{what} must be a finite number, got {entry.describe()}", entry.location
         )
     return number
-
-
-def _where(node: yaml.Node, file: Path) -> SourceLocation:
-    return SourceLocation(file, node.start_mark.line + 1)

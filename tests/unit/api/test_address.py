@@ -4,6 +4,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from raises_naming import raises_naming
+from served import use_folder
 
 from tool0.api.address import Claim, folders, running_names, socket_path
 from tool0.errors import TransportError
@@ -16,15 +18,6 @@ claim.path.touch()
 print("held", flush=True)
 sys.stdin.read()
 """
-
-
-def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:
-    """Let this test's sockets be below ``folder`` only; return where."""
-    folder.chmod(0o700)
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(folder))
-    monkeypatch.setenv("TMPDIR", str(folder))
-    monkeypatch.setattr("tempfile.tempdir", None)
-    return folder / "tool0"
 
 
 @pytest.fixture(autouse=True)
@@ -45,30 +38,21 @@ def held_by_another_process() -> "subprocess.Popen[str]":
 
 
 def test_a_name_is_held_once_and_free_again_after_close(folder: Path) -> None:
-    claim = Claim("left")
-    with pytest.raises(TransportError, match=rf"'left' is running \(pid {os.getpid()}"):
+    claim, other = Claim("left"), Claim("right")
+    assert claim.path != other.path
+    assert folder.stat().st_mode & 0o777 == 0o700
+    with raises_naming(TransportError, "'left'", f"pid {os.getpid()}"):
         Claim("left")
+    other.close()
     claim.close()
     claim.close()
     Claim("left").close()
     assert list(folder.iterdir()) == []
 
 
-def test_two_names_live_side_by_side() -> None:
-    left, right = Claim("left"), Claim("right")
-    assert left.path != right.path
-    left.close()
-    right.close()
-
-
-def test_the_folder_is_private(folder: Path) -> None:
-    Claim("left").close()
-    assert folder.stat().st_mode & 0o777 == 0o700
-
-
 def test_a_live_process_keeps_its_name_and_a_dead_one_loses_it(folder: Path) -> None:
     other = held_by_another_process()
-    with pytest.raises(TransportError, match=rf"pid {other.pid}.*use --name"):
+    with raises_naming(TransportError, f"pid {other.pid}", "--name"):
         Claim("taken")
     assert (folder / "taken.sock").exists()
     other.kill()
@@ -89,23 +73,18 @@ def test_without_a_runtime_folder_a_private_temporary_one_serves(
     claim.close()
 
 
-def test_a_folder_that_others_can_enter_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("is_link", [False, True])
+def test_a_folder_that_others_can_enter_or_choose_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_link: bool
 ) -> None:
     monkeypatch.delenv("XDG_RUNTIME_DIR")
     shared = tmp_path / f"tool0-{os.getuid()}"
-    shared.mkdir()
-    shared.chmod(0o755)
-    with pytest.raises(TransportError):
-        Claim("left")
-
-
-def test_a_link_instead_of_the_folder_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delenv("XDG_RUNTIME_DIR")
-    (tmp_path / "elsewhere").mkdir(mode=0o700)
-    (tmp_path / f"tool0-{os.getuid()}").symlink_to(tmp_path / "elsewhere")
+    if is_link:
+        (tmp_path / "elsewhere").mkdir(mode=0o700)
+        shared.symlink_to(tmp_path / "elsewhere")
+    else:
+        shared.mkdir()
+        shared.chmod(0o755)
     with pytest.raises(TransportError):
         Claim("left")
 
@@ -117,7 +96,7 @@ def test_a_bad_name_is_refused(name: str, folder: Path) -> None:
 
 
 def test_a_path_too_long_for_a_socket_says_so(folder: Path) -> None:
-    with pytest.raises(TransportError, match=r"103"):
+    with raises_naming(TransportError, "103"):
         socket_path(folder / ("x" * 100), "left")
 
 

@@ -1,5 +1,3 @@
-"""The arm as a person holds it: poses of any tool in any frame, and refusals."""
-
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -8,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from arm_rig import old_urdf
+from raises_naming import raises_naming
 from ur5_rig import ARM, ARM_JOINTS, CONTROLLERS, HOME
 
 import tool0
@@ -113,7 +112,7 @@ def test_motions_in_the_tools_own_frame_add_up(robot: tool0.Robot) -> None:
 def test_a_line_begins_at_rest(robot: tool0.Robot) -> None:
     robot.arm.move_to(AHEAD)
     for _ in range(2):  # before its first tick, and on the way
-        with pytest.raises(ControlError, match=f"{ARM}"):
+        with raises_naming(ControlError, ARM):
             robot.arm.move_linear(AHEAD)
         robot.run(0.3)
 
@@ -127,7 +126,7 @@ def test_a_line_is_not_followed_by_an_arm_that_was_moved_meanwhile(
         return LinearMotion(*arguments)  # type: ignore[arg-type]
 
     monkeypatch.setattr(linear_motion, "LinearMotion", plan)
-    with pytest.raises(ControlError, match="moving"):
+    with pytest.raises(ControlError):
         robot.arm.move_linear(AHEAD)
 
 
@@ -137,17 +136,17 @@ def test_what_is_wrong_is_said_and_moves_nothing(robot: tool0.Robot) -> None:
     for move in (arm.move_to, arm.move_linear):
         with pytest.raises(UnreachableError):
             move(far)
-        with pytest.raises(ModelError, match=r"'tool'"):
+        with raises_naming(ModelError, "'tool'"):
             move(AHEAD, tip="tool")
-        with pytest.raises(ControlError, match=r"'tool0'"):
+        with raises_naming(ControlError, "'tool0'"):
             move(AHEAD, tip="left_inner_finger_pad")
-        with pytest.raises(ModelError, match=r"'table'"):
+        with raises_naming(ModelError, "'table'"):
             move(AHEAD, relative_to="table")
-    with pytest.raises(ControlError, match=r"'elbow'"):
+    with raises_naming(ControlError, "'elbow'"):
         arm.inverse_kinematics(AHEAD, near={"elbow": 1.0})
-    with pytest.raises(ControlError, match="finite"):
+    with raises_naming(ControlError, "elbow_joint"):
         arm.inverse_kinematics(AHEAD, near={"elbow_joint": np.nan})
-    with pytest.raises(ControlError, match="speed"):
+    with raises_naming(ControlError, "speed"):
         arm.move_to(AHEAD, speed=2.0)
     robot.run(0.1)
     assert robot.controller(ARM).state.desired.velocities == (0.0,) * 6
@@ -195,7 +194,7 @@ def test_robots_without_or_with_two_arms_say_so(tmp_path: Path) -> None:
     plain = old_urdf(tmp_path, kind="fixed")
     with tool0.bringup(robot=plain, realtime=False, controllers="") as robot:
         assert not robot.arms
-        with pytest.raises(ControlError, match=r"'tool0'.*6"):
+        with raises_naming(ControlError, "'tool0'", "6"):
             _ = robot.arm
     cell = CONTROLLERS.parents[2] / "examples" / "cell" / "two_arms.urdf.xacro"
     with tool0.bringup(robot=cell, realtime=False, controllers="") as robot:

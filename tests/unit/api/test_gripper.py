@@ -1,5 +1,3 @@
-"""The gripper by its opening: commands, and what it says that it does."""
-
 from __future__ import annotations
 
 import math
@@ -8,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from raises_naming import raises_naming
 from ur5_rig import GRIPPER
 
 import tool0
@@ -22,7 +21,7 @@ def robot() -> Iterator[tool0.Robot]:
 
 @pytest.mark.parametrize("opening", [-0.001, 0.0851])
 def test_an_opening_out_of_reach_is_refused(robot: tool0.Robot, opening: float) -> None:
-    with pytest.raises(ModelError, match=r"0.*0\.085"):
+    with raises_naming(ModelError, "0.085"):
         robot.gripper.move(opening=opening)
 
 
@@ -34,7 +33,7 @@ def test_a_setting_out_of_range_is_refused_and_the_motion_goes_on(
 ) -> None:
     robot.gripper.move(opening=0.07).wait(5.0)
     goal = robot.gripper.move(opening=0.03)
-    with pytest.raises(ControlError, match=setting):
+    with raises_naming(ControlError, setting):
         robot.gripper.move(opening=0.08, **{setting: value})
     assert goal.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
     assert robot.gripper.opening == pytest.approx(0.03, abs=1e-3)
@@ -45,39 +44,13 @@ def test_a_setting_out_of_range_is_refused_and_the_motion_goes_on(
 def test_what_is_no_finite_number_is_refused(
     robot: tool0.Robot, what: str, value: object
 ) -> None:
-    with pytest.raises(RequestError, match=f"{what}"):
+    with raises_naming(RequestError, what):
         robot.gripper.move(**{"opening": 0.04, what: value})  # type: ignore[arg-type]
 
 
-def test_numbers_of_numpy_s_are_numbers(robot: tool0.Robot) -> None:
-    robot.gripper.move(opening=np.float32(0.04))  # type: ignore[arg-type]
-    assert robot.gripper.wait(5.0).opening == pytest.approx(0.04, abs=1e-3)
-
-
-def test_a_refused_goal_leaves_the_effort_as_it_was(robot: tool0.Robot) -> None:
-    robot.reset()
-    robot.emergency_stop()
-    with pytest.raises(ControlError):
-        robot.gripper.move(opening=0.0, effort=0.05)
-    robot.emergency_stop(engaged=False)
-    assert robot.gripper.move(opening=0.02).wait(5.0).error_code == 0
-    robot.run(0.5)
-    assert robot.gripper.opening == pytest.approx(0.02, abs=1e-3)
-
-
-def test_any_other_goal_lifts_the_settings(robot: tool0.Robot) -> None:
-    robot.gripper.move(opening=0.08).wait(5.0)
-    robot.gripper.move(opening=0.0, speed=0.02)
-    robot.run(0.5)
-    assert robot.gripper.opening > 0.06
-    robot.controller(GRIPPER).move({"finger_joint": 0.8133}, speed=1.0)
-    robot.run(1.0)
-    assert robot.gripper.opening < 0.01
-
-
 def test_it_moves_from_the_moment_that_it_was_sent(robot: tool0.Robot) -> None:
-    for opening in (0.085, 0.0):
-        robot.gripper.move(opening=opening)
+    for opening in (0.085, 0.0, np.float32(0.04)):
+        robot.gripper.move(opening=opening)  # type: ignore[arg-type]
         assert robot.gripper.state.motion == "moving"
         state = robot.gripper.wait()
         assert (state.motion, state.gobj) == ("at_target", 3)
@@ -92,15 +65,6 @@ def test_how_often_snapshots_are_published_does_not_matter(
     for _ in range(1500):
         robot.run(0.001)
     assert robot.gripper.state.motion == "at_target"
-
-
-def test_to_wait_has_an_end(robot: tool0.Robot) -> None:
-    robot.gripper.move(opening=0.0).wait(5.0)
-    robot.gripper.move(opening=0.08, speed=0.02)
-    before = robot.time
-    with pytest.raises(GoalTimeoutError, match=r"0\.1"):
-        robot.gripper.wait(timeout=0.1)
-    assert robot.time - before == pytest.approx(0.1, abs=0.01)
 
 
 @pytest.mark.parametrize("timeout", [0.0104, 0.05])
@@ -118,7 +82,7 @@ def test_a_gripper_that_nobody_commands_is_idle(robot: tool0.Robot) -> None:
     robot.switch(stop=[GRIPPER])
     state = robot.gripper.wait()
     assert (state.motion, state.gobj) == ("idle", 0)
-    with pytest.raises(ControlError, match=r"'finger_joint'"):
+    with raises_naming(ControlError, "'finger_joint'"):
         robot.gripper.move(opening=0.04)
     robot.switch(start=[GRIPPER])
     robot.gripper.move(opening=0.04)

@@ -1,5 +1,3 @@
-"""Joints sent somewhere by name, in the physics."""
-
 from __future__ import annotations
 
 import math
@@ -7,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from raises_naming import raises_naming
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, POST, POST_GRIPPER
 
 import tool0
@@ -47,15 +46,6 @@ def test_what_is_not_named_stays_or_goes_on(robot: tool0.Robot) -> None:
     robot.run(0.2)
     arm.move({LIFT: -1.0}).wait(10.0)
     assert desired(robot) == pytest.approx({**before, PAN: 1.0, LIFT: -1.0})
-
-
-def test_a_slower_motion_takes_longer(robot: tool0.Robot) -> None:
-    durations = []
-    for position, speed in ((0.5, 1.0), (0.0, 0.1)):
-        start = robot.time
-        robot.controller(ARM).move({PAN: position}, speed=speed).wait(20.0)
-        durations.append(robot.time - start)
-    assert durations[1] > 2.0 * durations[0]
 
 
 def test_every_pose_is_reached_within_tolerances_at_full_speed(
@@ -99,23 +89,6 @@ def test_a_stream_of_new_targets_is_followed_smoothly(robot: tool0.Robot) -> Non
     np.testing.assert_allclose(arm.state.actual.positions, target, atol=0.02)
 
 
-def test_steering_arrives_within_a_milliradian_where_the_pid_holds_it(
-    robot: tool0.Robot,
-) -> None:
-    for angle in (0.2, -0.3, 0.6):
-        robot.controller(ARM).steer({PAN: angle})
-        robot.run(0.1)
-    robot.run(3.0)
-    assert robot.joint_state.position[PAN] == pytest.approx(0.6, abs=1e-3)
-
-
-def test_steering_replaces_a_goal(robot: tool0.Robot) -> None:
-    goal = robot.controller(ARM).move({PAN: 1.0})
-    robot.run(0.1)
-    robot.controller(ARM).steer({PAN: -1.0})
-    assert goal.status is tool0.GoalStatus.PREEMPTED
-
-
 def test_a_target_out_of_limits_is_refused_and_nothing_moves(
     robot: tool0.Robot,
 ) -> None:
@@ -132,20 +105,14 @@ def test_a_target_out_of_limits_is_refused_and_nothing_moves(
     assert before[1].desired.positions == after[1].desired.positions
 
 
-def test_a_speed_out_of_range_is_refused(robot: tool0.Robot) -> None:
-    with pytest.raises(RequestError, match="'speed'"):
-        robot.move_joints({PAN: 0.1}, speed=2.0)
-
-
 def test_a_joint_that_no_trajectory_controller_claims_stops_all() -> None:
     with tool0.bringup(realtime=False, controllers_file=[POST, POST_GRIPPER]) as robot:
         before = desired(robot)
-        with pytest.raises(ControlError, match=r"'finger_joint'"):
-            robot.move_joints({PAN: 1.0, FINGER: 0.4})
-        with pytest.raises(ControlError, match=r"'elbow'"):
-            robot.move_joints({PAN: 1.0, "elbow": 0.4})
+        for bad in (FINGER, "elbow"):
+            with raises_naming(ControlError, f"'{bad}'"):
+                robot.move_joints({PAN: 1.0, bad: 0.4})
         robot.switch(stop=[ARM])
-        with pytest.raises(ControlError, match=f"{PAN}"):
+        with raises_naming(ControlError, PAN):
             robot.move_joints({PAN: 1.0})
         robot.switch(start=[ARM])
         robot.run(0.1)
@@ -153,7 +120,7 @@ def test_a_joint_that_no_trajectory_controller_claims_stops_all() -> None:
 
 
 def test_a_joint_of_another_controller_is_refused(robot: tool0.Robot) -> None:
-    with pytest.raises(GoalRejectedError, match=r"'elbow_joint'") as error:
+    with raises_naming(GoalRejectedError, "'elbow_joint'") as error:
         robot.controller(ARM).move({"elbow": 0.0})
     assert error.value.code == GoalRejectedError.INVALID_JOINTS
     with pytest.raises(ControlError):
@@ -166,6 +133,8 @@ def test_nothing_moves_under_the_emergency_stop(robot: tool0.Robot) -> None:
         robot.move_joints({PAN: 0.0})
     with pytest.raises(ControlError):
         robot.controller(ARM).steer({PAN: 0.0})
+    robot.emergency_stop(engaged=False)
+    robot.move_joints({PAN: 0.0})
 
 
 def test_a_goal_calls_back_when_it_ends_and_after(robot: tool0.Robot) -> None:
@@ -179,12 +148,14 @@ def test_a_goal_calls_back_when_it_ends_and_after(robot: tool0.Robot) -> None:
     assert heard == [goal, goal]
 
 
-def test_two_runs_of_the_same_steering_are_the_same_to_the_bit() -> None:
+def test_steering_replaces_a_goal_and_is_the_same_to_the_bit_in_every_run() -> None:
     ends = []
     for _ in range(2):
         with tool0.bringup(realtime=False) as robot:
+            goal = robot.controller(ARM).move({PAN: 1.0})
             for angle in (0.2, -0.3, 0.6):
                 robot.controller(ARM).steer({PAN: angle, ELBOW: 1.0 + angle})
                 robot.run(0.1)
+            assert goal.status is tool0.GoalStatus.PREEMPTED
             ends.append(robot.joint_state)
     assert ends[0] == ends[1]

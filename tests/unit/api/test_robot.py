@@ -1,5 +1,3 @@
-"""The facade: what a person holds."""
-
 from __future__ import annotations
 
 import json
@@ -9,6 +7,8 @@ from dataclasses import FrozenInstanceError
 from pathlib import Path
 
 import pytest
+from raises_naming import raises_naming
+from ur5_rig import ARM, CONTROLLERS, HOME, POST, point
 
 import tool0
 from tool0.description.transform import Transform
@@ -21,8 +21,6 @@ from tool0.errors import (
     RequestError,
 )
 
-ARM = "eff_joint_traj_controller"
-HOME = [0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0]
 SUMMARY_KEYS = {
     "engine",
     "sim_time",
@@ -41,10 +39,6 @@ SUMMARY_KEYS = {
 def robot() -> Iterator[tool0.Robot]:
     with tool0.bringup(realtime=False) as robot:
         yield robot
-
-
-def point(positions: list[float], time: float) -> tool0.TrajectoryPoint:
-    return tool0.TrajectoryPoint(positions=positions, time_from_start=time)
 
 
 def states(robot: tool0.Robot) -> dict[str, str]:
@@ -66,7 +60,7 @@ def test_it_comes_up_with_the_controllers_of_the_launch_file(
 
 def test_joint_states_are_by_name_with_mimic_joints(robot: tool0.Robot) -> None:
     state = robot.joint_state
-    assert [*state.position.values()][:6] == HOME
+    assert tuple(state.position.values())[:6] == HOME
     assert len(state.position) == len(state.velocity) == len(state.effort) == 12
     assert "left_inner_knuckle_joint" in state.position
     with pytest.raises(FrozenInstanceError):
@@ -79,7 +73,7 @@ def test_poses_are_those_of_the_kinematics(robot: tool0.Robot) -> None:
     unit = T_base_tool0 @ T_tool0_base
     assert unit.position == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
     assert robot.pose("world") == Transform()
-    with pytest.raises(ModelError, match=r"'tol0'.*'tool0'"):
+    with raises_naming(ModelError, "'tool0'"):
         robot.pose("tol0")
 
 
@@ -95,25 +89,16 @@ def test_controllers_are_loaded_switched_and_unloaded_without_time_passing(
     robot.switch(start=["joint_group_eff_controller"], stop=[ARM])
     assert states(robot)[ARM] == "stopped"
     assert states(robot)["joint_group_eff_controller"] == "running"
-    assert robot.time == 0.0
-
-
-def test_best_effort_skips_what_strict_refuses(robot: tool0.Robot) -> None:
-    with pytest.raises(ControlError):
-        robot.switch(start=["nobody"], stop=["gripper_controller"])
-    assert states(robot)["gripper_controller"] == "running"
-    robot.switch(start=["nobody"], stop=["gripper_controller"], strict=False)
-    assert states(robot)["gripper_controller"] == "stopped"
-
-
-def test_an_unknown_controller_is_refused_with_the_nearest(robot: tool0.Robot) -> None:
-    with pytest.raises(ControlError, match=f"{ARM}"):
+    robot.switch(start=["nobody"], stop=["joint_group_eff_controller"], strict=False)
+    assert states(robot)["joint_group_eff_controller"] == "stopped"
+    with raises_naming(ControlError, ARM):
         robot.controller("eff_joint_trj_controller")
+    assert robot.time == 0.0
 
 
 @pytest.mark.parametrize("duration", [-1.0, math.nan])
 def test_time_runs_forwards_only(robot: tool0.Robot, duration: float) -> None:
-    with pytest.raises(RequestError, match="duration"):
+    with raises_naming(RequestError, "duration"):
         robot.run(duration)
 
 
@@ -129,15 +114,17 @@ def test_a_wait_passes_time_until_the_goal_ends(robot: tool0.Robot) -> None:
     at = robot.time
     assert goal.wait() is result
     assert robot.time == at
+    at_end = robot.controller(ARM).query_state(at).positions
+    assert at_end == pytest.approx((0.1, *HOME[1:]))
 
 
 def test_a_wait_that_is_too_short_says_so_and_the_goal_goes_on(
     robot: tool0.Robot,
 ) -> None:
     goal = robot.controller(ARM).follow([point([0.1, *HOME[1:]], 1.0)])
-    with pytest.raises(GoalTimeoutError, match=r"0\.25") as caught:
+    with pytest.raises(TimeoutError) as caught:
         goal.wait(timeout=0.25)
-    assert isinstance(caught.value, TimeoutError)
+    assert isinstance(caught.value, GoalTimeoutError)
     assert robot.time == pytest.approx(0.25)
     assert goal.status is tool0.GoalStatus.ACTIVE
     goal.wait(timeout=5.0)
@@ -154,22 +141,9 @@ def test_a_wait_in_real_time_is_of_wall_time() -> None:
         assert robot.time < 900.0
 
 
-def test_what_is_wanted_and_had_can_be_asked(robot: tool0.Robot) -> None:
-    arm = robot.controller(ARM)
-    arm.follow([point([0.4, *HOME[1:]], 1.0)])
-    robot.run(0.5)
-    assert arm.query_state(0.5).positions[0] == pytest.approx(0.2)
-    assert arm.query_state(9.0).positions[0] == pytest.approx(0.4)
-    state = arm.state
-    assert state.joint_names[0] == "shoulder_pan_joint"
-    assert state.error.positions[0] == pytest.approx(
-        state.desired.positions[0] - state.actual.positions[0]
-    )
-
-
 def test_pausing_stepping_and_resuming(robot: tool0.Robot) -> None:
     robot.pause()
-    with pytest.raises(ControlError, match="paused"):
+    with pytest.raises(ControlError):
         robot.run(1.0)
     robot.step()
     robot.step(9)
@@ -180,19 +154,12 @@ def test_pausing_stepping_and_resuming(robot: tool0.Robot) -> None:
     assert robot.time == pytest.approx(0.020)
 
 
-def test_it_may_begin_paused() -> None:
-    with tool0.bringup(realtime=True, paused=True) as robot:
-        assert robot.snapshot.is_paused
-        robot.step(3)
-        assert robot.time == pytest.approx(0.003)
-
-
 def test_a_reset_brings_time_and_pose_back(robot: tool0.Robot) -> None:
     robot.controller(ARM).follow([point([0.5, *HOME[1:]], 0.5)]).wait(5.0)
     robot.gripper.move(opening=0.04).wait(5.0)
     robot.reset()
     assert robot.time == robot.joint_state.time == 0.0
-    assert [*robot.joint_state.position.values()][:7] == [*HOME, 0.0]
+    assert tuple(robot.joint_state.position.values())[:7] == (*HOME, 0.0)
     assert states(robot)[ARM] == "running"
     robot.reset({"finger_joint": 0.4})
     position = robot.joint_state.position
@@ -214,33 +181,21 @@ def test_the_summary_has_the_keys_that_were_promised(robot: tool0.Robot) -> None
     arm = next(item for item in summary["controllers"] if item["name"] == ARM)
     assert arm["claimed"][0] == "shoulder_pan_joint"
     assert len(summary["joints"]) == 12
-    assert summary["joints"]["elbow_joint"].keys() == {
-        "position",
-        "velocity",
-        "effort",
-    }
+    elbow = summary["joints"]["elbow_joint"]
+    assert elbow.keys() == {"position", "velocity", "effort"}
     assert 0.0 < summary["max_drift"] < 0.02  # the droop of the effort controller
     assert summary["overruns"] == 0
 
 
 def test_the_summary_tells_where_the_yaml_says_what_nothing_reads() -> None:
-    files = [
-        Path("tests/data/controllers") / name
-        for name in ("ur5_controllers.yaml", "gazebo_controller.yaml")
-    ]
+    files = [POST, CONTROLLERS / "gazebo_controller.yaml"]
     with tool0.bringup(realtime=False, controllers_file=files) as robot:
         warnings = robot.summary()["warnings"]
     assert isinstance(warnings, list)
     assert all(w.keys() == {"file", "line", "key", "message"} for w in warnings)
-    told = {(Path(w["file"]).name, w["line"]): w["message"] for w in warnings}
-    lines = files[0].read_text().splitlines()
-    useless = 1 + next(i for i, line in enumerate(lines) if "goal_tolerance" in line)
-    assert "GripperActionController" in told["ur5_controllers.yaml", useless]
-    assert any(
-        "gazebo_ros_control/pid_gains" in message
-        for (file, _), message in told.items()
-        if file == "gazebo_controller.yaml"
-    )
+    told = [(Path(w["file"]).name, w["line"], w["key"]) for w in warnings]
+    assert ("ur5_controllers.yaml", 41, "gripper_controller/goal_tolerance") in told
+    assert "gazebo_controller.yaml" in {file for file, *_ in told}
 
 
 def test_a_robot_without_a_gripper_says_so() -> None:
@@ -269,8 +224,15 @@ def test_a_pose_may_be_named_or_given_by_joints() -> None:
         position = robot.joint_state.position
         assert (position["elbow_joint"], position["finger_joint"]) == (1.0, 0.2)
         assert position["shoulder_lift_joint"] == -1.5708  # as at home
-    with pytest.raises(ConfigError, match=r"'hme'.*'home'"):
+    with raises_naming(ConfigError, "'home'"):
         tool0.bringup(realtime=False, initial_pose="hme")
+
+
+def test_a_controller_tells_its_parameters(robot: tool0.Robot) -> None:
+    spec = robot.controller(ARM).spec
+    assert spec.type == "effort_controllers/JointTrajectoryController"
+    assert spec.joints[2] == "elbow_joint"
+    robot.controller("joint_group_eff_controller").spec  # noqa: B018  # not running
 
 
 def test_closing_twice_is_allowed_and_state_stays_readable(robot: tool0.Robot) -> None:
@@ -279,5 +241,5 @@ def test_closing_twice_is_allowed_and_state_stays_readable(robot: tool0.Robot) -
     robot.close()
     assert robot.time == pytest.approx(0.1)
     assert robot.joint_state.time == pytest.approx(0.1)
-    with pytest.raises(ControlError, match="closed"):
+    with pytest.raises(ControlError):
         robot.reset()

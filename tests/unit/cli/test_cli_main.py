@@ -76,10 +76,10 @@ def test_an_unknown_option_exits_with_2(
 def test_our_errors_are_one_line_and_2(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def refuse(command: str, arguments: list[str]) -> int:
+    def refuse() -> None:
         raise ControlError("no controller 'x' is loaded")
 
-    monkeypatch.setattr("tool0.cli.state.run", refuse)
+    monkeypatch.setattr("tool0.cli.sensors.state", refuse)
     assert main(["state"]) == FAILED
     assert capsys.readouterr().err == "tool0: error: no controller 'x' is loaded\n"
 

@@ -3,17 +3,11 @@ import json
 from pathlib import Path
 
 import pytest
-from machine import add_program
+from machine import add_gazebo_header, add_program
 
 from tool0.cli import FAILED, OK, main
-from tool0.cli.progress import ProgressBar
-from tool0.installation.gazebo.installation import (
-    PrefixMarker,
-    private_prefix,
-    write_marker,
-)
-
-CONFIG = '#define GAZEBO_VERSION_FULL "11.1.0"\n'
+from tool0.cli.text import ProgressBar
+from tool0.installation.gazebo.installation import mark_complete, private_prefix
 
 
 @pytest.fixture(autouse=True)
@@ -28,16 +22,13 @@ def bare_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def add_prefix(*, has_client: bool) -> None:
-    header = private_prefix() / "usr/include/gazebo-11/gazebo/gazebo_config.h"
-    header.parent.mkdir(parents=True)
-    header.write_text(CONFIG)
-    marker = PrefixMarker(
-        version="11.1.0",
+    add_gazebo_header(private_prefix() / "usr", "11.1.0")
+    mark_complete(
+        private_prefix(),
         triplet="x86_64-linux-gnu",
         has_client=has_client,
         size=123_456_789,
     )
-    write_marker(private_prefix(), marker)
 
 
 def status(capsys: pytest.CaptureFixture[str]) -> tuple[int, dict[str, object]]:

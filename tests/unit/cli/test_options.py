@@ -52,7 +52,7 @@ def quickly(words: list[str]) -> BringupOptions | None:
 
 
 def by_tyro(words: list[str]) -> BringupOptions:
-    return parse(BringupOptions, "bringup", words, readers=READERS, flag_pairs=True)
+    return parse(BringupOptions, "bringup", words, READERS)
 
 
 def outcome(parser: Callable[[], BringupOptions | None]) -> object:

@@ -30,9 +30,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def taken() -> Iterator[Endpoint]:
-    door = open_endpoint()
-    yield door
-    door.listener.close()
+    endpoint = open_endpoint()
+    yield endpoint
+    endpoint.listener.close()
 
 
 @contextmanager
@@ -97,7 +97,7 @@ def test_headless_serves_no_panel_and_loads_no_web_server() -> None:
     code = (
         "import sys; from tool0.cli import main; "
         "main('bringup --headless --no-realtime --duration 0 --summary none'.split());"
-        "heavy = {'starlette', 'uvicorn', 'msgspec', 'websockets', 'asyncio'};"
+        "heavy = {'starlette', 'uvicorn', 'websockets', 'asyncio', 'ssl'};"
         "print(sorted(heavy & sys.modules.keys()))"
     )
     command = [sys.executable, "-c", code]

@@ -45,24 +45,23 @@ def test_edited_files_are_named_and_what_to_do(tmp_path: Path, capsys: Capture) 
     assert "kept" not in out
 
 
-def test_below_a_src_the_commands_are_for_its_workspace(
-    tmp_path: Path, capsys: Capture
+@pytest.mark.parametrize(
+    ("folder", "command"),
+    [
+        ("src/group", "catkin_make\n"),
+        ("packages", "catkin_make --source packages\n"),
+    ],
+)
+def test_the_commands_are_for_the_workspace_above_the_packages(
+    tmp_path: Path, capsys: Capture, folder: str, command: str
 ) -> None:
-    (tmp_path / "src" / "group" / "mine").mkdir(parents=True)
-    (tmp_path / "src" / "group" / "mine" / "package.xml").write_text("<package/>")
-    assert main(["workspace", str(tmp_path / "src" / "group")]) == OK
-    assert f"  cd {tmp_path}\n" in capsys.readouterr().out
-    assert (tmp_path / "src" / "group" / "tool0_gazebo" / "package.xml").is_file()
-
-
-def test_packages_in_a_folder_of_another_name(tmp_path: Path, capsys: Capture) -> None:
-    folder = tmp_path / "packages"
-    (folder / "mine").mkdir(parents=True)
-    (folder / "mine" / "package.xml").write_text("<package/>")
-    assert main(["workspace", str(folder)]) == OK
+    (tmp_path / folder / "mine").mkdir(parents=True)
+    (tmp_path / folder / "mine" / "package.xml").write_text("<package/>")
+    assert main(["workspace", str(tmp_path / folder)]) == OK
     out = capsys.readouterr().out
     assert f"  cd {tmp_path}\n" in out
-    assert "catkin_make --source packages\n" in out
+    assert command in out
+    assert (tmp_path / folder / "tool0_gazebo" / "package.xml").is_file()
 
 
 def test_what_cannot_be_is_an_error(tmp_path: Path, capsys: Capture) -> None:

@@ -1,36 +1,14 @@
-from pathlib import Path
-
 import pytest
 from toy_robot import ARM, JOINTS
+from ur5_rig import CONTROLLERS, POST, POST_GRIPPER
 
 from tool0.control.config import ControllerConfig
 from tool0.control.lint import lint
-from tool0.description.model import Joint, JointType, RobotModel
+from tool0.description.catalogue import assemble
+from tool0.description.model import RobotModel
 
-DATA = Path(__file__).parents[2] / "data" / "controllers"
-
-
-def model(*joints: Joint) -> RobotModel:
-    return RobotModel(name="toy", root="x", links=(), joints=joints)
-
-
-TOY = model(*JOINTS.values())
-GRIPPER = model(
-    *(
-        Joint(name=name, type=JointType.REVOLUTE, parent="x", child=name)
-        for name in (
-            "finger_joint",
-            "left_inner_knuckle_joint",
-            "left_inner_finger_joint",
-            "right_inner_knuckle_joint",
-            "right_inner_finger_joint",
-            "right_finger_joint",
-        )
-    )
-)
-
-GRIPPER_JOINTS = [joint.name for joint in GRIPPER.movable_joints]
-
+TOY = RobotModel(name="toy", root="x", links=(), joints=tuple(JOINTS.values()))
+UR5 = [joint.name for joint in assemble().model.movable_joints]
 Found = dict[str, tuple[str, str]]
 
 
@@ -41,38 +19,32 @@ def found(text: str, robot: RobotModel | None = TOY) -> Found:
     return {item.key: (item.rule, item.remedy) for item in findings}
 
 
-def test_the_gripper_file_is_clean() -> None:
-    path = DATA / "robotiq_2f_85_gripper_controllers.yaml"
-    assert lint(ControllerConfig.from_files(path), GRIPPER_JOINTS) == ()
+def test_good_files_are_clean() -> None:
+    assert lint(ControllerConfig.from_files(POST_GRIPPER), UR5) == ()
+    assert found(ARM) == {}
 
 
 def test_the_arm_file_has_exactly_the_four_keys_of_another_controller() -> None:
-    path = DATA / "ur5_controllers.yaml"
-    warnings = lint(ControllerConfig.from_files(path))
-    assert [(item.location.line, item.key) for item in warnings] == [
-        (41, "gripper_controller/goal_tolerance"),
-        (42, "gripper_controller/max_effort"),
-        (43, "gripper_controller/stall_velocity_threshold"),
-        (44, "gripper_controller/stall_timeout"),
-    ]
+    warnings = lint(ControllerConfig.from_files(POST))
+    lines = POST.read_text().splitlines()
+    assert len(warnings) == 4
     for item in warnings:
-        assert (item.location.file, item.rule) == (path, "misplaced-key")
+        assert (item.location.file, item.rule) == (POST, "misplaced-key")
+        controller, key = item.key.split("/")
+        assert controller == "gripper_controller"
+        assert lines[item.location.line - 1].strip().startswith(f"{key}:")
         assert "GripperActionController" in item.message
 
 
 def test_the_gazebo_file_is_read_by_nothing() -> None:
-    path = DATA / "gazebo_controller.yaml"
-    warnings = lint(ControllerConfig.from_files(path), GRIPPER_JOINTS)
+    path = CONTROLLERS / "gazebo_controller.yaml"
+    warnings = lint(ControllerConfig.from_files(path), UR5)
     assert [(item.location.line, item.key) for item in warnings] == [
         (3, "ros_control/pid_gains"),
         (7, "ros_control/pid_gains/right_outer_knuckle_joint"),
     ]
     assert [item.rule for item in warnings] == ["misplaced-key", "unknown-joint"]
     assert "'right_finger_joint'" in warnings[1].remedy  # the only one not yet named
-
-
-def test_a_good_controller_gives_no_warning() -> None:
-    assert found(ARM) == {}
 
 
 @pytest.mark.parametrize(
@@ -103,7 +75,6 @@ def test_a_good_controller_gives_no_warning() -> None:
 def test_a_key_that_nothing_reads_is_named_with_the_nearest(
     old: str, new: str, *, key: str, rule: str, near: str
 ) -> None:
-    assert found(ARM) == {}
     said, remedy = found(ARM.replace(old, new, 1))[f"arm/{key}"]
     assert said == rule
     assert near in remedy
@@ -149,10 +120,6 @@ def test_what_is_no_controller_is_judged_by_its_key(
     assert named in remedy
 
 
-def test_a_limit_that_is_switched_off_need_not_be_enforced() -> None:
-    text = "joint_limits: {hip: {has_jerk_limits: false, max_jerk: 9}}"
-    assert found(text) == {}
-
-
-def test_without_a_model_no_joint_is_unknown() -> None:
+def test_what_need_not_be_enforced_and_cannot_be_judged_is_not_told() -> None:
+    assert found("joint_limits: {hip: {has_jerk_limits: false, max_jerk: 9}}") == {}
     assert found("joint_limits: {hop: {}}", None) == {}

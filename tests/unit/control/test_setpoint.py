@@ -1,5 +1,4 @@
 import pickle
-import threading
 
 import pytest
 from toy_robot import ARM, ToyRobot
@@ -30,23 +29,14 @@ def to(*positions: float, time: float = 1.0) -> TrajectoryGoal:
     )
 
 
-def test_a_trajectory_controller_tells_where_its_trajectory_ends() -> None:
-    robot = ToyRobot(ARM)
-    controller = robot.start("arm")
-    assert controller.setpoint().joint_names == ("hip", "slide", "wheel")
-    assert controller.setpoint().target() == (0.0, 0.0, 0.0)
-    controller.follow(to(1.0, 0.5, -0.2), robot.time)
-    assert controller.setpoint().target() == pytest.approx((1.0, 0.5, -0.2))
-    robot.run(2.0)
-    assert controller.setpoint().target() == pytest.approx((1.0, 0.5, -0.2))
-
-
 def test_of_one_joint_it_says_the_same_as_of_all() -> None:
     robot = ToyRobot(ARM)
     robot.start("arm").follow(to(1.0, 0.5, -0.2), robot.time)
     robot.run(0.4)
-    other = ToyRobot(OTHERS)
-    other.start("servo").command([3.0, 1.0])
+    assert robot.manager.setpoints()["arm"].target() == pytest.approx((1.0, 0.5, -0.2))
+    other = ToyRobot(ARM + OTHERS)
+    other.start("servo", "js").command([3.0, 1.0])
+    other.manager.load("hand")
     for manager in (robot.manager, other.manager):
         (setpoint,) = manager.setpoints().values()
         now, end = setpoint.state().desired.positions, setpoint.target()
@@ -62,23 +52,16 @@ def test_what_it_says_stays_while_the_controller_goes_on() -> None:
     robot.run(0.4)
     setpoint = controller.setpoint()
     said = pickle.dumps((setpoint.state(), setpoint.target()))
-    answers: list[bytes] = []
-    ended = threading.Event()
-
-    def ask() -> None:
-        while not ended.is_set():
-            answers.append(pickle.dumps((setpoint.state(), setpoint.target())))
-
-    asking = threading.Thread(target=ask)
-    asking.start()
-    robot.run(0.3)
-    controller.command(to(-1.0, -0.5, 0.2), robot.time)
-    robot.run(0.5)
-    robot.manager.restart(robot.state)
-    robot.run(0.1)
-    ended.set()
-    asking.join()
-    assert set(answers) == {said}
+    for go_on in (
+        lambda: None,
+        lambda: controller.command(to(-1.0, -0.5, 0.2), robot.time),
+        lambda: robot.manager.restart(robot.state),
+    ):
+        go_on()
+        for _ in range(50):
+            robot.tick()
+            now = pickle.dumps((setpoint.state(), setpoint.target()))
+            assert now == said
 
 
 def test_a_gripper_wants_its_command_from_the_start() -> None:
@@ -106,13 +89,6 @@ def test_a_position_forwarder_wants_nothing_before_its_first_command() -> None:
     assert controller.setpoint().target() == (3.0, 6.0), "within the limits"
     errors = controller.setpoint().state().error.positions
     assert errors == pytest.approx((6.0 - 6.283185307, 1.0)), "the shortest way round"
-
-
-def test_the_manager_tells_of_those_that_run_and_want_a_position() -> None:
-    robot = ToyRobot(ARM + OTHERS)
-    robot.start("arm", "js")
-    robot.manager.load("hand")
-    assert list(robot.manager.setpoints()) == ["arm"]
 
 
 @pytest.mark.parametrize("name", ["effort", "velocity"])

@@ -1,7 +1,7 @@
+import itertools
 import math
 import re
 import struct
-import threading
 from dataclasses import fields
 from pathlib import Path
 
@@ -9,18 +9,20 @@ import pytest
 import yaml
 
 from tool0.description.catalogue import (
+    arms,
     assemble,
     default_controllers,
+    grippers,
     load_description,
     load_robot,
     named_poses,
+    part_names,
 )
 from tool0.description.config import DescriptionConfig
 from tool0.description.forward_kinematics import link_pose
 from tool0.description.model import Inertial, Interface, RobotModel
 from tool0.description.shapes import Mesh
 from tool0.description.urdf import read_model
-from tool0.description.urdf_links import principal_moments
 from tool0.description.xml_source import parse_text
 from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 
@@ -133,7 +135,7 @@ def test_only_the_driven_finger_joint_can_meet_its_stop(model: RobotModel) -> No
 
 def test_every_mass_is_possible(model: RobotModel) -> None:
     for inertial in inertials(model).values():
-        low, middle, high = principal_moments(inertial)
+        low, middle, high = inertial.principal_moments
         assert low > 0
         assert low + middle >= high
         # gyration radii of parts of this size [m]
@@ -150,21 +152,6 @@ def test_urdf_to_model_to_urdf_is_a_fixed_point() -> None:
     for description in (assemble(), assemble(gripper=None, safety_limits=True)):
         assert read_model(parse_text(description.urdf)) == description.model
         assert "xacro" not in description.urdf
-
-
-def test_expansion_is_deterministic_and_unmoved_by_other_threads() -> None:
-    expected = {prefix: assemble(prefix=prefix).urdf for prefix in ("", "a_", "b_")}
-    found: dict[str, str] = {}
-
-    def work(prefix: str) -> None:
-        found[prefix] = assemble(prefix=prefix).urdf
-
-    threads = [threading.Thread(target=work, args=(prefix,)) for prefix in expected]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert found == expected
 
 
 def test_a_prefix_reaches_every_name_but_world(model: RobotModel) -> None:
@@ -187,18 +174,29 @@ def test_two_robots_stand_in_one_scene() -> None:
     ]
     T_left_right = link_pose(model, {}, "right_base_link", relative_to="left_base_link")
     assert T_left_right.position == pytest.approx((0, -2, 0))
-    assert named_poses(description) == {}
+    assert named_poses(description) == part_names(description) == {}
     with pytest.raises(DescriptionError) as error:
         default_controllers(description)
     assert str(path) in str(error.value)
 
 
 def test_bare_arm_mounting_and_place_in_the_world() -> None:
-    assert assemble(gripper=None).model.grippers == ()
-    assert assemble(gripper="none").model == assemble(gripper=None).model
-    model = assemble(
-        mount_xyz=(0, 0, 0.011), mount_rpy=(0, 0, 1.5), base_xyz=[1, 2, 3]
-    ).model
+    bare = assemble(gripper=None)
+    assert bare.model.grippers == ()
+    assert assemble(gripper="none").model == bare.model
+    assert "open" not in named_poses(bare)
+    assert "finger_joint" not in named_poses(bare)["home"]
+    controllers, _ = default_controllers(bare)
+    assert "gripper_controller" not in yaml.safe_load(controllers)
+    assert "finger_joint" not in joints_named_in(controllers)
+    description = assemble(
+        mount_xyz=(0, 0, 0.011),
+        mount_rpy=(0, 0, 1.5),
+        base_xyz=[1, 2, 3],
+        tf_prefix="robot1",
+    )
+    assert description.tf_prefix == "robot1"
+    model = description.model
     assert model.joint("ur_robotiq_joint").origin.xyz == (0, 0, 0.011)
     assert model.joint("ur_robotiq_joint").origin.rpy == (0, 0, 1.5)
     assert model.joint("world_joint").origin.xyz == (1, 2, 3)
@@ -218,12 +216,6 @@ def test_safety_limits_narrow_the_arm_by_their_margin(model: RobotModel) -> None
     assert elbow.safety.soft_upper_limit == pytest.approx(elbow.limits.upper - 0.2)
     assert elbow.safety.soft_lower_limit == pytest.approx(elbow.limits.lower + 0.2)
     assert elbow.safety.k_position == 30
-
-
-def test_tf_prefix_is_accepted_and_changes_nothing(model: RobotModel) -> None:
-    description = assemble(tf_prefix="robot1")
-    assert description.tf_prefix == "robot1"
-    assert description.model == model
 
 
 def test_the_parameters_of_the_recordings_are_the_originals() -> None:
@@ -341,6 +333,7 @@ def test_upstream_meshes_without_their_package_are_a_clear_error(
         ({"prefix": "left arm"}, ["'left arm'"]),
         ({"meshes": "fancy"}, ["'fancy'", "tool0", "upstream"]),
         ({"gripper_model": "x"}, ["'x'", "linkage", "mimic"]),
+        ({"gripper": None, "gripper_model": "linkage"}, ["gripper_model"]),
         ({"saftey_limits": True}, ["'saftey_limits'", "'safety_limits'"]),
         ({"kinematics_params": "no.yaml"}, ["no.yaml"]),
         ({"transmission_hw_interface": "hardware/interface/EffortJointInterface"},
@@ -453,3 +446,95 @@ def test_a_persons_urdf_needs_no_xacro(tmp_path: Path) -> None:
     with pytest.raises(DescriptionError) as missing:
         load_robot(tmp_path / "no.urdf")
     assert "no.urdf" in str(missing.value)
+
+
+FILES = ("controllers.yaml", "controllers_gripper_action.yaml")
+
+
+def joints_named_in(text: str) -> set[str]:
+    return {
+        token.value
+        for token in yaml.scan(text)
+        if isinstance(token, yaml.ScalarToken) and token.value.endswith("_joint")
+    }
+
+
+@pytest.mark.parametrize("prefix", ["", "left_"])
+def test_poses_place_driven_joints_within_their_limits(prefix: str) -> None:
+    description = assemble(prefix=prefix)
+    driven = set(description.model.transmission_by_joint)
+    poses = named_poses(description)
+    assert poses.keys() >= {"home", "ready", "up", "zero", "open", "half", "closed"}
+    assert poses["home"].keys() == driven
+    for pose in poses.values():
+        for name, position in pose.items():
+            assert name in driven
+            assert description.model.joint(name).limits.clamp(position) == position
+
+
+def test_gripper_poses_open_close_and_halve() -> None:
+    description = assemble()
+    (gripper,) = description.model.grippers
+    opening = {
+        name: gripper.opening(pose["finger_joint"])
+        for name, pose in named_poses(description).items()
+        if "finger_joint" in pose
+    }
+    assert opening["open"] >= gripper.max_opening
+    assert opening["half"] == pytest.approx(gripper.max_opening / 2, abs=1e-6)
+    assert opening["closed"] == pytest.approx(0, abs=1e-6)
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_controllers_name_the_driven_joints(file: str) -> None:
+    description = assemble()
+    text, location = default_controllers(description, file)
+    assert location.file is not None
+    assert location.file.name == file
+    assert joints_named_in(text) == set(description.model.transmission_by_joint)
+    assert list(yaml.safe_load(text)) == [
+        "joint_state_controller",
+        "eff_joint_traj_controller",
+        "gripper_controller",
+        "joint_group_eff_controller",
+    ]
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_a_prefix_reaches_every_joint_and_moves_no_line(file: str) -> None:
+    plain, _ = default_controllers(assemble(), file)
+    text, _ = default_controllers(assemble(prefix="left_"), file)
+    expected = {f"left_{name}" for name in joints_named_in(plain)}
+    assert joints_named_in(text) == expected
+    assert text.replace("left_", "") == plain
+
+
+ROBOTS = [
+    *itertools.product(arms(), [*grippers(), None], ["mimic"]),
+    (arms()[0], grippers()[0], "linkage"),
+]
+
+
+@pytest.mark.parametrize("prefix", ["", "left_"])
+@pytest.mark.parametrize(("arm", "gripper", "gripper_model"), ROBOTS)
+def test_what_moves_or_is_seen_has_a_name_for_people(
+    arm: str, gripper: str | None, gripper_model: str, prefix: str
+) -> None:
+    description = assemble(arm, gripper, prefix=prefix, gripper_model=gripper_model)
+    model, names = description.model, part_names(description)
+    seen = {link.name for link in model.links if link.visuals}
+    assert names.keys() >= seen | {joint.name for joint in model.movable_joints}
+    assert names.keys() <= model.link_by_name.keys() | model.joint_by_name.keys()
+    for language in ("en", "zh"):
+        called = [getattr(name, language) for name in names.values()]
+        assert all(text.strip() for text in called)
+        assert len(called) == len(set(called))
+
+
+def test_the_arm_is_called_as_in_the_table_of_the_post() -> None:
+    names = {part: name.zh for part, name in part_names(assemble()).items()}
+    assert names["base_link"] == "底座"
+    assert names["shoulder_pan_joint"] == "肩连杆与底座的关节"
+    assert names["upper_arm_link"] == "上臂"
+    assert names["wrist_3_joint"] == "腕关节3"
+    assert names["tool0"].startswith("末端")

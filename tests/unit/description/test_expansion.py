@@ -211,13 +211,6 @@ def test_xacro_is_left_as_it_was(tmp_path: Path, body: str) -> None:
     assert {name: vars(xacro)[name] for name in before} == before
 
 
-def test_given_arguments_are_not_changed(tmp_path: Path) -> None:
-    path = write(tmp_path, "a.xacro", '<xacro:arg name="n" default="1"/>')
-    args: dict[str, str] = {}
-    expand(path, args)
-    assert args == {}
-
-
 def test_threads_do_not_disturb_each_other(tmp_path: Path) -> None:
     path = write(
         tmp_path,

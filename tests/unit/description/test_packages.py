@@ -14,13 +14,6 @@ def make_package(folder: Path, name: str) -> Path:
     return folder
 
 
-def test_finds_the_bundled_package_without_any_environment(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
-    assert (find_package("tool0_description") / "package.xml").is_file()
-
-
 def test_finds_packages_at_and_below_each_entry_by_their_name_not_their_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -30,26 +23,21 @@ def test_finds_packages_at_and_below_each_entry_by_their_name_not_their_folder(
     monkeypatch.setenv("ROS_PACKAGE_PATH", os.pathsep.join(map(str, entries)))
     assert find_package("alone") == itself
     assert find_package("deep_one") == deep
-    with pytest.raises(DescriptionError):
-        find_package("folder")
+    make_package(tmp_path / "src" / "old" / "p", "shadow")
+    (tmp_path / "src" / "old" / "CATKIN_IGNORE").touch()
+    for name in ("folder", "shadow"):
+        with pytest.raises(DescriptionError):
+            find_package(name)
 
 
 def test_bundled_packages_come_first(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    assert (find_package("tool0_description") / "package.xml").is_file()
     make_package(tmp_path / "x", "tool0_description")
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
     assert tmp_path not in find_package("tool0_description").parents
-
-
-def test_folders_marked_to_be_ignored_are_ignored(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    make_package(tmp_path / "old" / "p", "shadow")
-    (tmp_path / "old" / "CATKIN_IGNORE").touch()
-    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
-    with pytest.raises(DescriptionError):
-        find_package("shadow")
 
 
 def test_a_missing_package_says_where_it_was_sought_and_what_to_do(
@@ -71,9 +59,6 @@ def test_uris_resolve_to_paths(tmp_path: Path) -> None:
     assert resolve_uri("file:///a/b.stl", here) == Path("/a/b.stl")
     package = find_package("tool0_description")
     assert resolve_uri("package://tool0_description/m/a.stl") == package / "m" / "a.stl"
-
-
-def test_an_unknown_scheme_is_refused() -> None:
     with pytest.raises(DescriptionError) as caught:
         resolve_uri("http://example.org/a.stl")
     assert "'http://'" in str(caught.value)

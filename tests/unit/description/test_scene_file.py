@@ -65,14 +65,6 @@ def test_it_reads_every_key(tmp_path: Path) -> None:
     )
 
 
-def test_it_knows_where_each_object_is_written(tmp_path: Path) -> None:
-    text = (
-        "objects:\n- {name: a, sphere: {radius: 1}}\n- {name: b, sphere: {radius: 1}}"
-    )
-    locations = scene_of(text, tmp_path).locations
-    assert {name: place.line for name, place in locations.items()} == {"a": 2, "b": 3}
-
-
 EVERY_CAMERA_KEY = """
 cameras:
   - name: palm

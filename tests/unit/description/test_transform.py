@@ -115,7 +115,7 @@ def test_a_transform_prints_short() -> None:
 
 def test_numpy_is_not_imported_before_a_matrix_is_needed() -> None:
     code = (
-        "import sys; from tool0.description import camera, rigid_model_xml, urdf; "
+        "import sys; from tool0.description import camera, rigid_model, urdf; "
         "sys.exit('numpy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -6,7 +6,6 @@ import pytest
 from tool0.description.model import JointType, RobotModel
 from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
 from tool0.description.urdf import read_model
-from tool0.description.urdf_links import principal_moments
 from tool0.description.xml_source import parse_text
 from tool0.errors import DescriptionError, LimitsError, ModelError
 
@@ -224,5 +223,5 @@ def test_principal_moments_agree_with_numpy() -> None:
             continue
         assert inertial is not None
         np.testing.assert_allclose(
-            principal_moments(inertial), expected, rtol=1e-9, atol=1e-12
+            inertial.principal_moments, expected, rtol=1e-9, atol=1e-12
         )

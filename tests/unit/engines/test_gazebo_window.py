@@ -46,7 +46,7 @@ def test_one_that_crashes_is_started_again(
     window.close()
     wait_for_watchers()
     assert window.process.exit_status is not None
-    assert caplog.records == []
+    assert not [r for r in caplog.records if "engines" in r.name]
     window.close()
 
 
@@ -68,7 +68,7 @@ def test_one_that_cannot_be_kept_is_told_of(
     window = ClientWindow(Starts(*words), log)
     wait_for_watchers()
     window.close()
-    (record,) = caplog.records
+    (record,) = (r for r in caplog.records if "engines" in r.name)
     assert record.levelno == logging.WARNING
     first, *lines = record.getMessage().splitlines()
     assert told in first
@@ -82,4 +82,4 @@ def test_one_that_a_person_closes_stays_closed(
     window = ClientWindow(Starts(words), tmp_path / "log")  # a second start would fail
     wait_for_watchers()
     window.close()
-    assert caplog.records == []
+    assert not [r for r in caplog.records if "engines" in r.name]

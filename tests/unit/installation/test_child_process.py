@@ -115,8 +115,7 @@ def test_the_environment_is_for_the_program_alone(tmp_path: Path) -> None:
     environment = {"LD_PRELOAD": str(tmp_path / "none.so"), "A": "b", "PATH": "/bin"}
     command = [sys.executable, "-c", "import os; print(os.environ['A'], os.getcwd())"]
     with ChildProcess(command, environment=environment, folder=tmp_path) as child:
-        assert child.wait(TIMEOUT) == 0
-        assert child.last_output(1) == f"  b {tmp_path.resolve()}"
+        assert child.completed(TIMEOUT).stdout == f"b {tmp_path.resolve()}\n"
 
 
 def test_a_default_timeout_of_sockets_does_not_matter() -> None:

@@ -9,7 +9,7 @@ from arm_rig import calibration, old_model, only_chain, ur5
 from tool0.description.transform import Pose, pose_matrix
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import ArmChain, Array
-from tool0.kinematics.geometry import ArmGeometry
+from tool0.kinematics.geometry import ArmGeometry, wrapped
 from tool0.kinematics.inverse import Branch, InverseKinematics
 
 N_POSES = 200
@@ -24,10 +24,6 @@ def arm() -> InverseKinematics:
 
 def reached(chain: ArmChain, q: object) -> Array:
     return chain.forward(np.array(q, dtype=float).reshape(-1, 6)).T_base_tip
-
-
-def wrapped(angle: Array) -> Array:
-    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
 
 
 def check_all_branches(arm: InverseKinematics, seed: int, n: int = N_POSES) -> None:
@@ -193,16 +189,13 @@ def test_limits_in_the_way_are_named(tmp_path: Path) -> None:
     assert "[2.900" in str(caught.value)
 
 
-def test_a_branch_has_no_other_names() -> None:
+def test_a_branch_has_no_other_names(arm: InverseKinematics) -> None:
+    with pytest.raises(ControlError):
+        arm.solutions(np.eye(4), np.zeros(6), "up")  # type: ignore[arg-type]
     with pytest.raises(ControlError) as caught:
         Branch(elbow="left")  # type: ignore[arg-type]
     assert "'up' or 'down'" in str(caught.value)
     assert str(USUAL) == "left, up, no_flip"
-
-
-def test_a_word_is_no_branch(arm: InverseKinematics) -> None:
-    with pytest.raises(ControlError):
-        arm.solutions(np.eye(4), np.zeros(6), "up")  # type: ignore[arg-type]
 
 
 def test_many_poses_are_solved_as_one_is() -> None:

@@ -9,6 +9,7 @@ from check_files import DATA, of_yaml, summary
 from tool0.control.config import TYPES
 from tool0.description.catalogue import assemble
 from tool0.description.xml_source import parse_text
+from tool0.lint.robot.elements import Tag
 from tool0.lint.robot.facts import RobotFacts, facts_of
 
 ARM = """\
@@ -28,7 +29,7 @@ PUBLISHED = yaml.safe_load(
 def robot() -> RobotFacts:
     root = parse_text(assemble().urdf).documentElement
     assert root is not None
-    return facts_of(root)
+    return facts_of(Tag(root))
 
 
 def test_a_good_file_is_clean(robot: RobotFacts) -> None:
@@ -62,43 +63,24 @@ def test_what_is_published_is_clean(arm: str, robot: RobotFacts) -> None:
     assert of_yaml(text) == of_yaml(text, robot) == []
 
 
+FOLLOWER = "left_inner_knuckle_joint,"
+LAST = "    wrist_1_joint: {p: 500, d: 1, i: 1, i_clamp: 1}\n"
+OF_ROS2 = "joint_trajectory_controller/"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "rule", "says"),
     [
         ("elbow_joint,", "elbw_joint,", 3, "unknown-joint", "'elbow_joint'"),
-        ("elbow_joint,", "finger_joint,", 5, "unread-key", "among the controller's"),
-        (
-            "elbow_joint,",
-            "left_inner_knuckle_joint,",
-            3,
-            "no-transmission",
-            "follows 'finger_joint'",
-        ),
+        ("elbow_joint,", "finger_joint,", 5, "unread-key", "'elbow_joint'"),
+        ("elbow_joint,", FOLLOWER, 3, "no-transmission", "'finger_joint'"),
         ("effort_c", "velocity_c", 3, "interface-mismatch", "EffortJointInterface"),
-        (
-            "    wrist_1_joint: {p: 500, d: 1, i: 1, i_clamp: 1}\n",
-            "",
-            4,
-            "missing-gains",
-            "gains/wrist_1_joint: {p:",
-        ),
-        ("{p: 500, d", "{d", 6, "missing-gains", "at least p"),
+        (LAST, "", 4, "missing-gains", "gains/wrist_1_joint: {p:"),
+        ("{p: 500, d", "{d", 6, "missing-gains", "{p:"),
         ("TrajectoryC", "TrajectoriC", 2, "unknown-type", "JointTrajectoryController"),
-        (
-            "effort_controllers/",
-            "joint_trajectory_controller/",
-            2,
-            "unknown-type",
-            "of ROS 2",
-        ),
+        ("effort_controllers/", OF_ROS2, 2, "unknown-type", "ROS 2"),
         ("p: 2000", "p: many", 5, "controller-fails", "'many'"),
-        (
-            "  joints: [elbow_joint, wrist_1_joint]\n",
-            "",
-            1,
-            "missing-key",
-            "joints",
-        ),
+        ("  joints: [elbow_joint, wrist_1_joint]\n", "", 1, "missing-key", "joints"),
         ("i_clamp: 1}", "i_clam: 1}", 5, "unread-key", "'i_clamp'"),
     ],
 )
@@ -166,7 +148,9 @@ def test_a_fixed_joint_is_not_what_was_meant() -> None:
     robot = parse_text(text).documentElement
     assert robot is not None
     gains = "ros_control:\n  pid_gains:\n    right_outer_knuckle_joint: {p: 1}\n"
-    unknown = [f for f in of_yaml(gains, facts_of(robot)) if f.rule == "unknown-joint"]
+    unknown = [
+        f for f in of_yaml(gains, facts_of(Tag(robot))) if f.rule == "unknown-joint"
+    ]
     assert [item.remedy for item in unknown] == ["did you mean 'right_finger_joint'?"]
 
 

@@ -46,7 +46,7 @@ def fail() -> None:
     ("work", "named"),
     [
         (lambda: bytes(1 << 30), "64 MiB"),
-        (os.abort, "status"),
+        (os.abort, "SIGABRT"),
         (fail, "Unpicklable: quite"),
     ],
 )

@@ -10,7 +10,7 @@ from tool0.control.lint import OF_TOOL0
 ROOT = Path(__file__).parents[3]
 COMPOSED = {"duplicate-link", "duplicate-joint"}
 SOURCES = ("lint", "control", "description")
-MAKERS = ("finding", "report", "error_at", "warning_at", "_finding", "_problem")
+MAKERS = ("finding", "report", "error_at", "warning_at", "error", "warning", "_problem")
 
 
 def raised(tree: ast.AST) -> Iterator[str]:

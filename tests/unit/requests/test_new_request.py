@@ -21,6 +21,7 @@ from tool0.interfaces.panel.address import open_endpoint
 from tool0.interfaces.panel.server import panel_service
 from tool0.interfaces.server.server import Server
 from tool0.interfaces.server.unix_socket import UnixSocketService
+from tool0.requests import codec
 from tool0.requests.table import Request, handles
 from tool0.runtime.simulation import Simulation
 
@@ -57,35 +58,24 @@ def robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tool0.Rob
 
 
 REQUEST = MeasureTravel(joint="elbow_joint", position=1.0)
+TOO_FAR = MeasureTravel(joint="elbow_joint", position=11.0)
 
 
-def test_python_calls_it(robot: tool0.Robot) -> None:
-    travel = robot.channel.call(REQUEST)
-    assert travel == JointTravel("elbow_joint", pytest.approx(0.5708))
-    with pytest.raises(RequestError):
-        robot.channel.call(MeasureTravel(joint="elbow_joint", position=11.0))
-
-
-def test_socket_and_websocket_call_it(robot: tool0.Robot) -> None:
+def test_python_socket_and_websocket_call_it(robot: tool0.Robot) -> None:
     endpoint = open_endpoint(port=0, token="secret")
     backend, page = panel_service(robot, endpoint)
     with Server(backend, [UnixSocketService(Claim("new")), page], "new"):
         with tool0.connect("new") as remote:
-            travel = remote.channel.call(REQUEST)
-            assert travel.distance == pytest.approx(0.5708)
-            with pytest.raises(RequestError):
-                remote.channel.call(MeasureTravel(joint="elbow_joint", position=11.0))
+            for caller in (robot, remote):
+                travel = caller.channel.call(REQUEST)
+                assert travel == JointTravel("elbow_joint", pytest.approx(0.5708))
+                with pytest.raises(RequestError):
+                    caller.channel.call(TOO_FAR)
         address = endpoint.url.replace("http", "ws").replace("/?", "/ws?")
         with open_websocket(address) as socket:
             assert json.loads(socket.recv())["type"] == "hello"
-            params = {"joint": "elbow_joint", "position": 1.0}
-            socket.send(
-                json.dumps({"id": 1, "method": "measure_travel", "params": params})
-            )
+            socket.send(codec.encode_request(1, REQUEST))
             reply = json.loads(socket.recv())
             assert reply["result"]["distance"] == pytest.approx(0.5708)
-            params["position"] = 11.0
-            socket.send(
-                json.dumps({"id": 2, "method": "measure_travel", "params": params})
-            )
+            socket.send(codec.encode_request(2, TOO_FAR))
             assert json.loads(socket.recv())["error"]["type"] == "RequestError"

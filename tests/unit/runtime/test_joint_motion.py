@@ -91,28 +91,19 @@ def random_place(rng: np.random.Generator) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_from_rest_it_keeps_to_the_limits_and_arrives_at_rest(seed: int) -> None:
+def test_from_rest_it_is_a_straight_line_within_the_limits(seed: int) -> None:
     rng = np.random.default_rng(seed)
     start, ends = moving(random_place(rng)), random_place(rng)
     speed = float(rng.choice([0.01, 0.1, 0.5, 1.0]))
     plan = plan_motion(ARM, start, ends, speed=speed)
     _, q, qd, _ = sampled(start, plan, dt=5e-3 / speed)
     assert (abs(qd) <= 1.001 * speed * FASTEST).all()
-    lower, upper = np.minimum(start.positions, ends), np.maximum(start.positions, ends)
-    assert (q >= lower - 1e-9).all(), "no overshoot"
-    assert (q <= upper + 1e-9).all(), "no overshoot"
     assert last(plan) == tuple(ends)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_from_rest_it_is_a_straight_line_that_ends_for_all_at_once(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    start, ends = moving(random_place(rng)), random_place(rng)
-    _, q, _, _ = sampled(start, plan_motion(ARM, start, ends, speed=0.5), 5e-3)
     done = (q - start.positions) / (ends - np.array(start.positions))
-    np.testing.assert_allclose(
-        done, np.broadcast_to(done[:, :1], done.shape), atol=1e-6
-    )
+    assert (done >= -1e-6).all()
+    assert (done <= 1.0 + 1e-6).all()
+    straight = np.broadcast_to(done[:, :1], done.shape)
+    np.testing.assert_allclose(done, straight, atol=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(15))

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 import pytest
+from raises_naming import raises_naming
 from skew_rig import START, build_core, build_loop, follow, switch
 
 from tool0.control.goal import GoalStatus
@@ -76,16 +77,6 @@ def test_a_run_takes_the_simulated_time_that_was_asked_for(
     assert bus.latest.time == loop.time
 
 
-def test_many_short_runs_are_one_long_one(start: Starter) -> None:
-    loop, _, core = start()
-    for _ in range(100):
-        loop.run(0.003)
-    other, _, same = start()
-    other.run(0.3)
-    assert loop.time == other.time
-    assert core.state == same.state
-
-
 def test_a_run_ends_early_when_its_condition_holds(start: Starter) -> None:
     loop, _, _ = start()
     loop.run(math.inf, until=lambda: loop.steps >= 17)
@@ -112,13 +103,6 @@ def test_reading_publishes_nothing_lest_a_reader_of_snapshots_wake_itself(
     assert bus.latest is before
 
 
-def test_what_a_command_raises_its_sender_gets(start: Starter) -> None:
-    loop, _, core = start()
-    with pytest.raises(ControlError, match=r"'nobody'"):
-        loop.call(lambda: core.manager.unload("nobody"))
-    loop.run(0.01)
-
-
 def test_a_goal_that_ends_is_an_event(start: Starter) -> None:
     loop, bus, core = start()
     reader = bus.subscribe()
@@ -128,36 +112,29 @@ def test_a_goal_that_ends_is_an_event(start: Starter) -> None:
     assert list(reader.events) == [GoalFinished(goal)]
 
 
-def test_a_paused_loop_does_not_run_but_answers(start: Starter) -> None:
-    loop, bus, core = start(paused=True)
-    assert bus.latest is not None
-    assert bus.latest.is_paused
-    with pytest.raises(ControlError):
-        loop.run(0.1)
-    loop.call(lambda: follow(core, [0.5, 0.5], 0.2))
-    assert loop.time == 0.0
-    loop.call(lambda: loop.set_paused(False))
-    loop.run(0.1)
-    assert loop.time == pytest.approx(0.1)
-
-
-def test_steps_pass_only_while_paused_and_publish(start: Starter) -> None:
-    loop, bus, _ = start()
+@pytest.mark.parametrize("speed", [None, 50.0])
+def test_steps_pass_only_while_paused_and_publish(
+    start: Starter, speed: float | None
+) -> None:
+    loop, bus, core = start(speed=speed)
     with pytest.raises(ControlError):
         loop.call(lambda: loop.step(1))
     loop.call(lambda: loop.set_paused(True))
+    assert bus.latest is not None
+    assert bus.latest.is_paused
+    with pytest.raises(ControlError):
+        loop.run(1.0)
     for n_ticks in (1, 5, 37):
         before = loop.steps
         loop.call(partial(loop.step, n_ticks))
         assert loop.steps == before + n_ticks
-        assert bus.latest is not None
         assert bus.latest.tick == loop.steps
-
-
-def test_only_real_time_has_a_speed(start: Starter) -> None:
-    loop, _, _ = start()
-    with pytest.raises(ControlError):
-        loop.call(lambda: loop.set_speed(2.0))
+    goal = loop.call(lambda: follow(core, [0.5, 0.5], 0.2))
+    assert goal.status is GoalStatus.ACTIVE
+    assert loop.steps == before + n_ticks
+    loop.call(lambda: loop.set_paused(False))
+    loop.run(0.01)
+    assert loop.steps >= before + 37 + 10
 
 
 def test_a_reset_is_an_event_and_steps_count_on(start: Starter) -> None:
@@ -172,13 +149,6 @@ def test_a_reset_is_an_event_and_steps_count_on(start: Starter) -> None:
     assert loop.steps == 300
 
 
-def test_drift_is_remembered_and_commanded_joints_do_not_count(start: Starter) -> None:
-    loop, _, core = start()
-    loop.call(lambda: follow(core, [1.0, 1.0], 0.5))
-    loop.run(1.0)
-    assert 0.0 < loop.max_drift < 5e-3  # the slide's, while the arm swings it
-
-
 # ---- faults --------------------------------------------------------------------------
 
 
@@ -188,10 +158,9 @@ def test_a_fault_stands_still_tells_and_is_mended_by_a_reset(start: Starter) -> 
     goal = loop.call(lambda: follow(core, [1.0, 1.0], 0.5))
     loop.run(0.1)
     break_physics(core)
-    with pytest.raises(DivergenceError, match=r"'lift'.*0\.101"):
-        loop.run(0.1)
-    with pytest.raises(DivergenceError):
-        loop.run(0.1)
+    for _ in range(2):
+        with raises_naming(DivergenceError, "'lift'", "0.101"):
+            loop.run(0.1)
     with pytest.raises(DivergenceError):
         loop.wait_for_goal(goal, 1.0)
     assert bus.latest is not None
@@ -236,25 +205,10 @@ def test_a_bug_in_the_tick_is_a_fault_too(
 
 
 @pytest.mark.parametrize("speed", [None, 1.0])
-def test_closing_ends_goals_and_refuses_what_comes_later(
+def test_closing_ends_goals_and_waits_and_refuses_what_comes_later(
     start: Starter, speed: float | None
 ) -> None:
-    loop, _, core = start(speed=speed)
-    goal = loop.call(lambda: follow(core, [1.0, 1.0], 20.0))
-    loop.close()
-    assert goal.status is GoalStatus.PREEMPTED
-    for late in (
-        lambda: loop.call(lambda: loop.set_paused(True)),
-        lambda: loop.run(1.0),
-    ):
-        with pytest.raises(ControlError, match="closed"):
-            late()
-    loop.close()
-    assert loop.wait_for_goal(goal, None)
-
-
-def test_closing_ends_a_wait_as_fast_as_possible(start: Starter) -> None:
-    loop, bus, core = start()
+    loop, bus, core = start(speed=speed)
     goal = loop.call(lambda: follow(core, [1.0, 1.0], 1e6))
     outcome: list[object] = []
 
@@ -262,16 +216,23 @@ def test_closing_ends_a_wait_as_fast_as_possible(start: Starter) -> None:
         try:
             outcome.append(loop.wait_for_goal(goal, None))
         except ControlError as error:
-            outcome.append(error)
+            outcome.append(type(error))
 
     waiter = threading.Thread(target=wait)
     waiter.start()
-    wait_until(bus, lambda snapshot: snapshot.time > 0.02)
+    wait_until(bus, lambda snapshot: snapshot.time > 0.01)
     loop.close()
     waiter.join(LONG)
     assert goal.status is GoalStatus.PREEMPTED
-    assert len(outcome) == 1
-    assert "closed" in str(outcome[0])
+    assert outcome == [True if speed else ControlError]
+    for late in (
+        lambda: loop.call(lambda: loop.set_paused(True)),
+        lambda: loop.run(1.0),
+    ):
+        with pytest.raises(ControlError):
+            late()
+    loop.close()
+    assert loop.wait_for_goal(goal, None)
 
 
 def test_closing_ends_a_long_step(start: Starter) -> None:
@@ -346,33 +307,11 @@ def test_after_a_pause_not_one_tick_passes(start: Starter) -> None:
 # ---- real time, in a thread of its own -----------------------------------------------
 
 
-def test_real_time_passes_by_itself_and_a_wait_ends(start: Starter) -> None:
-    loop, bus, core = start(speed=20.0)
-    assert loop.is_realtime
-    goal = loop.call(lambda: follow(core, [0.4, -0.3], 0.2))
-    loop.wait_for_goal(goal, LONG)
-    assert goal.status is GoalStatus.SUCCEEDED
-    assert wait_until(bus, lambda snapshot: snapshot.time > 0.5).fault is None
-
-
 def test_real_time_does_not_run_ahead_of_the_wall_clock(start: Starter) -> None:
     before = time.perf_counter()
     loop, _, _ = start(speed=2.0)
     loop.run(0.2)
     assert time.perf_counter() - before >= 0.2 / 2.0 - 0.002
-
-
-def test_real_time_pauses_steps_and_resumes(start: Starter) -> None:
-    loop, bus, _ = start(speed=50.0)
-    wait_until(bus, lambda snapshot: snapshot.time > 0.01)
-    loop.call(lambda: loop.set_paused(True))
-    stood = loop.steps
-    loop.call(lambda: loop.step(5))
-    assert loop.steps == stood + 5
-    with pytest.raises(ControlError, match="paused"):
-        loop.run(1.0)
-    loop.call(lambda: loop.set_paused(False))
-    wait_until(bus, lambda snapshot: snapshot.tick > stood + 5)
 
 
 def test_real_time_that_is_missed_is_told_once_a_window(
@@ -397,8 +336,13 @@ def test_an_impossible_speed_is_refused(start: Starter, speed: float) -> None:
     with pytest.raises(ControlError):
         start(speed=speed)
     loop, _, _ = start(speed=1.0)
-    with pytest.raises(ControlError):
-        loop.call(lambda: loop.set_speed(speed))
+    timeless, _, _ = start()
+    for refused in (
+        lambda: loop.call(lambda: loop.set_speed(speed)),
+        lambda: timeless.call(lambda: timeless.set_speed(2.0)),
+    ):
+        with pytest.raises(ControlError):
+            refused()
 
 
 def test_a_very_slow_simulation_still_answers_and_closes_at_once(
@@ -421,18 +365,3 @@ def test_a_fault_ends_a_wait_in_real_time(start: Starter) -> None:
     break_physics(core)
     with pytest.raises(DivergenceError):
         loop.wait_for_goal(goal, None)
-
-
-def test_closing_ends_a_wait_in_real_time(start: Starter) -> None:
-    loop, bus, core = start(speed=1.0)
-    goal = loop.call(lambda: follow(core, [1.0, 1.0], 500.0))
-    outcome: list[object] = []
-    waiter = threading.Thread(
-        target=lambda: outcome.append(loop.wait_for_goal(goal, None))
-    )
-    waiter.start()
-    wait_until(bus, lambda snapshot: snapshot.time > 0.01)
-    loop.close()
-    waiter.join(LONG)
-    assert outcome == [True]
-    assert goal.status is GoalStatus.PREEMPTED

@@ -15,7 +15,6 @@ from tool0.sensing.grasp import pad_links
 from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 if TYPE_CHECKING:
-    from tool0.api.gripper import Gripper
     from tool0.api.robot import Robot
 
 FRAME_RATE = 30
@@ -32,15 +31,13 @@ class GraspMonitor:
     def __init__(
         self,
         robot: Robot,
-        gripper: Gripper,
         item: str,
         on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
     ) -> None:
-        """Begin to measure what ``gripper`` does to the object ``item``.
+        """Begin to measure what the gripper does to the object ``item``.
 
         Args:
-            robot: The robot.
-            gripper: One of its grippers.
+            robot: The robot, with one gripper.
             item: The name of an object of its scene.
             on_snapshot: Called with each snapshot, for recording.
         """
@@ -48,8 +45,9 @@ class GraspMonitor:
         self._item = item
         self._on_snapshot = on_snapshot
         self._subscription = robot.subscribe()
-        self._pads = pad_links(robot.description.model, gripper.geometry)
-        self._base = robot.description.model.joint(gripper.geometry.joint).parent
+        model, gripper = robot.description.model, robot.gripper.geometry
+        self._pads = pad_links(model, gripper)
+        self._base = model.joint(gripper.joint).parent
         self._start: Vector3 | None = None
         self.slip: float | None = None
         """How far the object has moved between the pads since it was held [m]."""

@@ -264,7 +264,7 @@ def pick_and_place(
         EngineError: If the physics fails.
     """
     options = options or PickOptions()
-    monitor = GraspMonitor(robot, robot.gripper, item, on_snapshot)
+    monitor = GraspMonitor(robot, item, on_snapshot)
     try:
         picker = Picker(robot, item, options, monitor)
         start, begun, failure = monitor.pose().position, robot.time, None

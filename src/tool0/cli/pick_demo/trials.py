@@ -23,6 +23,8 @@ RETURN_TIMEOUT = 20.0
 """Longest motion back between two picks, simulated [s]."""
 SETTLE = 0.3
 """For an object to come to rest where it was put [s]."""
+TABLE_TOP = -0.02
+"""Of the scene ``table_and_bin``, in the robot's root [m]."""
 
 
 @final
@@ -65,38 +67,20 @@ class DemoReport:
         return "\n".join(lines)
 
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Area:
-    """Where on a table an object may stand."""
+def random_poses(height: float, seed: int) -> Iterator[Pose]:
+    """Yield poses on the table of the scene ``table_and_bin`` without end.
 
-    x: tuple[float, float]
-    """[m], in the root."""
-    y: tuple[float, float]
-    z: float
-    """Of the table's top [m]."""
+    They are clear of the bin and within the arm's reach, in the robot's root.
 
-    def draw(self, rng: random.Random, height: float) -> Pose:
-        """Return a random pose of an object of that height [m] that stands there."""
-        return Pose(
-            xyz=(
-                rng.uniform(*self.x),
-                rng.uniform(*self.y),
-                self.z + height / 2.0,
-            ),
-            rpy=(0.0, 0.0, rng.uniform(-math.pi, math.pi)),
-        )
-
-
-TABLE = Area(x=(0.40, 0.65), y=(-0.10, 0.30), z=-0.02)
-"""Of the scene ``table_and_bin``: clear of the bin, and within the arm's reach."""
-
-
-def random_poses(area: Area, height: float, seed: int) -> Iterator[Pose]:
-    """Yield poses without end, the same ones for the same seed."""
+    Args:
+        height: Of the object, which stands [m].
+        seed: The same one yields the same poses.
+    """
     rng = random.Random(seed)
     while True:
-        yield area.draw(rng, height)
+        x, y = rng.uniform(0.40, 0.65), rng.uniform(-0.10, 0.30)
+        yaw = rng.uniform(-math.pi, math.pi)
+        yield Pose(xyz=(x, y, TABLE_TOP + height / 2.0), rpy=(0.0, 0.0, yaw))
 
 
 def run_trials(
@@ -132,9 +116,7 @@ def run_trials(
     reports = []
     for number in range(n_picks):
         pose = next(poses)
-        with contextlib.closing(
-            GraspMonitor(robot, robot.gripper, item, on_snapshot)
-        ) as monitor:
+        with contextlib.closing(GraspMonitor(robot, item, on_snapshot)) as monitor:
             if number:
                 _go_back(robot, home, monitor)
             if pose is not None:

@@ -183,7 +183,7 @@ class GazeboServer:
                 [str(program), *arguments],
                 environment=environment,
                 folder=self.folder,
-                stdout=stream,
+                log=stream,
             )
 
 

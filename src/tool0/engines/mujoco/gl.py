@@ -14,8 +14,8 @@ import sys
 from typing import Any, Final
 
 from tool0.errors import EngineUnavailableError, RenderError
-from tool0.installation.doctor.machine import ExaminedMachine
 from tool0.installation.doctor.report import ProbeResult
+from tool0.installation.machine import Machine
 
 PACKAGES: Final = "libegl1 libopengl0 libgl1-mesa-dri"
 """Of Debian and Ubuntu; libosmesa6 is the alternative without EGL."""
@@ -127,16 +127,12 @@ _MESA: Final = {
 }
 
 
-def cameras(examined: ExaminedMachine) -> list[ProbeResult]:
+def cameras(examined: Machine) -> list[ProbeResult]:
     """Return whether pictures can be rendered, by making a context."""
     try:
         make_context(8, 8).free()
     except RenderError as error:
         remedy = examined.install_command(PACKAGES, **_MESA)
-        return [
-            ProbeResult(
-                what="cameras", state="missing", found=str(error), remedy=remedy
-            )
-        ]
+        return [ProbeResult("cameras", "missing", str(error), remedy)]
     found = f"draw without a window, by {kind_of_context()}"
-    return [ProbeResult(what="cameras", state="ready", found=found)]
+    return [ProbeResult("cameras", "ready", found)]

@@ -1,4 +1,1 @@
-"""Reports what this machine can run, and the command that installs what is missing.
-
-Nothing is installed, and nothing stays running.
-"""
+"""What this machine can run, and the command that installs what is missing."""

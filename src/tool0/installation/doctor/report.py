@@ -11,34 +11,32 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
-from typing import IO, Final, Literal, final
+from typing import Final, Literal, final
 
 from tool0.installation.child_process import ChildProcess
-from tool0.installation.doctor.machine import (
-    ExaminedMachine,
+from tool0.installation.machine import (
+    Machine,
     pip_install_command,
     python_package_version,
     python_requirements,
-    required_package,
 )
 
 PROBES: Final = {
-    "machine": "tool0.installation.doctor.system_probes",
-    "python": "tool0.installation.doctor.system_probes",
+    "machine": "tool0.installation.doctor.probes",
+    "python": "tool0.installation.doctor.probes",
     "mujoco": "tool0.api.probes",
     "panel": "tool0.interfaces.panel.probes",
     "browser": "tool0.interfaces.panel.probes",
-    "gpu": "tool0.installation.doctor.system_probes",
+    "gpu": "tool0.installation.doctor.probes",
     "cameras": "tool0.engines.mujoco.gl",
-    "gazebo": "tool0.installation.doctor.ros_probes",
-    "ros1": "tool0.installation.doctor.ros_probes",
-    "ros2": "tool0.installation.doctor.ros_probes",
-    "workspace": "tool0.installation.doctor.ros_probes",
+    "gazebo": "tool0.installation.doctor.probes",
+    "ros1": "tool0.installation.doctor.probes",
+    "ros2": "tool0.installation.doctor.probes",
+    "workspace": "tool0.installation.doctor.probes",
 }
 """Function → the module that defines it, in the order of the report."""
 NEEDED: Final = ("python", "mujoco")
@@ -52,17 +50,13 @@ sys.path[:] = [entry for entry in sys.path if entry]  # not this folder's mujoco
 from tool0.installation.doctor.report import run_probe
 run_probe(sys.argv[1], sys.argv[2])
 """
-_VERDICT: Final = {
-    True: "runs here",
-    False: "does not run here: see python and mujoco above",
-}
 
 ProbeState = Literal["ready", "missing", "not supported", "unknown"]
 """Unknown if the probe failed."""
 
 
 @final
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class ProbeResult:
     """The state of one thing that a machine has, or lacks."""
 
@@ -72,10 +66,6 @@ class ProbeResult:
     """Its version and place; or what is missing, and what for."""
     remedy: str = ""
     """The command that installs what is missing; empty if there is none."""
-
-    def as_json(self) -> dict[str, str]:
-        """Return what JSON can hold, by the names of the constructor's arguments."""
-        return asdict(self)
 
 
 @final
@@ -92,10 +82,7 @@ class DoctorReport:
 
     def as_json(self) -> dict[str, object]:
         """Return what JSON can hold."""
-        return {
-            "can_run": self.can_run,
-            "lines": [line.as_json() for line in self.lines],
-        }
+        return {"can_run": self.can_run, "lines": [asdict(one) for one in self.lines]}
 
     def rows(self) -> list[tuple[str, str, str]]:
         """Return names, states and what was found, for people."""
@@ -104,8 +91,11 @@ class DoctorReport:
             rows.append((line.what, line.state, line.found))
             if line.remedy:
                 rows.append(("", "", f"-> {line.remedy}"))
-        state = "ready" if self.can_run else "missing"
-        return [*rows, ("tool0 bringup", state, _VERDICT[self.can_run])]
+        state, verdict = "ready", "runs here"
+        if not self.can_run:
+            state = "missing"
+            verdict = "does not run here: see python and mujoco above"
+        return [*rows, ("tool0 bringup", state, verdict)]
 
 
 def examine(
@@ -118,62 +108,34 @@ def examine(
         timeout: For all of them together [wall s].
     """
     deadline = time.monotonic() + timeout
+    lines: list[ProbeResult] = []
     with ExitStack() as stack:  # an interrupt ends them all
-        started = [
-            stack.enter_context(_Probe(module, name)) for name, module in probes.items()
-        ]
-        results = [probe.results(deadline) for probe in started]
-    return DoctorReport(tuple(line for lines in results for line in lines))
-
-
-@final
-class _Probe:
-    """A probe in a process of its own."""
-
-    def __init__(self, module: str, name: str) -> None:
-        self._name = name
-        with ExitStack() as stack:
-            self._answer = stack.enter_context(tempfile.TemporaryFile())
-            self._errors = stack.enter_context(tempfile.TemporaryFile())
-            self._process = stack.enter_context(
-                ChildProcess(
-                    [sys.executable, "-c", _PROGRAM, module, name],
-                    stdout=self._answer,
-                    stderr=self._errors,
-                )
+        started = {
+            name: stack.enter_context(
+                ChildProcess([sys.executable, "-c", _PROGRAM, module, name])
             )
-            self._exits = stack.pop_all()
-
-    def __enter__(self) -> _Probe:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._exits.close()
-
-    def results(self, deadline: float) -> list[ProbeResult]:
-        """Return what it found until the deadline, or how it failed."""
-        try:
-            status = self._process.wait(max(deadline - time.monotonic(), 0.0))
-        except subprocess.TimeoutExpired:
-            return [self._unknown("its probe does not end")]
-        self._answer.seek(0)
-        try:
-            return [ProbeResult(**line) for line in json.load(self._answer)]
-        except ValueError:
-            reason = _reason(status, self._errors)
-            return [self._unknown(f"its probe failed: {reason}")]
-
-    def _unknown(self, reason: str) -> ProbeResult:
-        name = self._name.replace("_", "-")
-        return ProbeResult(what=name, state="unknown", found=reason)
+            for name, module in probes.items()
+        }
+        for name, process in started.items():
+            lines += _results(name, process, deadline)
+    return DoctorReport(tuple(lines))
 
 
-def _reason(status: int, errors: IO[bytes]) -> str:
-    if status < 0:
-        return signal.Signals(-status).name
-    errors.seek(0)
-    lines = errors.read().decode(errors="replace").strip().splitlines()
-    return lines[-1] if lines else f"exit status {status}"
+def _results(name: str, process: ChildProcess, deadline: float) -> list[ProbeResult]:
+    """Return what a probe found until the deadline, or how it failed."""
+    try:
+        answer = process.completed(max(deadline - time.monotonic(), 0.0))
+    except subprocess.TimeoutExpired:
+        return [ProbeResult(name, "unknown", "its probe does not end")]
+    try:
+        return [ProbeResult(**line) for line in json.loads(answer.stdout)]
+    except ValueError:
+        errors = answer.stderr.strip().splitlines()
+        if answer.returncode < 0:
+            reason = signal.Signals(-answer.returncode).name
+        else:
+            reason = errors[-1] if errors else f"exit status {answer.returncode}"
+        return [ProbeResult(name, "unknown", f"its probe failed: {reason}")]
 
 
 # --- in the process of a probe ---
@@ -186,11 +148,11 @@ def run_probe(module: str, function: str) -> None:
     answer = os.dup(1)
     os.dup2(2, 1)  # what a library prints is not part of the answer
     try:
-        results = getattr(import_module(module), function)(ExaminedMachine())
+        results = getattr(import_module(module), function)(Machine())
     except ImportError as error:
-        results = [import_failure(function.replace("_", "-"), error)]
+        results = [import_failure(function, error)]
     with os.fdopen(answer, "w", encoding="utf-8") as stream:
-        json.dump([result.as_json() for result in results], stream)
+        json.dump([asdict(result) for result in results], stream)
     sys.stderr.flush()
     os._exit(0)  # a library's thread or exit handler must not keep us
 
@@ -198,12 +160,6 @@ def run_probe(module: str, function: str) -> None:
 def import_failure(what: str, error: ImportError) -> ProbeResult:
     """Return the result for something that cannot be imported."""
     package = (error.name or what).partition(".")[0]
-    requirements = python_requirements()
-    wanted = next((t for t in requirements if required_package(t) == package), package)
+    wanted = python_requirements().get(package, package)
     again = [] if python_package_version(package) is None else ["--force-reinstall"]
-    return ProbeResult(
-        what=what,
-        state="missing",
-        found=str(error),
-        remedy=pip_install_command(*again, wanted),
-    )
+    return ProbeResult(what, "missing", str(error), pip_install_command(*again, wanted))

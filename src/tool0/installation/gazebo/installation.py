@@ -12,9 +12,9 @@ import os
 import re
 import shutil
 import subprocess
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, final
+from typing import Any, Final, final
 
 from tool0.errors import EngineUnavailableError
 from tool0.installation.child_process import run_program
@@ -47,6 +47,8 @@ class GazeboInstallation:
     """Variables for both programs, on top of what the process has."""
     include_dirs: tuple[Path, ...]
     """Where the compiler finds the headers."""
+    size: int | None = None
+    """Bytes of the private prefix on disk."""
 
 
 def private_prefix() -> Path:
@@ -84,25 +86,51 @@ def find_system() -> GazeboInstallation | None:
 
 def from_prefix(prefix: Path) -> GazeboInstallation | None:
     """Return the Gazebo in a private prefix, if it is complete."""
-    marker = read_marker(prefix)
-    if marker is None:
+    try:
+        marker: dict[str, Any] = json.loads((prefix / MARKER).read_bytes())
+        if marker["format"] != _FORMAT:
+            return None
+        version, has_client = str(marker["version"]), bool(marker["has_client"])
+        triplet, size = str(marker["triplet"]), int(marker["size"])
+    except (OSError, ValueError, TypeError, KeyError):
         return None
     programs = prefix / "usr" / "bin"
-    client = programs / f"gzclient-{marker.version}"
+    client = programs / f"gzclient-{version}"
     return GazeboInstallation(
-        version=marker.version,
+        version=version,
         prefix=prefix,
-        server=programs / f"gzserver-{marker.version}",
-        client=client if marker.has_client else None,
-        environment=private_environment(prefix, marker),
+        server=programs / f"gzserver-{version}",
+        client=client if has_client else None,
+        environment=_private_environment(prefix, triplet, has_client=has_client),
         include_dirs=include_folders(prefix / "usr"),
+        size=size,
     )
+
+
+def mark_complete(prefix: Path, *, triplet: str, has_client: bool, size: int) -> None:
+    """Write the marker of a private prefix, all of which is there.
+
+    Args:
+        prefix: The folder.
+        triplet: The folder of libraries in it, as ``x86_64-linux-gnu``.
+        has_client: Whether gzclient can run: Qt and a driver to draw with are there.
+        size: Bytes on disk.
+
+    Raises:
+        EngineUnavailableError: If it has no headers of Gazebo.
+    """
+    version = _header_version(prefix / "usr")
+    if version is None:
+        raise EngineUnavailableError(f"'{prefix}' has no header of Gazebo 11")
+    marker = {"format": _FORMAT, "version": version, "triplet": triplet}
+    marker |= {"has_client": has_client, "size": size}
+    (prefix / MARKER).write_text(f"{json.dumps(marker)}\n", encoding="utf-8")
 
 
 def from_root(root: Path) -> GazeboInstallation | None:
     """Return the Gazebo 11 installed under ``root``, if it and its headers are."""
     server, client = root / "bin" / "gzserver", root / "bin" / "gzclient"
-    version = header_version(root)
+    version = _header_version(root)
     if version is None or not version.startswith("11.") or not server.is_file():
         return None
     return GazeboInstallation(
@@ -110,7 +138,7 @@ def from_root(root: Path) -> GazeboInstallation | None:
         prefix=None,
         server=server,
         client=client if client.is_file() else None,
-        environment=gazebo_paths(root),
+        environment=_gazebo_paths(root),
         include_dirs=include_folders(root),
     )
 
@@ -132,48 +160,13 @@ def _why_none() -> str:
 def _stated_version(server: str) -> str | None:
     try:  # it takes a while to load its libraries
         answer = run_program([server, "--version"], timeout=30.0)
-    except (OSError, subprocess.SubprocessError):
+    except subprocess.TimeoutExpired:
         return None
     words = answer.stdout.partition("version")[2].split()
     return words[0] if words else None
 
 
-# --- the private prefix ---
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PrefixMarker:
-    """The contents of ``MARKER``."""
-
-    version: str
-    """Gazebo's, as ``11.1.0``."""
-    triplet: str
-    """The folder of libraries, as ``x86_64-linux-gnu``."""
-    has_client: bool
-    """Whether gzclient can run: Qt and a driver to draw with are there."""
-    size: int
-    """Bytes on disk."""
-
-
-def read_marker(prefix: Path) -> PrefixMarker | None:
-    """Return the marker of a private prefix, or None if it is not complete."""
-    try:
-        content = json.loads((prefix / MARKER).read_bytes())
-        if content.pop("format") != _FORMAT:
-            return None
-        return PrefixMarker(**content)
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
-        return None
-
-
-def write_marker(prefix: Path, marker: PrefixMarker) -> None:
-    """Mark the prefix as complete."""
-    text = json.dumps({"format": _FORMAT, **asdict(marker)})
-    (prefix / MARKER).write_text(text + "\n", encoding="utf-8")
-
-
-def header_version(root: Path) -> str | None:
+def _header_version(root: Path) -> str | None:
     """Return the version that Gazebo's headers under ``root`` state, if any."""
     try:
         match = _VERSION.search((root / _HEADER).read_text(encoding="utf-8"))
@@ -198,20 +191,13 @@ def include_folders(root: Path) -> tuple[Path, ...]:
     return tuple(folders)
 
 
-def gazebo_paths(root: Path) -> dict[str, str]:
+def _gazebo_paths(root: Path) -> dict[str, str]:
     """Return where Gazebo finds its own things, as its ``setup.sh`` says it.
 
     The current values of these variables come first.
     """
-    share = root / "share" / "gazebo-11"
-    plugins = next(
-        (
-            folder
-            for folder in (*root.glob("lib/*/gazebo-11"), root / "lib" / "gazebo-11")
-            if folder.is_dir()
-        ),
-        root / "lib" / "gazebo-11",
-    )
+    share, default = root / "share" / "gazebo-11", root / "lib" / "gazebo-11"
+    plugins = next((p for p in root.glob("lib/*/gazebo-11") if p.is_dir()), default)
     paths = {
         "GAZEBO_RESOURCE_PATH": _appended("GAZEBO_RESOURCE_PATH", share),
         "GAZEBO_MODEL_PATH": _appended("GAZEBO_MODEL_PATH", share / "models"),
@@ -223,9 +209,10 @@ def gazebo_paths(root: Path) -> dict[str, str]:
     return paths if ogre is None else {**paths, "OGRE_RESOURCE_PATH": str(ogre)}
 
 
-def private_environment(prefix: Path, marker: PrefixMarker) -> dict[str, str]:
+def _private_environment(
+    prefix: Path, triplet: str, *, has_client: bool
+) -> dict[str, str]:
     """Return the variables that make the programs of a private prefix run."""
-    triplet = marker.triplet
     usr = prefix / "usr"
     lib = usr / "lib" / triplet
     libraries = [
@@ -239,19 +226,19 @@ def private_environment(prefix: Path, marker: PrefixMarker) -> dict[str, str]:
     ]
     own = os.environ.get("LD_LIBRARY_PATH", "").split(":")
     # With a display and no driver to draw with, gzserver would end at once.
-    display = {} if marker.has_client else {"DISPLAY": ""}
+    display = {} if has_client else {"DISPLAY": ""}
     return {
-        **gazebo_paths(usr),
+        **_gazebo_paths(usr),
         "LD_LIBRARY_PATH": ":".join([*map(str, libraries), *filter(None, own)]),
-        "SDF_PATH": str(usr / "share" / "sdformat9"),
-        "QT_PLUGIN_PATH": str(lib / "qt5" / "plugins"),
-        "QT_QPA_PLATFORM_PLUGIN_PATH": str(lib / "qt5" / "plugins" / "platforms"),
-        "LIBGL_DRIVERS_PATH": str(lib / "dri"),
-        "__EGL_VENDOR_LIBRARY_DIRS": str(usr / "share" / "glvnd" / "egl_vendor.d"),
+        "SDF_PATH": f"{usr}/share/sdformat9",
+        "QT_PLUGIN_PATH": f"{lib}/qt5/plugins",
+        "QT_QPA_PLATFORM_PLUGIN_PATH": f"{lib}/qt5/plugins/platforms",
+        "LIBGL_DRIVERS_PATH": f"{lib}/dri",
+        "__EGL_VENDOR_LIBRARY_DIRS": f"{usr}/share/glvnd/egl_vendor.d",
         "LIBGL_ALWAYS_SOFTWARE": "1",
-        "FONTCONFIG_PATH": str(prefix / "etc" / "fonts"),
-        "XKB_CONFIG_ROOT": str(usr / "share" / "X11" / "xkb"),
-        "PROJ_LIB": str(usr / "share" / "proj"),
+        "FONTCONFIG_PATH": f"{prefix}/etc/fonts",
+        "XKB_CONFIG_ROOT": f"{usr}/share/X11/xkb",
+        "PROJ_LIB": f"{usr}/share/proj",
         # Nothing sounds; looking for a device takes time and fills the log.
         "ALSOFT_DRIVERS": os.environ.get("ALSOFT_DRIVERS", "null"),
         **display,

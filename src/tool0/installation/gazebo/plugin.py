@@ -24,7 +24,8 @@ from tool0.user_data import cache_folder
 
 logger = logging.getLogger(__name__)
 
-_SOURCES: Final = Path(__file__).parents[2] / "engines" / "gazebo" / "bridge"
+_BRIDGE: Final = Path(__file__).parents[2] / "engines" / "gazebo" / "bridge"
+_SOURCES: Final = (_BRIDGE / "bridge.cc", _BRIDGE / "preload.cc")
 _FLAGS: Final = ("-O2", "-fPIC", "-shared", "-std=c++17", "-pthread")
 
 
@@ -51,38 +52,32 @@ def bridge_libraries(installation: GazeboInstallation) -> BridgeLibraries:
         EngineUnavailableError: If one has to be compiled and cannot be.
     """
     paths = expected_libraries(installation)
-    for source, library in zip(_sources(), (paths.bridge, paths.preload), strict=True):
+    for source, library in zip(_SOURCES, (paths.bridge, paths.preload), strict=True):
         if not library.is_file():
             _compile(source, installation, library)
     return paths
 
 
 def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
-    """Return where the libraries for this Gazebo are, once they are compiled."""
-    bridge, preload = (_library_of(source, installation) for source in _sources())
-    return BridgeLibraries(bridge, preload)
+    """Return where the libraries for this Gazebo are, once they are compiled.
 
-
-def _library_of(source: Path, installation: GazeboInstallation) -> Path:
-    """Return where the library of ``source`` is, once it is compiled.
-
-    Its name is a hash of all that it depends on, except the compiler's version: what
-    was compiled stays in use after the compiler was removed.
+    Each name has a hash of all that the library depends on, except the compiler's
+    version: what was compiled stays in use after the compiler was removed.
     """
-    dependencies = (
-        source.read_text(encoding="utf-8"),
-        *_FLAGS,
-        installation.version,
-        *map(str, installation.include_dirs),
-        platform.machine(),
-        _c_library(),
-    )
-    digest = hashlib.sha256("\0".join(dependencies).encode()).hexdigest()[:16]
-    return plugin_folder() / f"{source.stem}-{digest}.so"
 
+    def library(source: Path) -> Path:
+        dependencies = (
+            source.read_text(encoding="utf-8"),
+            *_FLAGS,
+            installation.version,
+            *map(str, installation.include_dirs),
+            platform.machine(),
+            *platform.libc_ver(),  # what was made for a newer one cannot be loaded
+        )
+        digest = hashlib.sha256("\0".join(dependencies).encode()).hexdigest()[:16]
+        return plugin_folder() / f"{source.stem}-{digest}.so"
 
-def _sources() -> tuple[Path, Path]:
-    return _SOURCES / "bridge.cc", _SOURCES / "preload.cc"
+    return BridgeLibraries(*map(library, _SOURCES))
 
 
 def compiler() -> list[str] | None:
@@ -111,9 +106,8 @@ def _compile(source: Path, installation: GazeboInstallation, library: Path) -> N
         with tempfile.TemporaryDirectory(dir=library.parent, prefix=".new-") as folder:
             made = Path(folder) / library.name
             includes = [f"-isystem{path}" for path in installation.include_dirs]
-            answer = run_program(
-                [*command, *_FLAGS, *includes, str(source), "-o", str(made)]
-            )
+            output = ["-o", str(made)]
+            answer = run_program([*command, *_FLAGS, *includes, str(source), *output])
             if answer.returncode != 0:
                 raise EngineUnavailableError(
                     f"cannot compile {source.name} against the headers of Gazebo "
@@ -125,11 +119,3 @@ def _compile(source: Path, installation: GazeboInstallation, library: Path) -> N
         raise EngineUnavailableError(
             f"cannot write '{error.filename or library}': {error.strerror}"
         ) from None
-
-
-def _c_library() -> str:
-    """Return the C library's version: one made for a newer cannot be loaded."""
-    try:
-        return os.confstr("CS_GNU_LIBC_VERSION") or ""
-    except (ValueError, OSError):
-        return ""

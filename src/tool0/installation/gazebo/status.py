@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import Final, final
 
 from tool0.errors import EngineUnavailableError
-from tool0.installation.gazebo.installation import find_installation, read_marker
+from tool0.installation.gazebo.installation import GazeboInstallation, find_installation
 from tool0.installation.gazebo.plugin import compiler, expected_libraries
+
+_REPORTED: Final = ("version", "prefix", "size", "server", "client")
+"""What is reported of the installation."""
 
 
 @final
@@ -16,47 +19,43 @@ from tool0.installation.gazebo.plugin import compiler, expected_libraries
 class GazeboStatus:
     """What ``tool0 gazebo status`` prints."""
 
-    version: str | None = None
-    """Of the Gazebo that would run; None if there is none."""
-    prefix: Path | None = None
-    """Its private prefix; None for a system's."""
-    size: int | None = None
-    """Bytes of the private prefix on disk."""
-    server: Path | None = None
-    """The program gzserver."""
-    client: Path | None = None
-    """The program gzclient."""
-    compiler: str | None = None
-    """The C++ compiler."""
+    installation: GazeboInstallation | None
+    """The Gazebo that would run."""
+    compiler: str | None
+    """The command of the C++ compiler."""
     is_compiled: bool = False
     """Whether what runs inside Gazebo is compiled."""
-    missing: tuple[str, ...] = ()
+    missing: tuple[str, ...]
     """What prevents it from running, or from having a window; each with a remedy."""
 
     @property
     def can_run(self) -> bool:
         """Whether a simulation can start: the bridge is compiled, or can be."""
         has_bridge = self.is_compiled or self.compiler is not None
-        return self.version is not None and has_bridge
+        return self.installation is not None and has_bridge
 
     def as_json(self) -> dict[str, object]:
         """Return what JSON can hold."""
-        plain = {
-            name: str(value) if isinstance(value, Path) else value
-            for name, value in asdict(self).items()
+        found = {name: getattr(self.installation, name, None) for name in _REPORTED}
+        return {
+            "can_run": self.can_run,
+            **{k: str(v) if isinstance(v, Path) else v for k, v in found.items()},
+            "compiler": self.compiler,
+            "is_compiled": self.is_compiled,
+            "missing": self.missing,
         }
-        return {"can_run": self.can_run, **plain}
 
     def rows(self) -> list[tuple[str, str]]:
         """Return names and values for people."""
-        kind = "the system's"
-        if self.prefix is not None:
-            kind = f"private, {(self.size or 0) / 1e6:.0f} MB in {self.prefix}"
-        rows = [("gazebo", f"{self.version}, {kind}" if self.version else "none")]
-        if self.version:
-            rows += [
-                ("server", str(self.server)),
-                ("window", str(self.client or "no gzclient")),
+        rows = [("gazebo", "none")]
+        if found := self.installation:
+            kind = "the system's"
+            if found.prefix is not None:
+                kind = f"private, {(found.size or 0) / 1e6:.0f} MB in {found.prefix}"
+            rows = [
+                ("gazebo", f"{found.version}, {kind}"),
+                ("server", str(found.server)),
+                ("window", str(found.client or "no gzclient")),
             ]
         return [
             *rows,
@@ -68,24 +67,19 @@ class GazeboStatus:
 
 def gazebo_status() -> GazeboStatus:
     """Return the status; nothing is started or compiled."""
-    command = compiler()
-    shown = None if command is None else " ".join(command)
-    no_compiler = () if shown else ("a C++ compiler: apt install g++",)
+    command = " ".join(compiler() or ()) or None
+    no_compiler = () if command else ("a C++ compiler: apt install g++",)
     try:
         found = find_installation()
     except EngineUnavailableError as error:
-        return GazeboStatus(compiler=shown, missing=(str(error), *no_compiler))
+        missing = (str(error), *no_compiler)
+        return GazeboStatus(installation=None, compiler=command, missing=missing)
     libraries = expected_libraries(found)
     is_compiled = libraries.bridge.is_file() and libraries.preload.is_file()
-    marker = None if found.prefix is None else read_marker(found.prefix)
     no_window = () if found.client else ("a window: tool0 gazebo install --gui",)
     return GazeboStatus(
-        version=found.version,
-        prefix=found.prefix,
-        size=None if marker is None else marker.size,
-        server=found.server,
-        client=found.client,
-        compiler=shown,
+        installation=found,
+        compiler=command,
         is_compiled=is_compiled,
         missing=(*(() if is_compiled else no_compiler), *no_window),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import platform
 import shutil
 import subprocess
 import sys
@@ -12,11 +11,10 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from tool0.errors import RosUnavailableError
-from tool0.installation.apt import FailureCause, ProgressCallback, explain_failure
-from tool0.installation.child_process import last_lines
+from tool0.installation.apt import ProgressCallback, explain_failure
+from tool0.installation.machine import Machine
 from tool0.installation.ros1.library import import_ros, is_of_distribution, ros_origin
-from tool0.installation.ros1.packages import missing_of, required_components
-from tool0.installation.ros1.status import other_install_command
+from tool0.installation.ros1.packages import other_install_command, required_components
 
 PYTHON_OF_RELEASE: Final = {"bookworm": "3.11", "trixie": "3.13", "jammy": "3.10"}
 """Release that packages ROS 1 → the Python that its packages are for.
@@ -24,28 +22,25 @@ PYTHON_OF_RELEASE: Final = {"bookworm": "3.11", "trixie": "3.13", "jammy": "3.10
 Debian 12 and 13, and Ubuntu 22.04.  Ubuntu removed ROS 1 before 24.04:
 https://bugs.launchpad.net/ubuntu/+source/ros-catkin/+bug/2063103
 """
-_ELSEWHERE: Final = (
+_NOT_PACKAGED: Final = (
     "RoboStack runs on any Linux, and a container or another machine with Debian 12 "
     "or 13 can be used over ROS_MASTER_URI (docs/ros1.md)"
 )
-_REMEDIES: Final = {
-    "focal": (
-        "Ubuntu 20.04 has ROS 1 as Noetic: install that from its own packages and "
-        "`source /opt/ros/noetic/setup.bash`; docs/ros1.md has the rest"
-    ),
-}
+_ON_FOCAL: Final = (
+    "Ubuntu 20.04 has ROS 1 as Noetic: install that from its own packages and "
+    "`source /opt/ros/noetic/setup.bash`; docs/ros1.md has the rest"
+)
 
 _APT: Final = (
     *("env", "DEBIAN_FRONTEND=noninteractive", "LC_ALL=C.UTF-8"),
     *("apt-get", "-q", "-o", "DPkg::Lock::Timeout=300"),
 )
-_UPDATE: Final = (*_APT, "update")
-_INSTALL: Final = (*_APT, "install", "--yes", "--no-install-recommends")
-_STATUS: Final = ("-o", "APT::Status-Fd=1")
-"""apt prints its progress in lines: 'dlstatus:…:percent:…', 'pmstatus:…'."""
+_INSTALL: Final = (
+    *("install", "--yes", "--no-install-recommends", "-o", "APT::Status-Fd=1"),
+)
 _ACTIVITIES: Final = {"dlstatus": "downloading", "pmstatus": "installing"}
-_COMPLAINTS: Final = ("E:", "Err:", "W:")
-_EXPLANATIONS: Final[dict[FailureCause, str]] = {
+"""apt prints its progress in lines: 'dlstatus:…:percent:…', 'pmstatus:…'."""
+_EXPLANATIONS: Final = {
     "disk full": "the disk is full; RViz and what it needs take 1 GB, the rest 0.4 GB",
     "unreachable": (
         "the distribution's mirror cannot be reached: is there a network, or a proxy "
@@ -92,7 +87,7 @@ def plan_install(*, rviz: bool) -> Ros1InstallPlan:
     """
     components = required_components(rviz=rviz)
     if _has_other_ros():
-        missing = [part for part in components if missing_of(part)]
+        missing = [part for part in components if part.missing()]
         if missing:
             names = ", ".join(component.name for component in missing)
             raise RosUnavailableError(
@@ -100,8 +95,22 @@ def plan_install(*, rviz: bool) -> Ros1InstallPlan:
                 f"own means: {other_install_command(missing)}"
             )
         return Ros1InstallPlan(target=ros_origin() or "ROS", packages=())
-    name, _ = _distribution()
-    _check_distribution()
+    name, codename = Machine().name(), Machine().codename()
+    theirs = PYTHON_OF_RELEASE.get(codename)
+    if theirs is None:
+        remedy = _ON_FOCAL if codename == "focal" else _NOT_PACKAGED
+        raise RosUnavailableError(
+            f"{name} has no packages of ROS 1 that tool0 knows of; Debian 12 and 13 "
+            f"and Ubuntu 22.04 have. {remedy}"
+        )
+    ours = f"{sys.version_info.major}.{sys.version_info.minor}"
+    if ours != theirs:
+        raise RosUnavailableError(
+            f"the packages of {name} are for Python {theirs}, and this is Python "
+            f"{ours} ('{sys.prefix}'). Make a virtual environment of the "
+            "distribution's own: rm -rf .venv && make setup PYTHON=/usr/bin/python3, "
+            "or /usr/bin/python3 -m venv FOLDER and FOLDER/bin/pip install ."
+        )
     packages = not_installed(n for part in components for n in part.debian)
     return Ros1InstallPlan(target=name, packages=packages)
 
@@ -112,21 +121,19 @@ def install_ros1(plan: Ros1InstallPlan, progress: ProgressCallback) -> None:
     Raises:
         RosUnavailableError: If that fails, with the reason and the command.
     """
-    prefix = _root_prefix(plan)
+    apt = [*_root_prefix(plan), *_APT]
     progress("asking for the lists of packages", 0.0)
     # If one source of several cannot be reached, others may have the packages.
-    _, update_output = _run_apt([*prefix, *_UPDATE], progress)
+    _, update_output = _run_apt([*apt, "update"], progress)
     progress("finding what they need", 0.0)
-    command = [*prefix, *_INSTALL, *_STATUS, *plan.packages]
-    status, output = _run_apt(command, progress)
+    status, output = _run_apt([*apt, *_INSTALL, *plan.packages], progress)
     if status != 0:
-        warnings = [line for line in update_output if line.startswith(_COMPLAINTS)]
-        raise _failure(status, [*warnings, *output], plan)
-
-
-def is_packaged() -> bool:
-    """Return whether this machine's distribution has packages of ROS 1."""
-    return _distribution()[1] in PYTHON_OF_RELEASE
+        reason = explain_failure(
+            "\n".join([*update_output, *output]),
+            _EXPLANATIONS,
+            otherwise=f"apt-get ended with status {status}",
+        )
+        raise RosUnavailableError(f"{reason}\nThe command was: {plan.command}")
 
 
 def _has_other_ros() -> bool:
@@ -144,39 +151,6 @@ def _has_other_ros() -> bool:
             "packages"
         ) from None
     return not is_of_distribution()
-
-
-def _check_distribution() -> None:
-    """Raise RosUnavailableError if no packages exist for the Python that runs this."""
-    name, codename = _distribution()
-    theirs = PYTHON_OF_RELEASE.get(codename)
-    if theirs is None:
-        remedy = _REMEDIES.get(codename, _ELSEWHERE)
-        raise RosUnavailableError(
-            f"{name} has no packages of ROS 1 that tool0 knows of; Debian 12 and 13 "
-            f"and Ubuntu 22.04 have. {remedy}"
-        )
-    ours = f"{sys.version_info.major}.{sys.version_info.minor}"
-    if ours != theirs:
-        raise RosUnavailableError(
-            f"the packages of {name} are for Python {theirs}, and this is Python "
-            f"{ours} ('{sys.prefix}'). Make a virtual environment of the "
-            "distribution's own: rm -rf .venv && make setup PYTHON=/usr/bin/python3, "
-            "or /usr/bin/python3 -m venv FOLDER and FOLDER/bin/pip install ."
-        )
-
-
-def _distribution() -> tuple[str, str]:
-    """Return the name for people, and the codename of the release it is based on."""
-    try:
-        release = platform.freedesktop_os_release()
-    except OSError:
-        return platform.system(), ""
-    # Mint and its like name the release that they are based on.
-    for key in ("UBUNTU_CODENAME", "DEBIAN_CODENAME", "VERSION_CODENAME"):
-        if key in release:
-            return release["PRETTY_NAME"], release[key]
-    return release["PRETTY_NAME"], ""
 
 
 # --- the system's apt ---
@@ -240,15 +214,3 @@ def _run_apt(
             elif line.strip():
                 output.append(line.strip())
     return process.returncode, output
-
-
-def _failure(
-    status: int, output: Sequence[str], plan: Ros1InstallPlan
-) -> RosUnavailableError:
-    text = explain_failure("\n".join(output), _EXPLANATIONS)
-    text = text or f"apt-get ended with status {status}"
-    lines = [line for line in output if line.startswith(_COMPLAINTS)] or list(output)
-    printed = last_lines("\n".join(lines))
-    return RosUnavailableError(
-        f"{text}. apt printed:\n{printed}\nThe command was: {plan.command}"
-    )

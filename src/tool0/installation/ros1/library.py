@@ -33,9 +33,13 @@ def import_ros() -> None:
         return
     if not (DEBIAN / "rospy").is_dir():
         raise RosUnavailableError(f"ROS 1 needs rospy, which is not here; {SET_UP}")
-    theirs = system_python()
+    try:
+        program = Path("/usr/bin/python3").resolve(strict=True)
+    except OSError:
+        program = Path("python")
+    theirs = program.name.removeprefix("python")
     ours = f"{sys.version_info.major}.{sys.version_info.minor}"
-    if theirs not in (ours, None):
+    if theirs not in (ours, ""):
         raise RosUnavailableError(
             f"rospy is installed for Python {theirs}, and this is Python {ours}; make "
             "the virtual environment with /usr/bin/python3"
@@ -67,6 +71,53 @@ def ros_origin() -> str | None:
     return f"ROS {os.environ.get('ROS_DISTRO', 'of a workspace')}"
 
 
+# --- its packages ---
+
+
+def prefixes() -> tuple[Path, ...]:
+    """Return where ROS packages are installed, a workspace's first."""
+    named = os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
+    folders = [Path(name) for name in named if name]
+    own = package_prefix("rospy")
+    return tuple(dict.fromkeys(folders if own is None else [*folders, own]))
+
+
+def message_folders(package: str) -> list[Path]:
+    """Return the folders with the ``.msg`` files of a package."""
+    folders = (root / "share" / package / "msg" for root in prefixes())
+    return [folder for folder in folders if folder.is_dir()]
+
+
+def find_node(name: str) -> Path | None:
+    """Return the program of the node ``package/program``, as rosrun finds it."""
+    files = (root / "lib" / name for root in prefixes())
+    return next((file for file in files if os.access(file, os.X_OK)), None)
+
+
+def package_prefix(module: str) -> Path | None:
+    """Return the prefix that the package of a module is installed in."""
+    spec = importlib.util.find_spec(module)
+    if spec is None or spec.origin is None:
+        return None
+    manifest = Path("share", module, "package.xml")
+    folders = Path(spec.origin).parents
+    return next((folder for folder in folders if (folder / manifest).is_file()), None)
+
+
+def package_version(module: str) -> str | None:
+    """Return the version in the manifest of the package of a module."""
+    from xml.etree import ElementTree
+
+    prefix = package_prefix(module)
+    if prefix is None:
+        return None
+    manifest = prefix / "share" / module / "package.xml"
+    return ElementTree.parse(manifest).getroot().findtext("version")
+
+
+# --- its addresses ---
+
+
 def keep_to_this_machine() -> None:
     """Make ROS listen on 127.0.0.1 alone, unless the environment says otherwise.
 
@@ -80,12 +131,3 @@ def keep_to_this_machine() -> None:
 def is_local(uri: str) -> bool:
     """Return whether an address of ROS is one of this machine."""
     return urlsplit(uri).hostname in ("localhost", "127.0.0.1", "::1", node())
-
-
-def system_python() -> str | None:
-    """Return the version of the Python that Debian's folder is for, as 3.11."""
-    try:
-        name = Path("/usr/bin/python3").resolve(strict=True).name
-    except OSError:
-        return None
-    return name.removeprefix("python") or None

@@ -7,8 +7,10 @@ import shutil
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from http.client import HTTPConnection
 from typing import Any, final
 from urllib.parse import urlsplit
+from xmlrpc.client import Error, ServerProxy, Transport
 
 from tool0.errors import RosUnavailableError
 from tool0.installation.child_process import ChildProcess
@@ -22,6 +24,14 @@ CALL_TIMEOUT = 3.0
 """[s] that a master has for an answer."""
 ROSCORE_GRACE = 5.0
 """[s] that a roscore of ours has to end by itself."""
+
+
+@final
+class _TimeLimitedTransport(Transport):
+    def make_connection(self, host: Any) -> HTTPConnection:
+        connection = super().make_connection(host)
+        connection.timeout = CALL_TIMEOUT
+        return connection
 
 
 @final
@@ -43,25 +53,21 @@ class Master:
         Raises:
             RosUnavailableError: If nobody answers, or the master refuses.
         """
-        try:
-            code, message, value = self._proxy(self.uri, method, *arguments)
-        except (OSError, ValueError, TypeError) as error:
-            raise RosUnavailableError(
-                f"no ROS master answers at {self.uri} ({error}); start roscore, "
-                "or add --roscore"
-            ) from None
+        code, message, value = self._call(self.uri, method, *arguments)
         if code != 1:
             raise RosUnavailableError(f"the ROS master refuses {method}: {message}")
         return value
 
-    def _proxy(self, uri: str, method: str, *arguments: object) -> Any:
-        from xmlrpc.client import Error, ServerProxy
-
+    def _call(self, uri: str, method: str, *arguments: object) -> tuple[int, str, Any]:
         try:
-            with ServerProxy(uri, transport=_transport()) as proxy:
-                return getattr(proxy, method)(self._node, *arguments)
-        except Error as error:
-            raise OSError(error) from None
+            with ServerProxy(uri, transport=_TimeLimitedTransport()) as proxy:
+                code, message, value = getattr(proxy, method)(self._node, *arguments)
+        except (Error, OSError, ValueError, TypeError) as error:
+            raise RosUnavailableError(
+                f"no ROS master answers at {uri} ({error}); start roscore, "
+                "or add --roscore"
+            ) from None
+        return code, message, value
 
     @property
     def is_up(self) -> bool:
@@ -76,32 +82,15 @@ class Master:
         """Return the address of a node that lives, None if there is none."""
         try:
             uri = str(self.call("lookupNode", node))
-        except RosUnavailableError:
+            code, _, _ = self._call(uri, "getPid")
+        except RosUnavailableError:  # unknown; or killed, and never unregistered
             return None
-        try:
-            code, _, _ = self._proxy(uri, "getPid")
-        except (OSError, ValueError, TypeError):
-            return None  # killed, and never unregistered
         return uri if code == 1 else None
 
     def publishers_of(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that publish ``topic``, dead ones included."""
         publishers, _, _ = self.call("getSystemState")
         return next((tuple(nodes) for name, nodes in publishers if name == topic), ())
-
-
-def _transport() -> Any:
-    """Return a transport of XML-RPC that waits no longer than we do."""
-    from http.client import HTTPConnection
-    from xmlrpc.client import Transport
-
-    class TimeLimited(Transport):
-        def make_connection(self, host: Any) -> HTTPConnection:
-            connection = super().make_connection(host)
-            connection.timeout = CALL_TIMEOUT
-            return connection
-
-    return TimeLimited()
 
 
 @contextmanager
@@ -118,12 +107,18 @@ def running_master(master: Master, *, start: bool) -> Iterator[None]:
         raise RosUnavailableError(
             f"no ROS master answers at {master.uri}; start roscore, or add --roscore"
         )
-    roscore = _roscore(master)
-    try:
-        _wait_until_up(master, roscore)
+    with _roscore(master) as roscore:
+        end = time.monotonic() + ROSCORE_TIMEOUT
+        while not master.is_up:
+            if roscore.exit_status is not None:
+                how = f"ended with status {roscore.exit_status}"
+            elif time.monotonic() > end:
+                how = f"does not answer at {master.uri} within {ROSCORE_TIMEOUT:g} s"
+            else:
+                time.sleep(0.05)
+                continue
+            raise RosUnavailableError(f"roscore {how}:\n{roscore.last_output()}")
         yield
-    finally:
-        roscore.close()
 
 
 def _roscore(master: Master) -> ChildProcess:
@@ -132,30 +127,13 @@ def _roscore(master: Master) -> ChildProcess:
         raise RosUnavailableError(
             "there is no roscore on this machine's PATH; `tool0 ros1 install` gets one"
         )
-    address = urlsplit(master.uri)
     if not is_local(master.uri):
         raise RosUnavailableError(
             f"ROS_MASTER_URI is {master.uri}, on another machine: a roscore can be "
             "started only there"
         )
-    command = [program, "-p", str(address.port or 11311)]
-    return ChildProcess(command, grace=ROSCORE_GRACE)
-
-
-def _wait_until_up(master: Master, roscore: ChildProcess) -> None:
-    end = time.monotonic() + ROSCORE_TIMEOUT
-    while not master.is_up:
-        if roscore.exit_status is not None:
-            raise RosUnavailableError(
-                f"roscore ended with status {roscore.exit_status}:\n"
-                f"{roscore.last_output()}"
-            )
-        if time.monotonic() > end:
-            raise RosUnavailableError(
-                f"roscore does not answer at {master.uri} within {ROSCORE_TIMEOUT:g} s:"
-                f"\n{roscore.last_output()}"
-            )
-        time.sleep(0.05)
+    port = urlsplit(master.uri).port or 11311
+    return ChildProcess([program, "-p", str(port)], grace=ROSCORE_GRACE)
 
 
 @final

@@ -1,7 +1,8 @@
 """Makes the message classes importable that the ROS interface uses.
 
 ``control_msgs``, ``controller_manager_msgs`` and ``gazebo_msgs`` are taken as they are
-installed; a missing package is generated from our definitions once, into the cache.
+installed.  A missing package is generated from our definitions once, into the cache.
+It is a Python package for ``import`` and a ROS package for ``rosmsg`` and its like.
 """
 
 from __future__ import annotations
@@ -15,15 +16,20 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
+from compileall import compile_dir
 from importlib import import_module
 from importlib.machinery import PathFinder
 from pathlib import Path
 
 from tool0.errors import RosUnavailableError
-from tool0.installation.ros1 import generation
-from tool0.installation.ros1.library import SET_UP, import_ros
+from tool0.installation.ros1.library import SET_UP, import_ros, message_folders
 from tool0.user_data import cache_folder, locked
 
+DEFINITIONS = Path(__file__).parent / "definitions"
+"""One folder a ROS package, holding msg/, srv/ and action/."""
+EMBEDDED_PACKAGES = ("std_msgs", "geometry_msgs", "trajectory_msgs", "actionlib_msgs")
+"""Installed packages whose messages are part of ours."""
+_SECTIONS = re.compile(r"^---.*\n", re.MULTILINE)
 _CLASSES_OF_SECTIONS = {
     ".msg": ("",),
     ".srv": ("Request", "Response"),
@@ -32,6 +38,15 @@ _CLASSES_OF_SECTIONS = {
 """What the names of the classes of a file's sections end in."""
 _FIELD = re.compile(r"^\S+ (\w+)$", re.MULTILINE)
 """A line of our definitions that is no constant."""
+_MANIFEST = """\
+<package format="2">
+  <name>{0}</name>
+  <version>0.0.0</version>
+  <description>{0} as tool0 defines it</description>
+  <maintainer email="nobody@invalid">tool0</maintainer>
+  <license>Apache-2.0</license>
+</package>
+"""
 _SHELL_VARIABLES = ("PYTHONPATH", "ROS_PACKAGE_PATH")
 
 
@@ -44,7 +59,7 @@ def import_messages() -> None:
     """
     import_ros()
     absent = absent_packages()
-    for package in generation.package_names():
+    for package in package_names():
         if package not in absent:
             _check_installed(package)
     if not absent:
@@ -57,18 +72,24 @@ def import_messages() -> None:
     importlib.invalidate_caches()
 
 
+def package_names() -> tuple[str, ...]:
+    """Return the packages that there are definitions of."""
+    return tuple(sorted(folder.name for folder in DEFINITIONS.iterdir()))
+
+
+def definition_files(package: str) -> list[Path]:
+    """Return the files that define the package's types, sorted."""
+    return sorted(DEFINITIONS.joinpath(package).glob("*/*.*"))
+
+
 def absent_packages() -> tuple[str, ...]:
     """Return the packages of ours that are not installed; rospy is importable.
 
     What an earlier run generated, and PYTHONPATH names, does not count as installed.
     """
-    path = _path()
-    return tuple(name for name in generation.package_names() if not _is_in(path, name))
-
-
-def _is_in(path: list[str], package: str) -> bool:
-    spec = PathFinder.find_spec(package, path)
-    return spec is not None and spec.origin is not None  # or a mere folder of that name
+    specs = {name: PathFinder.find_spec(name, _path()) for name in package_names()}
+    # The spec of a mere folder of that name has no origin.
+    return tuple(n for n, spec in specs.items() if spec is None or spec.origin is None)
 
 
 def _path() -> list[str]:
@@ -82,116 +103,6 @@ def is_generated(entry: str) -> bool:
 
 def _cache() -> Path:
     return cache_folder() / "ros1"
-
-
-def generated_packages(packages: tuple[str, ...]) -> Path:
-    """Return the folder that holds these packages, made if it is not there.
-
-    It is an entry for both PYTHONPATH and ROS_PACKAGE_PATH.
-
-    Raises:
-        RosUnavailableError: If genpy cannot make them.
-        OSError: If it is not there and the cache cannot be written.
-    """
-    folder = _cache() / _key(packages)
-    if folder.is_dir():
-        return folder
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with locked(folder.parent / "lock"):
-        if not folder.is_dir():  # another process may have made it meanwhile
-            new = Path(tempfile.mkdtemp(prefix="new-", dir=folder.parent))
-            try:
-                generation.generate(packages, new)
-                _compile(new, folder)
-                new.rename(folder)
-            except BaseException:
-                shutil.rmtree(new, ignore_errors=True)
-                raise
-    return folder
-
-
-def _compile(folder: Path, place: Path) -> None:
-    """Write the bytecode of what is to be at ``place``: importing is 5 times as fast.
-
-    Python would by itself, but not where PYTHONDONTWRITEBYTECODE is set.
-    """
-    from compileall import compile_dir
-
-    compile_dir(folder, quiet=2, stripdir=str(folder), prependdir=str(place))
-
-
-def _key(packages: tuple[str, ...]) -> str:
-    """Return a name for all that the outcome depends on."""
-    generator = importlib.util.find_spec("genpy.generator")
-    if generator is None or generator.origin is None:
-        raise RosUnavailableError(f"ROS 1 needs genpy, which is not here; {SET_UP}")
-    files = [Path(generator.origin), Path(generation.__file__), Path(__file__)]
-    for package in packages:
-        files += generation.definition_files(package)
-    digest = hashlib.sha256(f"{sys.version_info[:2]} {packages}".encode())
-    for file in files:
-        digest.update(f"\0{file.name}\0".encode() + file.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _temporary_packages(packages: tuple[str, ...], cause: OSError) -> Path:
-    """Make the packages in a temporary folder that ends with the process."""
-    import atexit
-
-    try:
-        folder = Path(tempfile.mkdtemp(prefix="tool0-ros1-"))
-        atexit.register(shutil.rmtree, folder, ignore_errors=True)
-        generation.generate(packages, folder)
-    except OSError as error:
-        raise RosUnavailableError(
-            f"the classes of {', '.join(packages)} can be written neither to the cache "
-            f"({cause}) nor to a temporary folder ({error}); XDG_CACHE_HOME and TMPDIR "
-            "name others"
-        ) from None
-    return folder
-
-
-# --- a package that is installed ---
-
-
-def _check_installed(package: str) -> None:
-    """Raise RosUnavailableError unless it is ROS 1's, with all our types and fields."""
-    for file in generation.definition_files(package):
-        module = f"{package}.{'srv' if file.suffix == '.srv' else 'msg'}"
-        for name, fields in _classes(file):
-            found = _slots(module, name)
-            if missing := [field for field in fields if field not in found]:
-                raise _mismatch(module, f"{name} has no field {missing[0]}")
-
-
-def _classes(file: Path) -> Iterator[tuple[str, list[str]]]:
-    """Yield the name and the fields of each class that the file defines."""
-    sections = generation.SECTIONS.split(file.read_text(encoding="utf-8"))
-    for ending, text in zip(_CLASSES_OF_SECTIONS[file.suffix], sections, strict=True):
-        yield f"{file.stem}{ending}", _FIELD.findall(text)
-
-
-def _slots(module: str, name: str) -> list[str]:
-    try:
-        found = getattr(import_module(module), name)
-    except (ImportError, AttributeError):
-        raise _mismatch(module, f"{name} is not in it") from None
-    if not hasattr(found, "_md5sum"):
-        raise _mismatch(module, f"{name} is not of ROS 1")
-    slots: list[str] = found.__slots__
-    return slots
-
-
-def _mismatch(module: str, reason: str) -> RosUnavailableError:
-    package = module.partition(".")[0]
-    where = getattr(import_module(package), "__file__", None)
-    return RosUnavailableError(
-        f"the installed {package} does not fit, {reason} ({where}); install Noetic's, "
-        "or take that folder off PYTHONPATH, and tool0 makes its own"
-    )
-
-
-# --- the shell ---
 
 
 def shell_exports() -> list[str]:
@@ -212,12 +123,166 @@ def shell_exports() -> list[str]:
         raise RosUnavailableError(
             f"cannot write the cache: {error}; XDG_CACHE_HOME names another folder"
         ) from None
-    return [
-        f"export {name}={_with_folder(name, str(folder))}" for name in _SHELL_VARIABLES
-    ]
+    lines = []
+    for variable in _SHELL_VARIABLES:
+        entries = os.environ.get(variable, "").split(os.pathsep)
+        kept = [entry for entry in entries if entry and not is_generated(entry)]
+        value = os.pathsep.join([*kept, str(folder)])
+        lines.append(f"export {variable}={shlex.quote(value)}")
+    return lines
 
 
-def _with_folder(variable: str, folder: str) -> str:
-    entries = os.environ.get(variable, "").split(os.pathsep)
-    kept = [entry for entry in entries if entry and not is_generated(entry)]
-    return shlex.quote(os.pathsep.join([*kept, folder]))
+# --- generation ---
+
+
+def generated_packages(packages: tuple[str, ...]) -> Path:
+    """Return the folder that holds these packages, made if it is not there.
+
+    It is an entry for both PYTHONPATH and ROS_PACKAGE_PATH.
+
+    Raises:
+        RosUnavailableError: If genpy cannot make them.
+        OSError: If it is not there and the cache cannot be written.
+    """
+    folder = _cache() / _key(packages)
+    if folder.is_dir():
+        return folder
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with locked(folder.parent / "lock"):
+        if not folder.is_dir():  # another process may have made it meanwhile
+            new = Path(tempfile.mkdtemp(prefix="new-", dir=folder.parent))
+            try:
+                generate(packages, new)
+                new.rename(folder)
+            except BaseException:
+                shutil.rmtree(new, ignore_errors=True)
+                raise
+            # Importing bytecode is 5 times as fast, and Python does not write it where
+            # PYTHONDONTWRITEBYTECODE is set.
+            compile_dir(folder, quiet=2)
+    return folder
+
+
+def _key(packages: tuple[str, ...]) -> str:
+    """Return a name for all that the outcome depends on."""
+    generator = importlib.util.find_spec("genpy.generator")
+    if generator is None or generator.origin is None:
+        raise RosUnavailableError(f"ROS 1 needs genpy, which is not here; {SET_UP}")
+    files = [Path(generator.origin), Path(__file__)]
+    for package in packages:
+        files += definition_files(package)
+    digest = hashlib.sha256(f"{sys.version_info[:2]} {packages}".encode())
+    for file in files:
+        digest.update(f"\0{file.name}\0".encode() + file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _temporary_packages(packages: tuple[str, ...], cause: OSError) -> Path:
+    """Make the packages in a temporary folder that ends with the process."""
+    import atexit
+
+    try:
+        folder = Path(tempfile.mkdtemp(prefix="tool0-ros1-"))
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        generate(packages, folder)
+    except OSError as error:
+        raise RosUnavailableError(
+            f"the classes of {', '.join(packages)} can be written neither to the cache "
+            f"({cause}) nor to a temporary folder ({error}); XDG_CACHE_HOME and TMPDIR "
+            "name others"
+        ) from None
+    return folder
+
+
+def generate(packages: tuple[str, ...], folder: Path) -> None:
+    """Make ROS packages with Python classes in ``folder``, which exists and is empty.
+
+    Raises:
+        RosUnavailableError: If genpy cannot make them.
+        OSError: If the folder cannot be written.
+    """
+    from genpy.generate_initpy import write_modules
+    from genpy.generator import MsgGenerator, SrvGenerator
+
+    search = {
+        name: [str(found) for found in message_folders(name)]
+        for name in EMBEDDED_PACKAGES
+    }
+    for package in packages:
+        home = folder / package
+        _write_definitions(package, home)
+        search[package] = [str(home / "msg")]
+        for generator, kind in ((MsgGenerator(), "msg"), (SrvGenerator(), "srv")):
+            target = home / kind
+            files = [str(file) for file in sorted(target.glob(f"*.{kind}"))]
+            if generator.generate_messages(package, files, str(target), search):
+                raise RosUnavailableError(
+                    f"genpy cannot make the {kind}s of {package}; it needs the message "
+                    f"definitions of {', '.join(EMBEDDED_PACKAGES)}; {SET_UP}"
+                )
+            write_modules(str(target))
+
+
+def _write_definitions(package: str, home: Path) -> None:
+    """Lay the definitions out as a ROS package, actions also as messages."""
+    for file in definition_files(package):
+        texts = {file: file.read_text(encoding="utf-8")}
+        if file.suffix == ".action":
+            texts |= _messages_of_action(file.stem, texts[file])
+        for name, text in texts.items():
+            target = home / name.suffix.removeprefix(".") / name.name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(text, encoding="utf-8")
+    (home / "__init__.py").touch()
+    (home / "package.xml").write_text(_MANIFEST.format(package), encoding="utf-8")
+
+
+def _messages_of_action(name: str, text: str) -> dict[Path, str]:
+    """Return the seven messages that an action stands for, as actionlib has them."""
+    goal, result, feedback = _SECTIONS.split(text)
+    status = "Header header\nactionlib_msgs/GoalStatus status\n"
+    texts = {
+        "Goal": goal,
+        "Result": result,
+        "Feedback": feedback,
+        "ActionGoal": "Header header\nactionlib_msgs/GoalID goal_id\n"
+        f"{name}Goal goal\n",
+        "ActionResult": f"{status}{name}Result result\n",
+        "ActionFeedback": f"{status}{name}Feedback feedback\n",
+        "Action": f"{name}ActionGoal action_goal\n{name}ActionResult action_result\n"
+        f"{name}ActionFeedback action_feedback\n",
+    }
+    return {Path(f"{name}{kind}.msg"): body for kind, body in texts.items()}
+
+
+# --- a package that is installed ---
+
+
+def _check_installed(package: str) -> None:
+    """Raise RosUnavailableError unless it is ROS 1's, with all our types and fields."""
+    for file in definition_files(package):
+        module = f"{package}.{'srv' if file.suffix == '.srv' else 'msg'}"
+        for name, fields in _classes(file):
+            try:
+                found = getattr(import_module(module), name)
+            except (ImportError, AttributeError):
+                raise _mismatch(package, f"{name} is not in it") from None
+            if not hasattr(found, "_md5sum"):
+                raise _mismatch(package, f"{name} is not of ROS 1")
+            if missing := [one for one in fields if one not in found.__slots__]:
+                raise _mismatch(package, f"{name} has no field {missing[0]}")
+
+
+def _classes(file: Path) -> Iterator[tuple[str, list[str]]]:
+    """Yield the name and the fields of each class that the file defines."""
+    sections = _SECTIONS.split(file.read_text(encoding="utf-8"))
+    for ending, text in zip(_CLASSES_OF_SECTIONS[file.suffix], sections, strict=True):
+        yield f"{file.stem}{ending}", _FIELD.findall(text)
+
+
+def _mismatch(package: str, reason: str) -> RosUnavailableError:
+    where = getattr(import_module(package), "__file__", None)
+    return RosUnavailableError(
+        f"the installed {package} does not fit, {reason} ({where}); install Noetic's, "
+        "or take that folder off PYTHONPATH, and tool0 makes its own"
+    )

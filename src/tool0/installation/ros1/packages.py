@@ -1,13 +1,32 @@
-"""What tool0 uses of ROS 1, whether it is installed, and its packages."""
+"""What tool0 uses of ROS 1, whether it is installed, and what installs it."""
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import os
 import shutil
-from dataclasses import dataclass
+import sys
+import warnings
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, final
+
+from tool0.errors import RosUnavailableError
+from tool0.installation.ros1.library import (
+    DEFAULT_MASTER,
+    find_node,
+    import_ros,
+    is_of_distribution,
+    message_folders,
+    package_prefix,
+    package_version,
+    ros_origin,
+    rospy_folder,
+)
+from tool0.installation.ros1.master import Master
+from tool0.installation.ros1.messages import absent_packages, package_names
 
 
 @final
@@ -50,6 +69,18 @@ class RosComponent:
     def ros(self) -> tuple[str, ...]:
         """Its packages in a distribution of ROS, such as Noetic."""
         return (*self.modules, *(ros for ros, _ in self.other_packages))
+
+    def missing(self) -> tuple[str, ...]:
+        """Return what of it is missing, by name; nothing is imported.
+
+        Debian's modules are on no path before ``import_ros``.
+        """
+        return (
+            *(name for name in self.modules if not importlib.util.find_spec(name)),
+            *(name for name in self.programs if not shutil.which(name)),
+            *(name for name in self.nodes if find_node(name) is None),
+            *(f"{name}/msg" for name in self.definitions if not message_folders(name)),
+        )
 
 
 _TOOLS: Final = ("rostopic", "rosservice", "rosnode", "rosparam", "rosmsg")
@@ -120,54 +151,134 @@ def required_components(*, rviz: bool) -> tuple[RosComponent, ...]:
     return tuple(one for one in COMPONENTS if rviz or one.name != "rviz")
 
 
-def missing_of(component: RosComponent) -> tuple[str, ...]:
-    """Return what of the component is missing, by name; nothing is imported.
+def other_install_command(components: Iterable[RosComponent]) -> str:
+    """Return what installs them in a ROS that is not the distribution's."""
+    distro = os.environ.get("ROS_DISTRO", "noetic")
+    names = (name.replace("_", "-") for one in components for name in one.ros)
+    packages = " ".join(f"ros-{distro}-{name}" for name in dict.fromkeys(names))
+    if ros_origin() == "RoboStack":
+        return f"mamba install -c conda-forge -c robostack-{distro} {packages}"
+    prefix = package_prefix("rospy")
+    if prefix is not None and prefix.is_relative_to("/opt/ros"):
+        return f"sudo apt-get install {packages}"
+    return f"install in the workspace that rospy is from: {packages}"
 
-    Debian's modules are on no path before ``import_ros``.
-    """
-    roots = prefixes()
-    return (
-        *(name for name in component.modules if not importlib.util.find_spec(name)),
-        *(name for name in component.programs if not shutil.which(name)),
-        *(name for name in component.nodes if find_node(name) is None),
-        *(
-            f"{name}/msg"
-            for name in component.definitions
-            if not any((root / "share" / name / "msg").is_dir() for root in roots)
-        ),
+
+# --- what is installed ---
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ros1Status:
+    """What ``tool0 ros1 status`` prints."""
+
+    rospy: Path | None = None
+    """The folder it is imported from."""
+    version: str | None = None
+    """Of rospy."""
+    source: str | None = None
+    """Where its packages come from."""
+    master: str
+    """Where one is expected."""
+    is_master_up: bool = False
+    """Whether it answers."""
+    missing: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """Component → what of it is missing; complete ones are left out."""
+    messages: dict[str, str] = field(default_factory=dict)
+    """Package of messages → ``installed``, or ``ours``."""
+    remedies: tuple[str, ...] = ()
+    """What installs it."""
+
+    @property
+    def can_run(self) -> bool:
+        """Whether ``tool0 bringup --ros1`` works, given a master."""
+        needed = (part.name for part in COMPONENTS if part.is_needed)
+        return self.rospy is not None and self.missing.keys().isdisjoint(needed)
+
+    def why_not(self, names: Iterable[str]) -> str | None:
+        """Return why these components cannot all be used, None if they can."""
+        absent = [name for name in names if name in self.missing]
+        gaps = [f"no {', '.join(self.missing[name])}" for name in absent]
+        return "; ".join([*gaps, *self.remedies]) if gaps else None
+
+    def as_json(self) -> dict[str, object]:
+        """Return what JSON can hold."""
+        return {
+            "can_run": self.can_run,
+            "rospy": None if self.rospy is None else str(self.rospy),
+            "version": self.version,
+            "source": self.source,
+            "master": self.master,
+            "is_master_up": self.is_master_up,
+            "parts": {part.name: part.name not in self.missing for part in COMPONENTS},
+            "missing": self.missing,
+            "messages": self.messages,
+            "remedies": self.remedies,
+        }
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Return names and values for people."""
+        master = "does not answer: start roscore, or add --roscore"
+        if self.is_master_up:
+            master = "answers"
+        kinds = {"installed": "installed", "ours": "not installed: tool0 makes its own"}
+        return [
+            ("master", f"{self.master}, {master}"),
+            *((part.name, self._about(part)) for part in COMPONENTS),
+            *((name, kinds[kind]) for name, kind in self.messages.items()),
+            *(("to do", text) for text in self.remedies),
+        ]
+
+    def _about(self, part: RosComponent) -> str:
+        missing = self.missing.get(part.name, ())
+        if part.name == "rospy" and not missing:
+            return f"{self.version or 'unknown version'}, {self.source}, {self.rospy}"
+        if not missing:
+            return "there"
+        found_none = len(missing) == len(part.contents)
+        state = "none" if found_none else f"incomplete, no {', '.join(missing)}"
+        return f"{state}; for {part.purpose}"
+
+
+def ros1_status() -> Ros1Status:
+    """Return the status; nothing is started.  It imports rospy."""
+    master = os.environ.get("ROS_MASTER_URI", DEFAULT_MASTER)
+    try:
+        import_ros()
+        _import_rospy()
+    except RosUnavailableError as error:
+        everything = {part.name: part.contents for part in COMPONENTS}
+        return Ros1Status(master=master, missing=everything, remedies=(str(error),))
+    try:
+        is_up = Master("/tool0_status").is_up
+    except RosUnavailableError:  # its address is invalid
+        is_up = False
+    found, absent = {p.name: p.missing() for p in COMPONENTS}, absent_packages()
+    missing = {name: what for name, what in found.items() if what}
+    remedy = f"tool0 ros1 install{' --rviz' if 'rviz' in missing else ''}"
+    if not is_of_distribution():
+        remedy = other_install_command(p for p in COMPONENTS if p.name in missing)
+    return Ros1Status(
+        rospy=rospy_folder(),
+        version=package_version("rospy"),
+        source=ros_origin(),
+        master=master,
+        is_master_up=is_up,
+        missing=missing,
+        messages={
+            name: "ours" if name in absent else "installed" for name in package_names()
+        },
+        remedies=(remedy,) if missing else (),
     )
 
 
-def find_node(name: str) -> Path | None:
-    """Return the program of the node ``package/program``, as rosrun finds it."""
-    files = (root / "lib" / name for root in prefixes())
-    return next((file for file in files if os.access(file, os.X_OK)), None)
-
-
-def prefixes() -> tuple[Path, ...]:
-    """Return where ROS packages are installed, a workspace's first."""
-    named = os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
-    folders = [Path(name) for name in named if name]
-    own = package_prefix("rospy")
-    return tuple(dict.fromkeys(folders if own is None else [*folders, own]))
-
-
-def package_prefix(module: str) -> Path | None:
-    """Return the prefix that the package of a module is installed in."""
-    spec = importlib.util.find_spec(module)
-    if spec is None or spec.origin is None:
-        return None
-    manifest = Path("share", module, "package.xml")
-    folders = Path(spec.origin).parents
-    return next((folder for folder in folders if (folder / manifest).is_file()), None)
-
-
-def package_version(module: str) -> str | None:
-    """Return the version in the manifest of the package of a module."""
-    from xml.etree import ElementTree
-
-    prefix = package_prefix(module)
-    if prefix is None:
-        return None
-    manifest = prefix / "share" / module / "package.xml"
-    return ElementTree.parse(manifest).getroot().findtext("version")
+def _import_rospy() -> None:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # not ours to fix
+            importlib.import_module("rospy")
+    except ImportError as error:
+        raise RosUnavailableError(
+            f"rospy is in '{rospy_folder()}' but cannot be imported ({error}); install "
+            f"what it lacks into '{sys.prefix}', such as: pip install rospkg"
+        ) from None

@@ -14,7 +14,7 @@ from tool0.control.joint_state import PublishRate
 from tool0.description.forward_kinematics import joint_transform
 from tool0.description.model import Joint
 from tool0.installation.child_process import ChildProcess
-from tool0.installation.ros1.packages import find_node
+from tool0.installation.ros1.library import find_node
 from tool0.interfaces.ros1.messages import Message, transform_message
 from tool0.interfaces.ros1.node import RosNode
 from tool0.interfaces.ros1.sensors import camera_transforms

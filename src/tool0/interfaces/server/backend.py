@@ -3,21 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any, Final, Protocol, final
+from typing import TYPE_CHECKING, Any, Final, Protocol, final
 
 from tool0.errors import ControlError, did_you_mean
 from tool0.requests.arm import MoveLinear, MoveTo
-from tool0.requests.codec import outcome_of
 from tool0.requests.controllers import SwitchControllers
 from tool0.requests.gripper import Grip
-from tool0.requests.messages import (
-    EventMessage,
-    Fault,
-    GoalEnded,
-    LateTicks,
-    Mode,
-    ResetDone,
-)
 from tool0.requests.motion import (
     CommandTrajectory,
     FollowTrajectory,
@@ -27,8 +18,10 @@ from tool0.requests.motion import (
 from tool0.requests.poses import GoToPose
 from tool0.requests.table import Request, answer
 from tool0.requests.time import EmergencyStop, Reset
-from tool0.runtime.bus import Event, Faulted, GoalFinished, Overran
 from tool0.runtime.simulation import Simulation
+
+if TYPE_CHECKING:
+    from tool0.requests.messages import Mode
 
 
 class Backend(Protocol):
@@ -114,21 +107,3 @@ class SimulationBackend:
             ):
                 return tuple(simulation.defined_controllers)
         return ()
-
-
-def event_message(simulation: Simulation, event: Event) -> EventMessage:
-    """Return an event as it is sent."""
-    match event:
-        case GoalFinished(goal):
-            assert goal.result is not None  # it has finished
-            return GoalEnded(
-                goal=simulation.goals.number(goal),
-                controller=goal.controller,
-                outcome=outcome_of(goal.result),
-            )
-        case Faulted(message, time):
-            return Fault(message=message, time=time)
-        case Overran(count, time):
-            return LateTicks(count=count, time=time)
-        case _:
-            return ResetDone(time=event.time)

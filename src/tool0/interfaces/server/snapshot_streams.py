@@ -10,10 +10,16 @@ import asyncio
 import logging
 from typing import Final, final
 
-from tool0.interfaces.server.backend import event_message
 from tool0.interfaces.server.session import Session
-from tool0.requests.codec import encode, snapshot_message
-from tool0.runtime.bus import Subscription
+from tool0.requests.codec import encode, outcome_of, snapshot_message
+from tool0.requests.messages import (
+    EventMessage,
+    Fault,
+    GoalEnded,
+    LateTicks,
+    ResetDone,
+)
+from tool0.runtime.bus import Event, Faulted, GoalFinished, Overran, Subscription
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.snapshot import Snapshot
 
@@ -118,3 +124,21 @@ def _close_in_background(stream: _RateStream) -> None:
     """Close a subscription in a thread of its own: it waits for the tick."""
     close = stream.subscription.close
     asyncio.get_running_loop().run_in_executor(None, close)
+
+
+def event_message(simulation: Simulation, event: Event) -> EventMessage:
+    """Return an event as it is sent."""
+    match event:
+        case GoalFinished(goal):
+            assert goal.result is not None  # it has finished
+            return GoalEnded(
+                goal=simulation.goals.number(goal),
+                controller=goal.controller,
+                outcome=outcome_of(goal.result),
+            )
+        case Faulted(message, time):
+            return Fault(message=message, time=time)
+        case Overran(count, time):
+            return LateTicks(count=count, time=time)
+        case _:
+            return ResetDone(time=event.time)

@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
 from tool0.errors import SourceLocation
 from tool0.lint.launch.explanation import Item
 from tool0.lint.launch.model import (
-    Activity,
     Argument,
     Entry,
-    Environment,
     Include,
     LaunchFile,
     Node,
     Parameter,
     Place,
-    Remap,
-    RemoteMachine,
     Rosparam,
+    Statement,
 )
 from tool0.lint.launch.xacro_files import XacroFile, xacro_call
 
-_OFF = Activity.INACTIVE
 MAX_VISITS = 300_000
 """At entries, in search of what uses an argument: files may include files without
 number."""
@@ -38,146 +34,145 @@ _ORIGINS = {
     "switched off": "switched off",
 }
 
+_FROM_OUTSIDE = ("include", "pass_all_args")
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ArgumentUse:
-    """One place that uses an argument of a launch file."""
+class _Use:
+    """One place that uses arguments of a launch file."""
 
     what: str
     """For people: ``args of node /spawner``."""
+    names: Sequence[str]
+    """The arguments that it uses."""
     location: SourceLocation
-    activity: Activity
+    is_off: bool = False
     argument: tuple[LaunchFile, str] | None = None
     """The argument that it becomes a part of, of this file or of an included one."""
     xacro: tuple[Parameter, str] | None = None
     """The argument of xacro that it becomes a part of."""
 
 
-def uses(launch: LaunchFile, name: str) -> Iterator[ArgumentUse]:
-    """Yield what uses the argument ``name`` of ``launch``, in the file's order."""
-    found = [*_in_arguments(launch, name)]
-    for entry in launch.entries:
-        found += _in_entry(entry, name)
-    found += _in_conditions(launch, name)
-    yield from sorted(found, key=lambda use: use.location.line or 0)
+@final
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Anything in a launch file that may use arguments, or depend on a condition."""
+
+    what: str
+    place: Place
+    uses: tuple[_Use, ...]
+    argument: str = ""
+    """The name of the argument that it declares."""
 
 
-def _in_arguments(launch: LaunchFile, name: str) -> Iterator[ArgumentUse]:
+def _uses(launch: LaunchFile) -> list[_Use]:
+    """Return all that uses an argument of ``launch``, in the file's order."""
+    parts = list(_parts(launch))
+    found = [use for part in parts for use in part.uses]
+    found += _conditions(launch, parts)
+    return sorted(found, key=lambda use: use.location.line or 0)
+
+
+def _parts(launch: LaunchFile) -> Iterator[_Part]:
     for argument in launch.arguments:
-        value = argument.value
-        if argument.origin in ("value", "default") and value and name in value.uses:
-            what = f"argument {argument.name}"
-            yield _use(what, argument.place, argument=(launch, argument.name))
+        what, place, value = f"argument {argument.name}", argument.place, argument.value
+        names = () if value is None else value.uses
+        if argument.origin not in ("value", "default"):
+            names = ()
+        use = _use(what, names, place, argument=(launch, argument.name))
+        yield _Part(what, place, (use,), argument.name)
+    for entry in launch.entries:
+        if isinstance(entry, Include):
+            yield from _of_include(entry)
+        yield _Part(describe(entry), entry.place, tuple(_of_entry(entry)))
+        for part in entry.parts if isinstance(entry, Node) else ():
+            of = describe(part)
+            if not (isinstance(part, Parameter) and part.full_name):
+                of = f"{of} of {describe(entry)}"
+            is_inherited = part.place.location.file != entry.place.location.file
+            texts = () if is_inherited else part.texts
+            uses = [_use(f"{k} of {of}", text.uses, part.place) for k, text in texts]
+            yield _Part(describe(part), part.place, tuple(uses))
 
 
-def _in_entry(entry: Entry, name: str) -> Iterator[ArgumentUse]:
-    if isinstance(entry, Include):
-        yield from _in_include(entry, name)
-    if isinstance(entry, Parameter):
-        yield from _in_xacro(entry, name)
+def _of_entry(entry: Entry) -> Iterator[_Use]:
+    """Yield the uses in the texts of an entry; those of xacro by its arguments."""
+    call = xacro_call(entry) if isinstance(entry, Parameter) else None
+    in_xacro: set[str] = set()
+    if call is not None and isinstance(entry, Parameter):
+        of = describe(entry) if call.file is None else call.file.name
+        for argument, names in call.uses.items():
+            in_xacro.update(names)
+            what = f"xacro argument {argument} of {of}"
+            yield _use(what, names, entry.place, xacro=(entry, argument))
     for key, text in entry.texts:
-        is_xacro = key == "command" and isinstance(entry, Parameter)
-        if name not in text.uses or (is_xacro and any(_in_xacro(entry, name))):
-            continue
-        yield _use(f"{key} of {describe(entry)}", entry.place)
-    if isinstance(entry, Node):
-        for part in _inside(entry):
-            for key, text in part.texts:
-                if name in text.uses and _is_written_in(part, entry):
-                    of = describe(part)
-                    if not (isinstance(part, Parameter) and part.full_name):
-                        of = f"{of} of {describe(entry)}"
-                    what = f"{key} of {of}"
-                    yield _use(what, part.place)
+        others = [n for n in text.uses if key != "command" or n not in in_xacro]
+        yield _use(f"{key} of {describe(entry)}", others, entry.place)
 
 
-def _in_include(include: Include, name: str) -> Iterator[ArgumentUse]:
-    """Yield the arguments of the included file that the value becomes."""
-    child = include.launch
-    passed = {p.name for p in include.passed if p.place.activity is not _OFF}
+def _of_include(include: Include) -> Iterator[_Part]:
+    """Yield the arguments of the included file that values become."""
+    child, of = include.launch, _included(include)
+    yield _Part(describe(include), include.place, ())  # its conditions come first
     for item in include.passed:
-        if item.value is None or name not in item.value.uses:
-            continue
         is_known = child is not None and child.argument(item.name) is not None
-        yield _use(
-            f"argument {item.name} of {_included(include)}",
+        use = _use(
+            f"argument {item.name} of {of}",
+            () if item.value is None else item.value.uses,
             item.place,
             argument=(child, item.name) if child and is_known else None,
         )
-    if not include.passes_all or child is None or name in passed:
-        return
-    argument = child.argument(name)
-    if argument is not None and argument.origin == "pass_all_args":
-        what = f"argument {name} of {_included(include)}"
-        yield _use(what, include.place, argument=(child, name))
+        yield _Part(f"argument {item.name}", item.place, (use,))
+    if include.passes_all and child is not None:
+        passed = {p.name for p in include.passed if p.place.holds is not False}
+        passed_on = dict.fromkeys(a.name for a in child.arguments)
+        uses = [
+            _use(f"argument {n} of {of}", (n,), include.place, argument=(child, n))
+            for n in passed_on
+            if n not in passed and _origin(child, n) == "pass_all_args"
+        ]
+        yield _Part(describe(include), include.place, tuple(uses))
 
 
-def _in_xacro(parameter: Entry, name: str) -> Iterator[ArgumentUse]:
-    """Yield the arguments of xacro that the value becomes."""
-    call = xacro_call(parameter) if isinstance(parameter, Parameter) else None
-    for argument, used in () if call is None else call.uses.items():
-        if call is not None and name in used:
-            of = describe(parameter) if call.file is None else call.file.name
-            what = f"xacro argument {argument} of {of}"
-            yield _use(what, parameter.place, xacro=(call.parameter, argument))
+def _origin(launch: LaunchFile, name: str) -> str:
+    argument = launch.argument(name)
+    return "" if argument is None else argument.origin
 
 
-def _in_conditions(launch: LaunchFile, name: str) -> Iterator[ArgumentUse]:
+def _conditions(launch: LaunchFile, parts: list[_Part]) -> Iterator[_Use]:
     """Yield each ``if`` and ``unless`` once, though a group's is that of many."""
     seen = set()
-    for what, place, argument in _places(launch):
-        for number, condition in enumerate(reversed(place.conditions)):
+    for part in parts:
+        for number, condition in enumerate(reversed(part.place.conditions)):
             where = condition.text.location
             key = (condition.kind, where)
-            if name not in condition.text.uses or where.file != launch.file:
+            if where.file != launch.file or key in seen:
                 continue
-            if key not in seen:
-                seen.add(key)
-                is_own = number == 0 and where == place.location
-                goes_on = is_own and argument and place.activity is not _OFF
-                yield ArgumentUse(
-                    what=f"{condition.kind} of {what if is_own else 'the group'}",
-                    location=where,
-                    activity=Activity.ACTIVE,
-                    argument=(launch, argument) if goes_on else None,
-                )
-
-
-def _places(launch: LaunchFile) -> Iterator[tuple[str, Place, str]]:
-    """Yield all that may have a condition; for an argument also its name."""
-    for argument in launch.arguments:
-        yield f"argument {argument.name}", argument.place, argument.name
-    for entry in launch.entries:
-        yield describe(entry), entry.place, ""
-        if isinstance(entry, Include):
-            for passed in entry.passed:
-                yield f"argument {passed.name}", passed.place, ""
-        if isinstance(entry, Node):
-            for part in _inside(entry):
-                yield describe(part), part.place, ""
-
-
-def _is_written_in(part: Entry, node: Node) -> bool:
-    """Whether ``part`` is not inherited from an outer file."""
-    return part.place.location.file == node.place.location.file
-
-
-def _inside(node: Node) -> tuple[Entry, ...]:
-    return (*node.parameters, *node.rosparams, *node.remaps, *node.environment)
+            seen.add(key)
+            is_own = number == 0 and where == part.place.location
+            goes_on = is_own and part.argument and part.place.holds is not False
+            yield _Use(
+                what=f"{condition.kind} of {part.what if is_own else 'the group'}",
+                names=condition.text.uses,
+                location=where,
+                argument=(launch, part.argument) if goes_on else None,
+            )
 
 
 def _use(
     what: str,
+    names: Sequence[str],
     place: Place,
     *,
     argument: tuple[LaunchFile, str] | None = None,
     xacro: tuple[Parameter, str] | None = None,
-) -> ArgumentUse:
-    return ArgumentUse(
+) -> _Use:
+    return _Use(
         what=what,
+        names=names,
         location=place.location,
-        activity=place.activity,
+        is_off=place.holds is False,
         argument=argument,
         xacro=xacro,
     )
@@ -195,12 +190,10 @@ def describe(entry: Entry) -> str:
             return f"rosparam {entry.command}"
         case Include():
             return f"include {_included(entry)}"
-        case Remap():
-            return f"remap {entry.from_name.resolved or entry.from_name.raw}"
-        case Environment():
-            return f"env {entry.name.resolved or entry.name.raw}"
-        case RemoteMachine():
+        case Statement(kind="machine"):
             return "machine"
+        case Statement():
+            return f"{entry.kind} {entry.subject.resolved or entry.subject.raw}"
 
 
 def _included(include: Include) -> str:
@@ -234,18 +227,19 @@ class _FlowExplainer:
         self._launch = launch
         self._robots = robots
         self._left = MAX_VISITS
+        self._uses_in: dict[int, list[_Use]] = {}
 
     def arguments(self, launch: LaunchFile) -> Item:
         """Return the arguments that are listed with one file."""
         is_root = launch is self._launch
+        names = [argument.name for argument in launch.arguments]
         found = []
         for argument in launch.arguments:
-            same = [a for a in launch.arguments if a.name == argument.name]
-            is_only = len(same) == 1 or argument.origin != "switched off"
-            value = argument.value
-            comes = argument.origin in ("include", "pass_all_args")
-            comes = comes and value is not None and bool(value.uses)
-            if is_only and (is_root or not comes):
+            is_only = names.count(argument.name) == 1
+            is_listed = is_only or argument.origin != "switched off"
+            uses = () if argument.value is None else argument.value.uses
+            comes = argument.origin in _FROM_OUTSIDE and uses
+            if is_listed and (is_root or not comes):
                 found.append(self._argument(launch, argument))
         return Item(
             kind="launch",
@@ -258,10 +252,8 @@ class _FlowExplainer:
         value = argument.value
         items = tuple(self._uses(launch, argument.name, ()))
         reason = "" if value is None else value.reason
-        is_outside = argument.origin in ("include", "pass_all_args")
-        place = argument.place.location
-        if value is not None and is_outside:
-            place = value.location
+        is_outside = value is not None and argument.origin in _FROM_OUTSIDE
+        place = value.location if value and is_outside else argument.place.location
         notes = [_ORIGINS[argument.origin], reason, "" if items else "nothing uses it"]
         return Item(
             kind="argument",
@@ -284,23 +276,26 @@ class _FlowExplainer:
             where = SourceLocation(launch.file)
             yield Item(kind="use", name="more than can be listed", location=where)
             return
-        for use in uses(launch, name):
+        if id(launch) not in self._uses_in:
+            self._uses_in[id(launch)] = _uses(launch)
+        for use in self._uses_in[id(launch)]:
+            if name not in use.names:
+                continue
             items: tuple[Item, ...] = ()
             if use.argument is not None:
                 items = tuple(self._uses(*use.argument, (*path, here)))
             elif use.xacro is not None:
-                items = tuple(self._in_xacro(use))
+                items = tuple(self._in_xacro(*use.xacro))
             yield Item(
                 kind="use",
                 name=use.what,
                 location=use.location,
-                note="switched off" if use.activity is Activity.INACTIVE else "",
+                note="switched off" if use.is_off else "",
                 items=items,
             )
 
-    def _in_xacro(self, use: ArgumentUse) -> Iterator[Item]:
-        parameter, name = use.xacro or (None, "")
-        robot = None if parameter is None else self._robots.get(parameter)
+    def _in_xacro(self, parameter: Parameter, name: str) -> Iterator[Item]:
+        robot = self._robots.get(parameter)
         seen = set()
         for file in () if robot is None else robot.walk():
             for place in file.uses:

@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, final
-from xml.dom.minidom import Element
 
-from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
-from tool0.lint.launch import grammar
 from tool0.lint.launch.load_context import is_file
 from tool0.lint.launch.model import (
-    Activity,
     Argument,
-    Environment,
     Include,
-    NamedText,
     Passed,
+    Statement,
     Text,
 )
-from tool0.lint.launch.nodes import read_env
 from tool0.lint.launch.scope import Scope
+from tool0.lint.launch.statements import read_statement
 
 
 @final
@@ -47,54 +42,45 @@ class Arguments:
         is_included: bool,
         passes_all: bool,
     ) -> None:
-        self._scope = scope
-        self._given = given
-        self._is_included = is_included
-        self._passes_all = passes_all
+        self._scope, self._given = scope, given
+        self._is_included, self._passes_all = is_included, passes_all
         self._found: list[Argument] = []
 
-    def declare(self, element: Element, scope: Scope) -> None:
+    def declare(self, scope: Scope) -> None:
         """Take an ``<arg>`` into the scope."""
-        name = scope.required(element, "name").resolved
+        name = scope.required("name").resolved
         if not name:
             return
-        value, default = scope.text(element, "value"), scope.text(element, "default")
+        value, default = scope.text("value"), scope.text("default")
         if value is not None and default is not None:
             scope.report(
-                scope.locate(element),
                 "bad-argument",
                 name,
                 "has both value and default, and roslaunch stops here",
                 "write value if it may never change, else default",
             )
-        argument = Argument(
-            name=name,
-            place=scope.place(element),
-            origin="missing",
-            default=default,
-        )
-        if scope.activity is Activity.INACTIVE:
+        place = scope.place
+        argument = Argument(name=name, place=place, origin="missing", default=default)
+        if scope.holds is False:
             argument = replace(argument, origin="switched off")
         else:
             self._refuse_twice(argument, scope)
-            scope.declared.setdefault(name, argument.place.location)
+            scope.declared.setdefault(name, place.location)
             argument = self._with_value(argument, value, scope)
         self._found.append(argument)
 
     def _refuse_twice(self, argument: Argument, scope: Scope) -> None:
         first = scope.declared.get(argument.name)
-        if first is None or self._passes_all or scope.activity is Activity.UNKNOWN:
+        if first is None or self._passes_all or scope.holds is None:
             return
         earlier = [a for a in self._found if a.place.location is first]
-        if any(a.place.activity is Activity.UNKNOWN for a in earlier):
-            return
-        scope.report(
-            argument.place.location,
-            "duplicate-argument",
-            argument.name,
-            f"is declared at {first} already, and roslaunch stops here",
-            "remove one of them",
-        )
+        if all(a.place.holds is not None for a in earlier):
+            scope.report(
+                "duplicate-argument",
+                argument.name,
+                f"is declared at {first} already, and roslaunch stops here",
+                "remove one of them",
+            )
 
     def _with_value(
         self, argument: Argument, value: Text | None, scope: Scope
@@ -116,7 +102,6 @@ class Arguments:
             return replace(argument, value=scope.values[name], origin="default")
         if not self._is_included:
             scope.report(
-                argument.place.location,
                 "missing-argument",
                 name,
                 "has no default, and no value is given: what depends on it is unknown",
@@ -132,37 +117,42 @@ class Arguments:
         place = given.text.location
         where = "on the command line" if place.file is None else f"at {place}"
         scope.report(
-            argument.place.location if place.file is None else place,
             "constant-argument",
             argument.name,
             f"has a fixed value (at {argument.place.location}), and another is given "
             f"{where}: roslaunch stops here",
             "write default instead of value, or do not give it",
+            location=None if place.file is None else place,
         )
 
-    def missing(self) -> tuple[Argument, ...]:
-        """Return the active arguments that are required and not given."""
-        return tuple(
-            argument
-            for argument in self._found
-            if argument.origin == "missing" and argument.name not in self._scope.values
-        )
+    def report_missing(self, include: Scope) -> None:
+        """Report the active arguments that the include does not give."""
+        for argument in self._found:
+            name = argument.name
+            if argument.origin == "missing" and name not in self._scope.values:
+                include.report(
+                    "missing-argument",
+                    name,
+                    f"is an argument that {self._scope.file.name} requires (declared "
+                    f"at {argument.place.location}), and it is not given here",
+                    f'write <arg name="{name}" value="…"/> into this <include>',
+                    severity="error" if name in self._scope.used else "warning",
+                )
 
     def finished(self) -> tuple[Argument, ...]:
         """Return all arguments, the file being read; report those nothing uses."""
-        used = self._scope.used
-        for name in {argument.name: None for argument in self._found}:
-            if name in used:
-                continue
-            first = next(a for a in self._found if a.name == name)
-            self._scope.report(
-                first.place.location,
-                "unused-argument",
-                name,
-                "is declared, and nothing in the file uses it: its value has no effect",
-                f"use it as $(arg {name}), or remove it",
-                severity="warning",
-            )
+        first = {argument.name: argument for argument in reversed(self._found)}
+        for name in dict.fromkeys(argument.name for argument in self._found):
+            if name not in self._scope.used:
+                self._scope.report(
+                    "unused-argument",
+                    name,
+                    "is declared, and nothing in the file uses it: its value has no "
+                    "effect",
+                    f"use it as $(arg {name}), or remove it",
+                    severity="warning",
+                    location=first[name].place.location,
+                )
         return tuple(self._found)
 
     def report_unknown(self) -> None:
@@ -171,80 +161,53 @@ class Arguments:
         for name in self._given:
             if name not in declared:
                 self._scope.report(
-                    SourceLocation(self._scope.file),
                     "unused-argument",
                     name,
                     "is given on the command line, and the file declares no such "
                     "argument" + did_you_mean(name, declared),
                     severity="warning",
+                    location=SourceLocation(self._scope.file),
                 )
 
 
 def _if_active(text: Text, scope: Scope) -> Text:
     """Return ``text``, without a value if the element may be switched off."""
-    if scope.activity is not Activity.UNKNOWN:
+    if scope.holds is not None:
         return text
     reason = "it depends on an if or unless that is unknown"
     return replace(text, resolved=None, reason=text.reason or reason)
 
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class IncludeTarget:
-    """What an include asks for."""
-
-    include: Include
-    path: Path
-    given: Mapping[str, GivenArgument]
-    environment: tuple[Environment, ...]
-
-    @property
-    def key(self) -> frozenset[tuple[str, str | None]]:
-        """The arguments as a value, to recognise a recursive include."""
-        return frozenset((name, g.text.resolved) for name, g in self.given.items())
-
-
-def target_of(element: Element, scope: Scope) -> IncludeTarget:
-    """Return what an ``<include>`` asks for."""
-    file = scope.required(element, "file")
-    namespace = scope.namespace_of(element)
-    passes_all = scope.boolean(element, "pass_all_args")
-    given = _all_given(element, scope) if passes_all else {}
-    passed, environment = _children(element, scope, given, passes_all=passes_all)
-    path = Path(os.path.normpath(file.resolved)) if file.resolved else None
-    settings: tuple[NamedText, ...] = tuple(
-        (key, scope.required(element, key))
-        for key in ("ns",)
-        if element.hasAttribute(key)
-    )
+def read_include(
+    scope: Scope,
+) -> tuple[Include, dict[str, GivenArgument], list[Statement]]:
+    """Return an ``<include>``, the arguments it gives, and its environment."""
+    file = scope.required("file")
+    namespace = scope.inner_namespace()
+    passes_all = scope.boolean("pass_all_args")
+    given = _all_given(scope) if passes_all else {}
+    environment: list[Statement] = []
+    passed = tuple(_passed(scope, given, environment, passes_all=passes_all))
+    namespace_text = scope.text("ns")
+    path, reason = None, file.reason or "no file is named"
+    if file.resolved:
+        path = Path(os.path.normpath(file.resolved))
+        scope.require_file(file, "include")
+        reason = "" if is_file(path) else f"{path} does not exist"
     include = Include(
-        place=replace(scope.place(element), namespace=namespace),
+        place=replace(scope.place, namespace=namespace),
         file=file,
         path=path,
         passed=passed,
         passes_all=passes_all,
-        settings=settings,
-        reason=_reason(file, path, scope),
+        settings=() if namespace_text is None else (("ns", namespace_text),),
+        reason=reason,
     )
-    return IncludeTarget(
-        include=include,
-        path=(path or Path()).absolute(),
-        given=given,
-        environment=environment,
-    )
+    return include, given, environment
 
 
-def _reason(file: Text, path: Path | None, scope: Scope) -> str:
-    """Return why there is nothing to include, if so; report it."""
-    if path is None:
-        return file.reason or "no file is named"
-    scope.require_file(file, "include")
-    return "" if is_file(path) else f"{path} does not exist"
-
-
-def _all_given(element: Element, scope: Scope) -> dict[str, GivenArgument]:
+def _all_given(scope: Scope) -> dict[str, GivenArgument]:
     """Return the arguments of the file as pass_all_args passes them."""
-    where = scope.locate(element)
     scope.used.update(scope.declared, scope.values)
     given = {}
     for name in {**scope.declared, **scope.values}:
@@ -253,7 +216,7 @@ def _all_given(element: Element, scope: Scope) -> dict[str, GivenArgument]:
             text=Text(
                 raw=f"$(arg {name})",
                 resolved=None if text is None else text.resolved,
-                location=where,
+                location=scope.location,
                 uses=(name,),
                 reason=f"argument '{name}' has no value"
                 if text is None
@@ -264,32 +227,29 @@ def _all_given(element: Element, scope: Scope) -> dict[str, GivenArgument]:
     return given
 
 
-def _children(
-    element: Element, scope: Scope, given: dict[str, GivenArgument], *, passes_all: bool
-) -> tuple[tuple[Passed, ...], tuple[Environment, ...]]:
-    """Read what stands in the include; add the arguments to ``given``."""
-    passed: list[Passed] = []
-    environment: list[Environment] = []
+def _passed(
+    scope: Scope,
+    given: dict[str, GivenArgument],
+    environment: list[Statement],
+    *,
+    passes_all: bool,
+) -> Iterator[Passed]:
+    """Yield the ``<arg>`` in an include; add to what it gives."""
     names: set[str] = set()
-    for child in children(element):
-        if child.tagName not in grammar.CHILDREN["include"]:
+    for at in scope.children():
+        if at.tag == "env":
+            environment.append(read_statement(at))
             continue
-        at = scope.at(child)
-        grammar.check(child, scope.locate(child), scope.findings.append)
-        if child.tagName == "env":
-            environment.append(read_env(child, at))
-            continue
-        name = at.required(child, "name").resolved
+        name = at.required("name").resolved
         if not name:
             continue
-        value = at.text(child, "value")
-        text = at.text(child, "default") if value is None else value
-        passed.append(Passed(name=name, place=at.place(child), value=text))
-        if at.activity is Activity.INACTIVE:
+        value = at.text("value")
+        text = at.text("default") if value is None else value
+        yield Passed(name=name, place=at.place, value=text)
+        if at.holds is False:
             continue
-        if name in names and at.activity is Activity.ACTIVE and not passes_all:
+        if name in names and at.holds and not passes_all:
             at.report(
-                at.locate(child),
                 "duplicate-argument",
                 name,
                 "is given twice in one <include>: roslaunch stops here",
@@ -300,10 +260,8 @@ def _children(
             given[name] = GivenArgument(text=text, origin="include")
         elif text is None and name not in given:
             at.report(
-                at.locate(child),
                 "missing-argument",
                 name,
                 "is passed to an include without a value: roslaunch stops here",
                 f'write value="…", such as value="$(arg {name})"',
             )
-    return tuple(passed), tuple(environment)

@@ -11,6 +11,7 @@ import math
 import operator
 import warnings
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Final, final
 
 MAX_LENGTH: Final = 2000
@@ -22,14 +23,11 @@ MAX_BITS: Final = 4096
 
 Function = Callable[..., object]
 
-_FUNCTIONS_OF_MATH: Final = (
+_OF_MATH: Final = (
     "acos acosh asin asinh atan atan2 atanh ceil copysign cos cosh degrees exp fabs"
     " floor fmod hypot isfinite isinf isnan log log10 log2 pow radians sin sinh"
     " sqrt tan tanh trunc"
 )
-_MATH: Final[dict[str, Function]] = {
-    name: getattr(math, name) for name in _FUNCTIONS_OF_MATH.split()
-}
 _CONSTANTS: Final[dict[str, object]] = {
     "true": True,
     "false": False,
@@ -39,11 +37,12 @@ _CONSTANTS: Final[dict[str, object]] = {
     "inf": math.inf,
     "nan": math.nan,
 }
-_NAMES_OF_METHODS: Final = (
-    "capitalize count endswith find isdigit lower lstrip rstrip split startswith strip"
-    " title upper"
+_METHODS: Final = frozenset(
+    {
+        *("capitalize", "count", "endswith", "find", "isdigit", "lower", "lstrip"),
+        *("rstrip", "split", "startswith", "strip", "title", "upper"),
+    }
 )
-_METHODS: Final = frozenset(_NAMES_OF_METHODS.split())
 """Of texts: those whose result is no longer than the text."""
 _UNARY: Final[dict[type[ast.unaryop], Function]] = {
     ast.Not: operator.not_,
@@ -123,29 +122,13 @@ def evaluate(
 
 
 @final
+@dataclass(frozen=True, slots=True)
 class _Evaluator:
     """Walks the tree of one expression."""
 
-    def __init__(
-        self,
-        functions: Mapping[str, Function],
-        argument: Callable[[str], object],
-    ) -> None:
-        self._functions: dict[str, Function] = {
-            **_MATH,
-            "int": int,
-            "float": float,
-            "str": str,
-            "list": list,
-            "bool": bool,
-            "len": len,
-            "abs": abs,
-            "min": min,
-            "max": max,
-            "round": _round,
-        }
-        self._of_texts = functions
-        self._argument = argument
+    of_texts: Mapping[str, Function]
+    """What may be called with texts."""
+    argument: Callable[[str], object]
 
     def value(self, node: ast.expr) -> object:
         """Return the value of an expression."""
@@ -182,7 +165,7 @@ class _Evaluator:
         if name in _CONSTANTS:
             return _CONSTANTS[name]
         try:
-            return self._argument(name)
+            return self.argument(name)
         except KeyError:
             raise EvaluationError(f"nothing gives '{name}' a value") from None
 
@@ -205,25 +188,19 @@ class _Evaluator:
 
     def _call(self, called: ast.expr, arguments: list[object]) -> object:
         match called:
-            case ast.Name(id=name) if name in self._of_texts:
+            case ast.Name(id=name) if name in self.of_texts:
                 if not all(isinstance(argument, str) for argument in arguments):
                     raise EvaluationError(f"{name}() takes texts")
-                return self._of_texts[name](*arguments)
-            case ast.Name(id=name) if name in self._functions:
+                return self.of_texts[name](*arguments)
+            case ast.Name(id=name) if name in _FUNCTIONS:
                 if name in ("pow", "int") and len(arguments) > 1:
                     arguments = [_small(argument) for argument in arguments]
-                return self._functions[name](*arguments)
+                return _FUNCTIONS[name](*arguments)
             case ast.Attribute(value=owner, attr=name) if name in _METHODS:
                 text = self.value(owner)
                 if isinstance(text, str):
                     return getattr(text, name)(*arguments)
         raise _not_understood(called)
-
-
-def _small(value: object) -> object:
-    if isinstance(value, int) and value.bit_length() > MAX_BITS:
-        raise EvaluationError(f"a number of more than {MAX_BITS} bits")
-    return value
 
 
 def _item(whole: object, index: object) -> object:
@@ -234,47 +211,58 @@ def _item(whole: object, index: object) -> object:
 
 def _binary(op: ast.operator, left: object, right: object) -> object:
     """Return what the operator makes of both, if that cannot be large."""
-    kind = type(op)
     for value in (left, right):
         _small(value)
-    are_numbers = isinstance(left, (int, float)) and isinstance(right, (int, float))
-    if isinstance(op, ast.Pow | ast.LShift) and are_numbers:
-        _bound_power(kind, left, right)
-    elif isinstance(op, ast.Add) and isinstance(left, str) and isinstance(right, str):
-        _bound(len(left) + len(right))
-    elif isinstance(op, ast.Mult) and not are_numbers:
-        text, times = (left, right) if isinstance(left, str) else (right, left)
-        if not (isinstance(text, str) and isinstance(times, int)):
-            raise NotUnderstoodError("only numbers and texts are multiplied here")
-        _bound(len(text) * max(times, 0))
-    elif not are_numbers and not (
-        isinstance(op, ast.Add) and type(left) is type(right) is list
-    ):
-        raise EvaluationError(
-            f"{type(left).__name__} and {type(right).__name__} do not go together here"
-        )
-    if kind not in _BINARY:
+    are_numbers = isinstance(left, int | float) and isinstance(right, int | float)
+    match op:
+        case ast.Pow() | ast.LShift() if are_numbers:
+            if isinstance(left, int) and isinstance(right, int):
+                is_power = isinstance(op, ast.Pow)
+                _bound_bits(abs(right) * left.bit_length() if is_power else right)
+        case ast.Add() if isinstance(left, str) and isinstance(right, str):
+            _bound_text(len(left) + len(right))
+        case ast.Mult() if not are_numbers:
+            text, times = (left, right) if isinstance(left, str) else (right, left)
+            if not (isinstance(text, str) and isinstance(times, int)):
+                raise NotUnderstoodError("only numbers and texts are multiplied here")
+            _bound_text(len(text) * max(times, 0))
+        case ast.Add() if type(left) is type(right) is list:
+            pass
+        case _ if not are_numbers:
+            names = f"{type(left).__name__} and {type(right).__name__}"
+            raise EvaluationError(f"{names} do not go together here")
+    if type(op) not in _BINARY:
         raise EvaluationError("an operator that is not understood here")
-    return _small(_BINARY[kind](left, right))
+    return _small(_BINARY[type(op)](left, right))
 
 
-def _bound(length: int) -> None:
-    if length > MAX_TEXT:
-        raise EvaluationError(f"a text of more than {MAX_TEXT} characters")
+def _small(value: object) -> object:
+    if isinstance(value, int):
+        _bound_bits(value.bit_length())
+    return value
 
 
-def _bound_power(kind: type, left: object, right: object) -> None:
-    if not (isinstance(left, int) and isinstance(right, int)):
-        return
-    bits = abs(right) * left.bit_length() if kind is ast.Pow else right
+def _bound_bits(bits: int) -> None:
     if bits > MAX_BITS:
         raise EvaluationError(f"a number of more than {MAX_BITS} bits")
+
+
+def _bound_text(length: int) -> None:
+    if length > MAX_TEXT:
+        raise EvaluationError(f"a text of more than {MAX_TEXT} characters")
 
 
 def _round(number: float, digits: int | None = None) -> object:
     if digits is not None and abs(digits) > 400:  # beyond every float
         raise EvaluationError(f"round() to {digits} digits")
     return round(number, digits)
+
+
+_FUNCTIONS: Final[dict[str, Function]] = {
+    **{name: getattr(math, name) for name in _OF_MATH.split()},
+    **{f.__name__: f for f in (int, float, str, list, bool, len, abs, min, max)},
+    "round": _round,
+}
 
 
 def _not_understood(node: ast.expr) -> NotUnderstoodError:

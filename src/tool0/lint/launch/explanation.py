@@ -14,8 +14,8 @@ from tool0.lint.launch.model import (
     Node,
     Parameter,
     Place,
-    RemoteMachine,
     Rosparam,
+    Statement,
     Text,
 )
 from tool0.lint.launch.xacro_files import XacroFile, xacro_call
@@ -71,12 +71,8 @@ class _ContentsExplainer:
                 return self._parameter(entry, entry.full_name)
             case Rosparam():
                 return _rosparam(entry)
-            case RemoteMachine():
-                texts = [f"{key}={_shown(text)}" for key, text in entry.settings]
-                return _item("machine", "", " ".join(texts), entry.place)
-        kind = type(entry).__name__.lower().replace("environment", "env")
-        (_, name), (_, value) = entry.texts
-        return _item(kind, _shown(name), _shown(value), entry.place)
+            case Statement():
+                return _statement(entry)
 
     def _include(self, include: Include) -> Item:
         entries = () if include.launch is None else include.launch.entries
@@ -94,10 +90,7 @@ class _ContentsExplainer:
         args = [] if node.args is None else [" ".join(_shown(node.args).split())]
         parts = [self._parameter(p, p.name.resolved) for p in node.parameters]
         parts += [_rosparam(rosparam) for rosparam in node.rosparams]
-        parts += [
-            _item("remap", _shown(r.from_name), _shown(r.to_name), r.place)
-            for r in node.remaps
-        ]
+        parts += [_statement(remap) for remap in node.remaps]
         return _item(
             "test" if node.is_test else "node",
             node.full_name or node.name.raw,
@@ -157,6 +150,14 @@ def _item(
         note=_off(place) or note,
         items=items,
     )
+
+
+def _statement(statement: Statement) -> Item:
+    if statement.kind == "machine":
+        texts = [f"{key}={_shown(text)}" for key, text in statement.texts]
+        return _item("machine", "", " ".join(texts), statement.place)
+    (_, name), (_, value) = statement.texts
+    return _item(statement.kind, _shown(name), _shown(value), statement.place)
 
 
 def _rosparam(rosparam: Rosparam) -> Item:

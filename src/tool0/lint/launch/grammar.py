@@ -6,13 +6,12 @@ From https://wiki.ros.org/roslaunch/XML; ``if`` and ``unless`` may stand on ever
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Iterator
 from typing import Final
-from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding, error_at, warning_at
-from tool0.description.xml_source import children, locate
-from tool0.errors import SourceLocation, did_you_mean, nearest_name
+from tool0.errors import did_you_mean, nearest_name
+from tool0.lint.robot.elements import Tag
 
 _NODE: Final = (
     "pkg type name args machine output respawn respawn_delay required ns clear_params"
@@ -61,57 +60,44 @@ _OBSOLETE: Final[dict[tuple[str, str], str]] = {
     for name in ("ros-root", "ros-package-path", "ros-ip", "ros-hostname")
 }
 
-
 _LEGAL: Final = re.compile(r"[~/A-Za-z][\w/]*", re.ASCII)
 """A name of ROS's graph."""
 
 
-def check(
-    element: Element, location: SourceLocation, report: Callable[[Finding], None]
-) -> None:
-    """Report what roslaunch does not know, or misses, in a known ``element``."""
-    tag = element.tagName
-    known = ATTRIBUTES[tag]
-    for name, _ in element.attributes.items():
-        if name in known or name.startswith("xmlns"):
+def findings(tag: Tag) -> Iterator[Finding]:
+    """Yield what roslaunch does not know, or misses, in an element that it knows."""
+    name = tag.tag
+    known, allowed = ATTRIBUTES[name], CHILDREN.get(name, frozenset())
+    for key, _ in tag.attributes:
+        if key in known or key.startswith("xmlns"):
             continue
-        obsolete = _OBSOLETE.get((tag, name))
-        is_typo = nearest_name(name, known) is not None
+        obsolete = _OBSOLETE.get((name, key))
+        is_typo = nearest_name(key, known) is not None
         finding_at = error_at if is_typo or obsolete else warning_at
-        report(
-            finding_at(
-                location,
-                "unknown-attribute",
-                name,
-                obsolete
-                or f"is no attribute of <{tag}>, and roslaunch ignores it"
-                + did_you_mean(name, known),
-                f"remove {name}, or write the attribute that was meant",
-            )
+        yield finding_at(
+            tag.location,
+            "unknown-attribute",
+            key,
+            obsolete
+            or f"is no attribute of <{name}>, and roslaunch ignores it"
+            + did_you_mean(key, known),
+            f"remove {key}, or write the attribute that was meant",
         )
-    missing = [n for n in REQUIRED.get(tag, ()) if not element.hasAttribute(n)]
-    for name in missing:
-        message = f"is missing from <{tag}>, and roslaunch stops without it"
-        remedy = f'write {name}="…"'
-        report(error_at(location, "missing-attribute", name, message, remedy))
-    allowed = CHILDREN.get(tag, frozenset())
-    for child in children(element):
-        if child.tagName not in allowed:
-            report(_unknown_element(child, tag, allowed, location))
-
-
-def _unknown_element(
-    child: Element, tag: str, allowed: frozenset[str], around: SourceLocation
-) -> Finding:
-    name = child.tagName
-    hint = did_you_mean(name, allowed) if allowed else ""
-    return error_at(
-        locate(child) or around,
-        "unknown-element",
-        name,
-        f"is nothing that <{tag}> may hold, and roslaunch ignores it{hint}",
-        f"remove <{name}>, or write the element that was meant",
-    )
+    for key in REQUIRED.get(name, ()):
+        if key not in tag:
+            message = f"is missing from <{name}>, and roslaunch stops without it"
+            remedy = f'write {key}="…"'
+            yield error_at(tag.location, "missing-attribute", key, message, remedy)
+    for child in tag.children():
+        if child.tag not in allowed:
+            hint = did_you_mean(child.tag, allowed) if allowed else ""
+            yield error_at(
+                child.location,
+                "unknown-element",
+                child.tag,
+                f"is nothing that <{name}> may hold, and roslaunch ignores it{hint}",
+                f"remove <{child.tag}>, or write the element that was meant",
+            )
 
 
 def is_legal(name: str) -> bool:

@@ -107,28 +107,31 @@ def read_limited(path: Path) -> bytes:
         raise DescriptionError(f"cannot be read: {error.strerror}") from None
 
 
+def parse_limited(path: Path) -> Element | None:
+    """Return the outermost element of an XML file.
+
+    Raises:
+        DescriptionError: If the file cannot be read, decoded or parsed.
+    """
+    try:
+        return parse_text(read_limited(path), path).documentElement
+    except (LookupError, ValueError) as error:  # unknown encodings
+        raise DescriptionError(f"cannot be decoded: {error}") from None
+
+
 def _root(path: Path) -> Element | Finding:
     where = SourceLocation(path)
     try:
-        root = parse_text(read_limited(path), path).documentElement
+        root = parse_limited(path)
     except DescriptionError as error:
-        where, message = error.location or where, error.message
-    except (LookupError, ValueError) as error:  # unknown encodings
-        message = f"cannot be decoded: {error}"
-    else:
-        if root is not None and root.tagName == "launch":
-            return root
-        tag = "nothing" if root is None else f"<{root.tagName}>"
-        return error_at(
-            where,
-            "not-launch",
-            path.name,
-            f"is no launch file: it holds {tag} where <launch> should be",
-            "put all of it into <launch>…</launch>",
-        )
+        return error_at(error.location or where, "not-xml", path.name, error.message)
+    if root is not None and root.tagName == "launch":
+        return root
+    tag = "nothing" if root is None else f"<{root.tagName}>"
     return error_at(
         where,
-        "not-xml",
+        "not-launch",
         path.name,
-        message,
+        f"is no launch file: it holds {tag} where <launch> should be",
+        "put all of it into <launch>…</launch>",
     )

@@ -6,9 +6,8 @@ argument, with what a person calls it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from enum import Enum
 from pathlib import Path
 from typing import Literal, TypeAlias, final
 
@@ -44,17 +43,6 @@ class Text:
 
 
 @final
-class Activity(Enum):
-    """Whether roslaunch would act on an element."""
-
-    ACTIVE = "active"
-    INACTIVE = "inactive"
-    """Switched off by its ``if`` or ``unless``, or by those around it."""
-    UNKNOWN = "unknown"
-    """It depends on an argument without a value."""
-
-
-@final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Condition:
     """An ``if`` or ``unless``."""
@@ -63,6 +51,12 @@ class Condition:
     text: Text
     holds: bool | None
     """Whether the element counts; None if that is unknown."""
+
+
+def all_hold(conditions: Iterable[Condition]) -> bool | None:
+    """Return whether an element under these conditions counts; None if unknown."""
+    held = [condition.holds for condition in conditions]
+    return False if False in held else None if None in held else True
 
 
 @final
@@ -77,12 +71,12 @@ class Place:
     """Of this element and those around it, over all includes; the outermost first."""
 
     @property
-    def activity(self) -> Activity:
-        """Whether roslaunch would act on the element."""
-        held = [condition.holds for condition in self.conditions]
-        if False in held:
-            return Activity.INACTIVE
-        return Activity.UNKNOWN if None in held else Activity.ACTIVE
+    def holds(self) -> bool | None:
+        """Whether roslaunch would act on the element.
+
+        None if that depends on an argument without a value.
+        """
+        return all_hold(self.conditions)
 
 
 NamedText: TypeAlias = tuple[str, Text]
@@ -105,43 +99,18 @@ class Argument:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Remap:
-    """A ``<remap>``."""
+class Statement:
+    """A ``<remap>``, ``<env>`` or ``<machine>``: its attributes are all that it has."""
 
+    kind: Literal["remap", "env", "machine"]
     place: Place
-    from_name: Text
-    to_name: Text
+    texts: tuple[NamedText, ...]
+    """``from`` and ``to`` of a remap, ``name`` and ``value`` of an env."""
 
     @property
-    def texts(self) -> tuple[NamedText, ...]:
-        return (("from", self.from_name), ("to", self.to_name))
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Environment:
-    """An ``<env>``."""
-
-    place: Place
-    name: Text
-    value: Text
-
-    @property
-    def texts(self) -> tuple[NamedText, ...]:
-        return (("name", self.name), ("value", self.value))
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RemoteMachine:
-    """A ``<machine>``."""
-
-    place: Place
-    settings: tuple[NamedText, ...]
-
-    @property
-    def texts(self) -> tuple[NamedText, ...]:
-        return self.settings
+    def subject(self) -> Text:
+        """The first attribute: the name that is remapped, or the variable."""
+        return self.texts[0][1]
 
 
 @final
@@ -213,9 +182,9 @@ class Node:
     parameters: tuple[Parameter, ...] = ()
     """Its own, and private ones that stand before it in the file."""
     rosparams: tuple[Rosparam, ...] = ()
-    remaps: tuple[Remap, ...] = ()
+    remaps: tuple[Statement, ...] = ()
     """Those that hold for it, its own last."""
-    environment: tuple[Environment, ...] = ()
+    environment: tuple[Statement, ...] = ()
 
     @property
     def texts(self) -> tuple[NamedText, ...]:
@@ -223,6 +192,11 @@ class Node:
         if self.args is not None:
             texts.append(("args", self.args))
         return (*texts, *self.settings)
+
+    @property
+    def parts(self) -> tuple[Entry, ...]:
+        """All that is in it."""
+        return (*self.parameters, *self.rosparams, *self.remaps, *self.environment)
 
 
 @final
@@ -255,9 +229,7 @@ class Include:
         return (("file", self.file), *self.settings)
 
 
-Entry: TypeAlias = (
-    Remap | Environment | RemoteMachine | Parameter | Rosparam | Node | Include
-)
+Entry: TypeAlias = Statement | Parameter | Rosparam | Node | Include
 
 
 @final
@@ -279,55 +251,42 @@ class LaunchFile:
         a value counts as active.
         """
         for entry in self.entries:
-            if active_only and entry.place.activity is Activity.INACTIVE:
+            if active_only and entry.place.holds is False:
                 continue
             yield entry
             if isinstance(entry, Include) and entry.launch is not None:
                 yield from entry.launch.walk(active_only=active_only)
 
-    def files(self, *, active_only: bool = True) -> Iterator[LaunchFile]:
+    def files(self) -> Iterator[LaunchFile]:
         """Yield this file and all that it includes."""
         yield self
-        for include in self.includes(active_only=active_only):
-            if include.launch is not None:
-                yield include.launch
+        for entry in self.walk():
+            if isinstance(entry, Include) and entry.launch is not None:
+                yield entry.launch
 
-    def includes(self, *, active_only: bool = True) -> Iterator[Include]:
-        """Yield the includes of this file and of those it includes."""
-        for entry in self.walk(active_only=active_only):
-            if isinstance(entry, Include):
-                yield entry
-
-    def nodes(self, *, active_only: bool = True) -> Iterator[Node]:
+    def nodes(self) -> Iterator[Node]:
         """Yield every node and test."""
-        for entry in self.walk(active_only=active_only):
-            if isinstance(entry, Node):
-                yield entry
+        return (entry for entry in self.walk() if isinstance(entry, Node))
 
     def parameters(self, *, active_only: bool = True) -> Iterator[Parameter]:
         """Yield every parameter, those in nodes too."""
-        for setting in self.settings(active_only=active_only):
-            if isinstance(setting, Parameter):
-                yield setting
+        settings = self.settings(active_only=active_only)
+        return (item for item in settings if isinstance(item, Parameter))
 
-    def rosparams(self, *, active_only: bool = True) -> Iterator[Rosparam]:
+    def rosparams(self) -> Iterator[Rosparam]:
         """Yield every ``<rosparam>``, those in nodes too."""
-        for setting in self.settings(active_only=active_only):
-            if isinstance(setting, Rosparam):
-                yield setting
+        return (item for item in self.settings() if isinstance(item, Rosparam))
 
     def settings(self, *, active_only: bool = True) -> Iterator[Parameter | Rosparam]:
         """Yield all that sets parameters, in the order in which roslaunch does it."""
         for entry in self.walk(active_only=active_only):
-            inner: tuple[Parameter | Rosparam, ...] = ()
+            inner: tuple[Entry, ...] = (entry,)
             if isinstance(entry, Node):
                 inner = (*entry.rosparams, *entry.parameters)
-            elif isinstance(entry, (Parameter, Rosparam)):
-                inner = (entry,)
-            for setting in inner:
-                is_off = setting.place.activity is Activity.INACTIVE
-                if not (active_only and is_off):
-                    yield setting
+            for item in inner:
+                is_wanted = not (active_only and item.place.holds is False)
+                if is_wanted and isinstance(item, Parameter | Rosparam):
+                    yield item
 
     def argument(self, name: str) -> Argument | None:
         """Return the argument of this name that has a value, else any of the name."""

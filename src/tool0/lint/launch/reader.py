@@ -9,28 +9,27 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import final
-from xml.dom.minidom import Element
 
 from tool0.description.finding import Finding
-from tool0.description.xml_source import children
 from tool0.errors import SourceLocation, did_you_mean
-from tool0.lint.launch import grammar, nodes
-from tool0.lint.launch.arguments import (
-    Arguments,
-    GivenArgument,
-    IncludeTarget,
-    target_of,
-)
+from tool0.lint.launch import grammar
+from tool0.lint.launch.arguments import Arguments, GivenArgument, read_include
 from tool0.lint.launch.load_context import (
     MAX_ELEMENTS,
     MAX_FILES,
     MAX_NESTING,
     LoadContext,
 )
-from tool0.lint.launch.model import Activity, Entry, Include, LaunchFile, Node, Text
-from tool0.lint.launch.params import read_param, read_rosparam
+from tool0.lint.launch.model import Entry, Include, LaunchFile, Node, Text
 from tool0.lint.launch.scope import Scope
+from tool0.lint.launch.statements import (
+    read_node,
+    read_param,
+    read_rosparam,
+    read_statement,
+)
 from tool0.lint.packages import PackageIndex
+from tool0.lint.robot.elements import Tag
 
 
 def read_launch(
@@ -57,8 +56,10 @@ def read_launch(
     root = context.root(file)
     if isinstance(root, Finding):
         return LaunchFile(file=file, findings=(root,))
-    reader = _FileReader(context, file, given)
-    launch = reader.read(root)
+    reader = _FileReader(
+        Scope(context=context, file=file, element=root, namespace="/"), given
+    )
+    launch = reader.read()
     reader.arguments.report_unknown()
     return replace(launch, findings=tuple(dict.fromkeys(reader.scope.findings)))
 
@@ -69,48 +70,41 @@ class _FileReader:
 
     def __init__(
         self,
-        context: LoadContext,
-        file: Path,
+        scope: Scope,
         given: Mapping[str, GivenArgument],
-        outer: Scope | None = None,
-        *,
-        passes_all: bool = False,
+        include: Include | None = None,
     ) -> None:
-        values = {name: value.text for name, value in given.items()}
-        if outer is None:
-            self.scope = Scope(context=context, file=file, namespace="/", values=values)
-        else:
-            self.scope = replace(
-                outer,
-                file=file,
-                values=values,
-                declared={},
-                used=set(),
-                findings=[],
-                remaps=list(outer.remaps),
-                environment=list(outer.environment),
-                anonymous={},
-            )
-        self.arguments = Arguments(
-            self.scope, given, is_included=outer is not None, passes_all=passes_all
+        self.scope = replace(
+            scope,
+            values={name: value.text for name, value in given.items()},
+            declared={},
+            used=set(),
+            findings=[],
+            remaps=list(scope.remaps),
+            environment=list(scope.environment),
+            anonymous={},
         )
-        self._context = context
+        self.arguments = Arguments(
+            self.scope,
+            given,
+            is_included=include is not None,
+            passes_all=include is not None and include.passes_all,
+        )
+        self._context = scope.context
         self._entries: list[Entry] = []
 
-    def read(self, root: Element) -> LaunchFile:
+    def read(self) -> LaunchFile:
         """Return what the file holds."""
-        scope = self.scope
-        where = scope.locate(root)
-        grammar.check(root, where, scope.findings.append)
+        scope, root = self.scope, self.scope.element
+        scope.findings += grammar.findings(Tag(root))
         if root.getAttribute("deprecated"):
             scope.report(
-                where,
                 "deprecated",
                 scope.file.name,
                 f"says that it is deprecated: {root.getAttribute('deprecated')}",
                 severity="warning",
             )
-        self._read_children(root, scope.at(root))
+        self._read_children(scope.at(root))
         return LaunchFile(
             file=scope.file,
             arguments=self.arguments.finished(),
@@ -118,45 +112,36 @@ class _FileReader:
             findings=tuple(dict.fromkeys(scope.findings)),
         )
 
-    def _read_children(self, element: Element, scope: Scope) -> None:
-        for child in children(element):
-            if child.tagName not in grammar.CHILDREN["launch"]:
-                continue
+    def _read_children(self, scope: Scope) -> None:
+        for inner in scope.children():
             if not self._context.spend("elements"):
-                self._stop(child, scope, f"more than {MAX_ELEMENTS} elements")
+                here = replace(scope, element=inner.element)
+                _stop(here, f"more than {MAX_ELEMENTS} elements")
                 return
-            at = scope.at(child)
-            grammar.check(child, scope.locate(child), scope.findings.append)
-            self._read_element(child, at)
+            self._read_element(inner)
 
-    def _read_element(self, element: Element, scope: Scope) -> None:
+    def _read_element(self, scope: Scope) -> None:
         entry: Entry | None = None
-        match element.tagName:
+        match scope.tag:
             case "arg":
-                self.arguments.declare(element, scope)
+                self.arguments.declare(scope)
             case "group":
-                self._read_group(element, scope)
+                self._read_group(scope)
             case "include":
-                entry = self._include(element, scope)
+                entry = self._include(scope)
             case "param":
-                entry = read_param(element, scope)
+                entry = read_param(scope)
             case "rosparam":
-                entry = read_rosparam(element, scope)
+                entry = read_rosparam(scope)
             case "node" | "test":
-                entry = nodes.read_node(element, scope)
+                entry = read_node(scope)
                 self._claim_name(entry, scope)
-            case "remap":
-                entry = nodes.read_remap(element, scope)
-                nodes.add_remap(entry, scope.remaps)
-            case "env":
-                entry = nodes.read_env(element, scope)
-                if scope.activity is not Activity.INACTIVE:
+            case "remap" | "env" | "machine":
+                entry = read_statement(scope)
+                if entry.kind == "env" and scope.holds is not False:
                     scope.environment.append(entry)
-            case "machine":
-                entry = nodes.read_machine(element, scope)
             case "master":
                 scope.report(
-                    scope.locate(element),
                     "deprecated",
                     "master",
                     "is an element that roslaunch ignores",
@@ -166,121 +151,92 @@ class _FileReader:
         if entry is not None:
             self._entries.append(entry)
 
-    def _read_group(self, element: Element, scope: Scope) -> None:
+    def _read_group(self, scope: Scope) -> None:
         if self._context.depth >= MAX_NESTING:
-            self._stop(element, scope, f"more than {MAX_NESTING} inside one another")
+            _stop(scope, f"more than {MAX_NESTING} inside one another")
             return
         self._context.depth += 1
-        inside = scope.group(scope.namespace_of(element))
-        self._read_children(element, inside)
+        inside = scope.group(scope.inner_namespace())
+        self._read_children(inside)
         self._context.depth -= 1
 
     def _claim_name(self, node: Node, scope: Scope) -> None:
         """Report a second node of one name: roslaunch refuses it."""
         name = node.full_name
-        if name is None or scope.activity is not Activity.ACTIVE:
+        if name is None or not scope.holds:
             return
         first = self._context.nodes.setdefault(name, node.place.location)
         if first is not node.place.location:
             scope.report(
-                node.place.location,
                 "duplicate-node",
                 name,
                 f"is the name of the node at {first}, too: roslaunch stops here",
                 "give one of them another name, or a namespace by ns",
             )
 
-    def _include(self, element: Element, scope: Scope) -> Include:
+    def _include(self, scope: Scope) -> Include:
         """Return an ``<include>`` and what it includes."""
-        target = target_of(element, scope)
-        include = target.include
-        if include.reason or scope.activity is Activity.INACTIVE:
-            reason = include.reason or "switched off"
-            return replace(include, reason=reason)
-        where = include.place.location
+        include, given, environment = read_include(scope)
+        if include.reason or include.path is None or scope.holds is False:
+            return replace(include, reason=include.reason or "switched off")
         if self._context.depth >= MAX_NESTING:
-            self._stop(element, scope, f"more than {MAX_NESTING} inside one another")
+            _stop(scope, f"more than {MAX_NESTING} inside one another")
             return replace(include, reason="too many files inside one another")
         if not self._context.spend("files"):
-            self._stop(element, scope, f"more than {MAX_FILES} files")
+            _stop(scope, f"more than {MAX_FILES} files")
             return replace(include, reason="too many files")
-        path = target.path
-        key = (path, include.place.namespace, target.key)
-        if not self._context.enter(key):
+        path = include.path.absolute()
+        values = frozenset((name, g.text.resolved) for name, g in given.items())
+        if not self._context.enter((path, include.place.namespace, values)):
             scope.report(
-                where,
                 "recursive-include",
                 str(path),
                 "includes itself with the same arguments: roslaunch would never end",
                 "remove the include, or end it by an if",
             )
             return replace(include, reason="it includes itself")
-        self._context.depth += 1
-        launch = self._included(target, scope)
-        self._context.depth -= 1
-        self._context.leave()
-        if launch is None:
-            return replace(include, reason="it is no launch file that can be read")
-        return replace(include, launch=launch)
-
-    def _included(self, target: IncludeTarget, scope: Scope) -> LaunchFile | None:
-        root = self._context.root(target.path)
+        root = self._context.root(path)
         if isinstance(root, Finding):
             scope.findings.append(root)
-            return None
-        include = target.include
-        outer = replace(
-            scope,
-            namespace=include.place.namespace,
-            private=scope.private or [],  # as roslaunch: an empty list is not shared
-            environment=[*scope.environment, *target.environment],
-        )
-        reader = _FileReader(
-            self._context,
-            target.path,
-            target.given,
-            outer,
-            passes_all=include.passes_all,
-        )
-        launch = reader.read(root)
-        scope.findings += launch.findings
-        _check_passed(target, launch, scope)
-        for missing in reader.arguments.missing():
-            is_used = missing.name in reader.scope.used
-            scope.report(
-                include.place.location,
-                "missing-argument",
-                missing.name,
-                f"is an argument that {target.path.name} requires (declared at "
-                f"{missing.place.location}), and it is not given here",
-                f'write <arg name="{missing.name}" value="…"/> into this <include>',
-                severity="error" if is_used else "warning",
+            include = replace(include, reason="it is no launch file that can be read")
+        else:
+            outer = replace(
+                scope,
+                file=path,
+                element=root,
+                namespace=include.place.namespace,
+                private=scope.private or [],  # as roslaunch: an empty one is not shared
+                environment=[*scope.environment, *environment],
             )
-        return launch
+            reader = _FileReader(outer, given, include)
+            self._context.depth += 1
+            launch = reader.read()
+            self._context.depth -= 1
+            include = replace(include, launch=launch)
+            scope.findings += launch.findings
+            _check_passed(include, launch, scope)
+            reader.arguments.report_missing(scope)
+        self._context.leave()
+        return include
 
-    def _stop(self, element: Element, scope: Scope, why: str) -> None:
-        scope.report(
-            scope.locate(element),
-            "too-large",
-            element.tagName,
-            f"is not read any more: {why} in these files",
-        )
+
+def _stop(scope: Scope, why: str) -> None:
+    message = f"is not read any more: {why} in these files"
+    scope.report("too-large", scope.tag, message)
 
 
-def _check_passed(target: IncludeTarget, launch: LaunchFile, scope: Scope) -> None:
+def _check_passed(include: Include, launch: LaunchFile, scope: Scope) -> None:
     """Report arguments that the included file does not declare."""
-    if target.include.passes_all:
-        return
     declared = {argument.name for argument in launch.arguments}
-    for passed in target.include.passed:
-        is_off = passed.place.activity is Activity.INACTIVE
-        if passed.name in declared or is_off or passed.value is None:
+    for passed in () if include.passes_all else include.passed:
+        if passed.name in declared or passed.place.holds is False:
             continue
-        scope.report(
-            passed.place.location,
-            "unused-argument",
-            passed.name,
-            f"is no argument of {launch.file.name}, and roslaunch stops here"
-            + did_you_mean(passed.name, declared),
-            f"remove it, or declare it in {grammar.canonical(str(launch.file))}",
-        )
+        if passed.value is not None:
+            scope.report(
+                "unused-argument",
+                passed.name,
+                f"is no argument of {launch.file.name}, and roslaunch stops here"
+                + did_you_mean(passed.name, declared),
+                f"remove it, or declare it in {grammar.canonical(str(launch.file))}",
+                location=passed.place.location,
+            )

@@ -3,36 +3,42 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, Severity
+from tool0.description.finding import Finding, Severity, error_at, warning_at
+from tool0.description.xml_source import children
 from tool0.errors import SourceLocation
 from tool0.lint.launch import grammar
 from tool0.lint.launch.load_context import LoadContext, is_file
 from tool0.lint.launch.model import (
-    Activity,
     Condition,
-    Environment,
     Parameter,
     Place,
-    Remap,
+    Statement,
     Text,
+    all_hold,
 )
-from tool0.lint.launch.substitution import SubstitutionContext, resolve
+from tool0.lint.launch.substitution import Substitution
+from tool0.lint.robot.elements import Tag
 
 
 @final
 @dataclass(slots=True, kw_only=True)
 class Scope:
-    """One context of roslaunch; a file has one, and each group in it a copy."""
+    """One element, and the context of roslaunch in which it stands.
+
+    A file has one context, shared by its elements; each group in it has a copy.
+    """
 
     context: LoadContext
     file: Path
+    element: Element
     namespace: str | None
-    values: dict[str, Text]
+    values: dict[str, Text] = field(default_factory=dict)
     """The arguments that have, or should have, a value."""
     declared: dict[str, SourceLocation] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
@@ -41,14 +47,23 @@ class Scope:
     conditions: tuple[Condition, ...] = ()
     private: list[Parameter] = field(default_factory=list)
     """Set so far for the nodes that follow."""
-    remaps: list[Remap] = field(default_factory=list)
-    environment: list[Environment] = field(default_factory=list)
+    remaps: list[Statement] = field(default_factory=list)
+    environment: list[Statement] = field(default_factory=list)
     anonymous: dict[str, str] = field(default_factory=dict)
 
     def at(self, element: Element) -> Scope:
-        """Return the scope of one element: this, under the element's conditions."""
-        own = self._conditions(element)
-        return replace(self, conditions=self.conditions + own) if own else self
+        """Return the scope of another element: this, under its conditions too."""
+        inner = replace(self, element=element)
+        inner.conditions += inner._conditions()
+        return inner
+
+    def children(self) -> Iterator[Scope]:
+        """Yield the scopes of the elements in this that roslaunch reads here."""
+        for child in children(self.element):
+            if child.tagName in grammar.CHILDREN[self.tag]:
+                inner = self.at(child)
+                self.findings += grammar.findings(Tag(child))
+                yield inner
 
     def group(self, namespace: str | None) -> Scope:
         """Return the scope of a group: what it declares ends with it."""
@@ -63,90 +78,84 @@ class Scope:
             anonymous=dict(self.anonymous),
         )
 
-    def place(self, element: Element) -> Place:
-        """Return the place of an element whose conditions this scope has."""
+    @property
+    def place(self) -> Place:
+        """The place of the element."""
         return Place(
-            location=self.locate(element),
+            location=self.location,
             namespace=self.namespace,
             conditions=self.conditions,
         )
 
     @property
-    def activity(self) -> Activity:
-        """Whether roslaunch would act on what stands here."""
-        return Place(
-            location=SourceLocation(self.file),
-            namespace=self.namespace,
-            conditions=self.conditions,
-        ).activity
+    def holds(self) -> bool | None:
+        """Whether roslaunch would act on the element; None if unknown."""
+        return all_hold(self.conditions)
 
-    def locate(self, element: Element) -> SourceLocation:
-        """Return where an element stands."""
-        return getattr(element, "location", None) or SourceLocation(self.file)
+    @property
+    def tag(self) -> str:
+        """The name of the element."""
+        return self.element.tagName
 
-    def text(self, element: Element, name: str) -> Text | None:
+    @property
+    def location(self) -> SourceLocation:
+        """Where the element stands."""
+        return getattr(self.element, "location", None) or SourceLocation(self.file)
+
+    def text(self, name: str) -> Text | None:
         """Return an attribute with its words replaced; None if there is none."""
-        if not element.hasAttribute(name):
+        if not self.element.hasAttribute(name):
             return None
-        return self.resolved(element.getAttribute(name), self.locate(element))
+        return self.resolved(self.element.getAttribute(name), self.location)
 
-    def required(self, element: Element, name: str) -> Text:
+    def required(self, name: str) -> Text:
         """Return an attribute that must be there; unresolved if it is missing."""
-        text = self.text(element, name)
-        if text is not None:
-            return text
-        return Text(
-            raw="",
-            resolved=None,
-            location=self.locate(element),
-            reason=f"'{name}' is missing",
-        )
+        reason = f"'{name}' is missing"
+        missing = Text(raw="", resolved=None, location=self.location, reason=reason)
+        return self.text(name) or missing
 
     def resolved(self, raw: str, location: SourceLocation) -> Text:
         """Return a text with its words replaced, and report what is wrong with it."""
-        around = SubstitutionContext(
+        work = Substitution(
             file=self.file,
+            location=location,
             values=self.values,
-            declared=frozenset(self.declared),
+            declared=self.declared,
             packages=self.context.packages,
             anonymous=self._anonymous,
         )
-        text, problems = resolve(raw, location, around)
+        text = work.resolve(raw)
         self.used.update(text.uses)
-        if self.activity is not Activity.INACTIVE:
-            self.findings += problems
+        if self.holds is not False:
+            self.findings += work.problems
         length = len(raw) + len(text.resolved or "")
         if not self.context.spend("characters", length):
             return replace(text, resolved=None, reason="too much text in these files")
         return text
 
-    def boolean(self, element: Element, name: str) -> bool:
+    def boolean(self, name: str) -> bool:
         """Return an attribute that is ``true`` or ``false``; False if it is neither."""
-        text = self.text(element, name)
-        word = None if text is None else text.resolved
-        if word is None or word.lower() in ("true", "false"):
-            return word is not None and word.lower() == "true"
-        self.report(
-            self.locate(element),
-            "bad-value",
-            name,
-            f"must be true or false, and is '{word}': roslaunch stops here",
-            f'write {name}="true" or {name}="false"',
-        )
-        return False
+        text = self.text(name)
+        word = "false" if text is None or text.resolved is None else text.resolved
+        if word.lower() not in ("true", "false"):
+            self.report(
+                "bad-value",
+                name,
+                f"must be true or false, and is '{word}': roslaunch stops here",
+                f'write {name}="true" or {name}="false"',
+            )
+        return word.lower() == "true"
 
     def require_file(self, text: Text, user: str) -> None:
         """Report a file that does not exist."""
-        if text.resolved is None or is_file(text.resolved):
-            return
-        self.report(
-            text.location,
-            "missing-file",
-            text.resolved,
-            f"does not exist, and {user} needs it",
-            "correct the path; $(find PACKAGE)/… begins in a package, $(dirname)/… in "
-            "the launch file's folder",
-        )
+        if text.resolved is not None and not is_file(text.resolved):
+            self.report(
+                "missing-file",
+                text.resolved,
+                f"does not exist, and {user} needs it",
+                "correct the path; $(find PACKAGE)/… begins in a package, $(dirname)/… "
+                "in the launch file's folder",
+            )
 
     def words(self, text: Text) -> tuple[str, ...]:
         """Return the words of a command line."""
@@ -156,7 +165,6 @@ class Scope:
             return tuple(shlex.split(text.resolved))
         except ValueError as error:
             self.report(
-                text.location,
                 "bad-command",
                 text.resolved.strip()[:40],
                 f"is no command line: {error}",
@@ -164,14 +172,12 @@ class Scope:
             )
             return ()
 
-    def namespace_of(self, element: Element) -> str | None:
-        """Return the namespace that an element's ``ns`` opens within this one."""
-        text = self.text(element, "ns")
-        clears = self.boolean(element, "clear_params")
-        is_node = element.tagName in ("node", "test")
-        if clears and not is_node and not (text is not None and text.raw):
+    def inner_namespace(self) -> str | None:
+        """Return the namespace that the element's ``ns`` opens within this one."""
+        text = self.text("ns")
+        clears = self.boolean("clear_params")
+        if clears and self.tag not in ("node", "test") and not (text and text.raw):
             self.report(
-                self.locate(element),
                 "bad-value",
                 "clear_params",
                 "needs ns beside it, to say which parameters go",
@@ -181,7 +187,6 @@ class Scope:
             return self.namespace
         if text.resolved == "":
             self.report(
-                text.location,
                 "bad-value",
                 "ns",
                 "is empty: roslaunch stops here",
@@ -194,57 +199,47 @@ class Scope:
 
     def report(
         self,
-        location: SourceLocation,
         rule: str,
         key: str,
         message: str,
         remedy: str = "",
         *,
         severity: Severity = "error",
+        location: SourceLocation | None = None,
     ) -> None:
-        """Add a finding, unless the element is switched off."""
-        if self.activity is not Activity.INACTIVE:
-            finding = Finding(
-                location=location,
-                rule=rule,
-                severity=severity,
-                key=key,
-                message=message,
-                remedy=remedy,
-            )
-            self.findings.append(finding)
+        """Add a finding about the element, unless it is switched off."""
+        if self.holds is not False:
+            finding_at = error_at if severity == "error" else warning_at
+            where = location or self.location
+            self.findings.append(finding_at(where, rule, key, message, remedy))
 
     def _anonymous(self, name: str) -> str:
         if name not in self.anonymous:
             self.anonymous[name] = self.context.anonymous(name)
         return self.anonymous[name]
 
-    def _conditions(self, element: Element) -> tuple[Condition, ...]:
+    def _conditions(self) -> tuple[Condition, ...]:
         found = []
         kinds: tuple[Literal["if", "unless"], ...] = ("if", "unless")
         for kind in kinds:
-            text = self.text(element, kind)
+            text = self.text(kind)
             if text is None:
                 continue
-            word = None
-            if text.resolved is not None:
-                word = grammar.as_boolean(text.resolved)
-                if word is None:
-                    self.report(
-                        text.location,
-                        "bad-if",
-                        kind,
-                        f"must be true, false, 1 or 0, and is '{text.resolved}': "
-                        "roslaunch stops here",
-                        f"write $(eval …) in {kind}, or give the argument such a value",
-                    )
+            word = None if text.resolved is None else grammar.as_boolean(text.resolved)
+            if word is None and text.resolved is not None:
+                self.report(
+                    "bad-if",
+                    kind,
+                    f"must be true, false, 1 or 0, and is '{text.resolved}': "
+                    "roslaunch stops here",
+                    f"write $(eval …) in {kind}, or give the argument such a value",
+                )
             holds = None if word is None else word is (kind == "if")
             found.append(Condition(kind=kind, text=text, holds=holds))
         if len(found) == 2:
             self.report(
-                self.locate(element),
                 "bad-if",
-                element.tagName,
+                self.tag,
                 "has both if and unless, and roslaunch stops here",
                 "join them in one if with $(eval …)",
             )

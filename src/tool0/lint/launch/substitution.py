@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, final
 
-from tool0.description.finding import Finding, Severity
+from tool0.description.finding import Finding, Severity, error_at, warning_at
 from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 from tool0.lint.launch.evaluation import (
     EvaluationError,
@@ -30,55 +30,40 @@ _BROKEN = re.compile(r"\$\([^()]*(\(|$)")
 _FIND = re.compile(r"\$\(find ([^()]*)\)([^ $]*)")
 
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SubstitutionContext:
-    """What the words in one file and scope stand for."""
-
-    file: Path
-    values: Mapping[str, Text]
-    """The arguments that have, or should have, a value."""
-    declared: frozenset[str]
-    """The arguments that are declared so far."""
-    packages: PackageIndex
-    anonymous: Callable[[str], str]
-
-
-def resolve(
-    raw: str, location: SourceLocation, around: SubstitutionContext
-) -> tuple[Text, list[Finding]]:
-    """Return ``raw`` with its words replaced, and what is wrong with them."""
-    if "$" not in raw:
-        return Text(raw=raw, resolved=raw, location=location), []
-    work = _Substitution(around, location)
-    resolved = work.result(raw)
-    reason = "" if resolved is not None else work.reason
-    text = Text(
-        raw=raw,
-        resolved=resolved,
-        location=location,
-        uses=tuple(dict.fromkeys(work.uses)),
-        reason=reason,
-    )
-    return text, work.problems
-
-
 class _UnresolvedError(Exception):
     """A word has no value."""
 
 
 @final
-@dataclass(slots=True)
-class _Substitution:
-    """The work on one text."""
+@dataclass(slots=True, kw_only=True)
+class Substitution:
+    """The work on one text, and what the words in its file and scope stand for."""
 
-    around: SubstitutionContext
+    file: Path
     location: SourceLocation
+    values: Mapping[str, Text]
+    """The arguments that have, or should have, a value."""
+    declared: Collection[str]
+    """The arguments that are declared so far."""
+    packages: PackageIndex
+    anonymous: Callable[[str], str]
     uses: list[str] = field(default_factory=list)
     problems: list[Finding] = field(default_factory=list)
+    """What is wrong with the words, after ``resolve``."""
     reason: str = ""
 
-    def result(self, raw: str) -> str | None:
+    def resolve(self, raw: str) -> Text:
+        """Return ``raw`` with its words replaced."""
+        resolved = self._result(raw) if "$" in raw else raw
+        return Text(
+            raw=raw,
+            resolved=resolved,
+            location=self.location,
+            uses=tuple(dict.fromkeys(self.uses)),
+            reason="" if resolved is not None else self.reason,
+        )
+
+    def _result(self, raw: str) -> str | None:
         """Return the text, or None if a word in it has no value."""
         try:
             if raw.startswith("$(eval ") and raw.endswith(")"):
@@ -123,10 +108,10 @@ class _Substitution:
         if command == "find" and len(words) == 1:
             return f"$(find {words[0]})"  # in its turn
         if command == "dirname":
-            return str(self.around.file.absolute().parent)
+            return str(self.file.absolute().parent)
         if command == "optenv" and words:
             return os.environ.get(words[0], " ".join(words[1:]))
-        functions = {"arg": self._arg, "env": self._env, "anon": self.around.anonymous}
+        functions = {"arg": self._arg, "env": self._env, "anon": self.anonymous}
         if command in functions and len(words) == 1:
             return functions[command](words[0])
         if command in COMMANDS:
@@ -142,17 +127,17 @@ class _Substitution:
 
     def _arg(self, name: str) -> str:
         self.uses.append(name)
-        text = self.around.values.get(name)
+        text = self.values.get(name)
         if text is not None and text.resolved is not None:
             return text.resolved
         if text is not None:
             raise _UnresolvedError(text.reason or f"argument '{name}' has no value")
-        if name not in self.around.declared:
+        if name not in self.declared:
             self._problem(
                 "missing-argument",
                 name,
                 "is used here, and no <arg> before it declares it"
-                + did_you_mean(name, self.around.declared),
+                + did_you_mean(name, self.declared),
                 f'write <arg name="{name}" default="…"/> above',
             )
         raise _UnresolvedError(f"argument '{name}' has no value")
@@ -180,13 +165,13 @@ class _Substitution:
 
     def _folder(self, name: str) -> str:
         try:
-            return str(self.around.packages.find(name))
+            return str(self.packages.find(name))
         except DescriptionError:
             self._not_found(name)
         raise _UnresolvedError(f"package '{name}' is not found")
 
     def _not_found(self, name: str) -> None:
-        packages = self.around.packages
+        packages = self.packages
         near = packages.nearest(name)
         self._problem(
             "unresolved-find",
@@ -200,16 +185,16 @@ class _Substitution:
 
     def _evaluate(self, expression: str) -> str:
         def known(name: str) -> object:
-            if name not in self.around.values and name not in self.around.declared:
+            if name not in self.values and name not in self.declared:
                 raise KeyError(name)
             return converted(self._arg(name))
 
         functions: dict[str, Function] = {
             "arg": lambda name: converted(self._arg(name)),
             "env": self._env,
-            "anon": self.around.anonymous,
+            "anon": self.anonymous,
             "find": self._folder,
-            "dirname": lambda: str(self.around.file.absolute().parent),
+            "dirname": lambda: str(self.file.absolute().parent),
             "optenv": lambda name, default="": os.environ.get(name, default),
         }
         try:
@@ -231,16 +216,9 @@ class _Substitution:
         *,
         severity: Severity = "error",
     ) -> None:
-        self.problems.append(
-            Finding(
-                location=self.location,
-                rule=rule,
-                severity=severity,
-                key=key,
-                message=message,
-                remedy=remedy,
-            )
-        )
+        finding_at = error_at if severity == "error" else warning_at
+        found = finding_at(self.location, rule, key, message, remedy)
+        self.problems.append(found)
 
 
 def _limited(text: str) -> str:

@@ -7,18 +7,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 from typing import Final, final
-from xml.dom.minidom import Element
 
-from tool0.description.xml_source import parse_text
 from tool0.errors import DescriptionError, SourceLocation
-from tool0.lint.launch.load_context import read_limited
+from tool0.lint.launch.load_context import parse_limited
 from tool0.lint.launch.model import LaunchFile, Parameter, Text
-from tool0.lint.launch.substitution import SubstitutionContext, resolve
+from tool0.lint.launch.substitution import Substitution
 from tool0.lint.packages import PackageIndex
-from tool0.lint.robot.elements import descendants
+from tool0.lint.robot.elements import Tag
 
 MAX_FILES: Final = 200
 _GIVEN = re.compile(r"""(\w+):=['"]?((?:\$\([^()]*\)|[^\s'"$])*)""")
+_ARGUMENT = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 _PROPERTY = re.compile(r"\$\{\s*(\w+)\s*\}")
 
 
@@ -27,7 +26,6 @@ _PROPERTY = re.compile(r"\$\{\s*(\w+)\s*\}")
 class XacroCall:
     """A ``xacro FILE name:=value …`` of a parameter."""
 
-    parameter: Parameter
     file: Path | None
     args: Mapping[str, str]
     """As they are given."""
@@ -87,37 +85,29 @@ def xacro_call(parameter: Parameter) -> XacroCall | None:
     given = dict(w.split(":=", 1) for w in words[1:] if ":=" in w)
     files = [w for w in words[1:] if ":=" not in w and not w.startswith("-")]
     uses = {
-        name: tuple(dict.fromkeys(re.findall(r"\$\(arg\s+([^\s()]+)\s*\)", value)))
+        name: tuple(dict.fromkeys(_ARGUMENT.findall(value)))
         for name, value in _GIVEN.findall(raw)
     }
-    return XacroCall(
-        parameter=parameter,
-        file=Path(files[0]) if files else None,
-        args=given,
-        uses=uses,
-    )
+    return XacroCall(file=Path(files[0]) if files else None, args=given, uses=uses)
 
 
 def xacro_robots(
     launch: LaunchFile, packages: PackageIndex
 ) -> dict[Parameter, XacroFile]:
     """Return what every parameter that calls xacro has it read."""
-    return {
-        parameter: xacro_files(call, packages)
-        for parameter in launch.parameters(active_only=False)
-        if (call := xacro_call(parameter)) is not None
-    }
-
-
-def xacro_files(call: XacroCall, packages: PackageIndex) -> XacroFile:
-    """Return the file that a call loads, with all that it includes."""
-    where = call.parameter.place.location
-    if call.file is None:
-        reason = call.parameter.content.reason or "no file is named"
-        written = call.parameter.content.raw
-        return XacroFile(file=None, written=written, location=where, reason=reason)
-    reader = _XacroReader(packages, call.args)
-    return reader.read(call.file.absolute(), str(call.file), where)
+    found = {}
+    for parameter in launch.parameters(active_only=False):
+        call, content = xacro_call(parameter), parameter.content
+        where = parameter.place.location
+        if call is not None and call.file is not None:
+            file, reader = call.file, _XacroReader(packages, call.args)
+            found[parameter] = reader.read(file.absolute(), str(file), where)
+        elif call is not None:
+            reason = content.reason or "no file is named"
+            found[parameter] = XacroFile(
+                file=None, written=content.raw, location=where, reason=reason
+            )
+    return found
 
 
 @final
@@ -126,7 +116,10 @@ class _XacroReader:
 
     def __init__(self, packages: PackageIndex, args: Mapping[str, str]) -> None:
         self._packages = packages
-        self._values = {name: _text(value) for name, value in args.items()}
+        self._values = {
+            name: Text(raw=value, resolved=value, location=SourceLocation(None))
+            for name, value in args.items()
+        }
         self._properties: dict[str, str] = {}
         self._open: list[Path] = []
         self._left = MAX_FILES
@@ -140,47 +133,44 @@ class _XacroReader:
         if self._left < 0:
             return replace(result, reason=f"it is one of more than {MAX_FILES}")
         try:
-            root = parse_text(read_limited(file), file).documentElement
+            root = parse_limited(file)
         except DescriptionError as error:
             return replace(result, reason=error.message)
-        except (LookupError, ValueError) as error:
-            return replace(result, reason=f"cannot be decoded: {error}")
         if root is None:
             return replace(result, reason="it is empty")
         self._open.append(file)
         defaults: dict[str, str] = {}
         uses: list[XacroUse] = []
         includes: list[XacroFile] = []
-        for element in descendants(root):
-            self._read_element(element, file, defaults, includes)
-            uses += _uses(element)
+        for tag in Tag(root).descendants():
+            self._read_tag(tag, file, defaults, includes)
+            uses += _uses(tag)
         self._open.pop()
         return replace(
             result, defaults=defaults, uses=tuple(uses), includes=tuple(includes)
         )
 
-    def _read_element(
+    def _read_tag(
         self,
-        element: Element,
+        tag: Tag,
         file: Path,
         defaults: dict[str, str],
         includes: list[XacroFile],
     ) -> None:
-        name = element.getAttribute("name")
-        if element.tagName == "xacro:arg":
-            defaults[name] = element.getAttribute("default")
+        name = tag.written("name")
+        if tag.tag == "xacro:arg":
+            defaults[name] = tag.written("default")
             value = self._resolve(defaults[name], file)
             self._values.setdefault(name, value)
-        elif element.tagName == "xacro:property" and element.hasAttribute("value"):
-            text = self._resolve(element.getAttribute("value"), file)
+        elif tag.tag == "xacro:property" and "value" in tag:
+            text = self._resolve(tag.written("value"), file)
             if text.resolved is not None:
                 self._properties.setdefault(name, text.resolved)
-        elif element.tagName == "xacro:include":
-            includes.append(self._include(element, file))
+        elif tag.tag == "xacro:include":
+            includes.append(self._include(tag, file))
 
-    def _include(self, element: Element, file: Path) -> XacroFile:
-        written = element.getAttribute("filename")
-        where: SourceLocation = getattr(element, "location", SourceLocation(file))
+    def _include(self, tag: Tag, file: Path) -> XacroFile:
+        written, where = tag.written("filename"), tag.location
         text = self._resolve(written, file)
         if text.resolved is None or "$" in text.resolved:
             reason = text.reason or "it depends on what xacro works out"
@@ -189,31 +179,25 @@ class _XacroReader:
 
     def _resolve(self, raw: str, file: Path) -> Text:
         raw = _PROPERTY.sub(lambda m: self._properties.get(m[1], m[0]), raw[:10_000])
-        around = SubstitutionContext(
+        work = Substitution(
             file=file,
+            location=SourceLocation(file),
             values=self._values,
-            declared=frozenset(self._values),
+            declared=self._values,
             packages=self._packages,
             anonymous=str,
         )
-        return resolve(raw, SourceLocation(file), around)[0]
+        return work.resolve(raw)
 
 
-def _text(value: str) -> Text:
-    return Text(raw=value, resolved=value, location=SourceLocation(None))
-
-
-def _uses(element: Element) -> Iterator[XacroUse]:
-    where: SourceLocation = getattr(element, "location", SourceLocation(None))
-    texts = [(name, value) for name, value in element.attributes.items()]
-    texts += [("", node.nodeValue) for node in element.childNodes if node.nodeValue]
-    for attribute, text in texts:
+def _uses(tag: Tag) -> Iterator[XacroUse]:
+    for attribute, text in (*tag.attributes, ("", tag.text)):
         if "$(arg" not in text:
             continue
-        for name in dict.fromkeys(re.findall(r"\$\(arg\s+([^\s()]+)\s*\)", text)):
+        for name in dict.fromkeys(_ARGUMENT.findall(text)):
             yield XacroUse(
                 argument=name,
-                location=where,
-                element=element.tagName,
+                location=tag.location,
+                element=tag.tag,
                 attribute=attribute,
             )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
 from typing import Final, final
 
 from tool0.control.config import TYPES, ControllerConfig, parameters_of
@@ -15,7 +17,6 @@ from tool0.control.parameters import (
 from tool0.description.finding import Finding, error_at
 from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, nearest_name
-from tool0.lint.parameters.joint_names import unknown_joints
 from tool0.lint.robot.facts import RobotFacts
 
 OTHER_TYPES: Final = (
@@ -37,6 +38,8 @@ OTHER_TYPES: Final = (
 _ROS2_MARKS = ("joint_trajectory_controller/", "joint_state_broadcaster/")
 _LIKE_A_CONTROLLER = frozenset({"joints", "joint", "gains", "constraints", "pid"})
 _TYPO = 0.75
+_ENOUGH = 0.6
+"""Share of a list's joints that the usual robot must have to be taken for it."""
 _MOVEIT_KEYS = frozenset(
     {
         *("controller_list", "controller_manager_name", "controller_manager_ns"),
@@ -49,15 +52,8 @@ _MOVEIT_KEYS = frozenset(
 def controller_findings(
     config: ControllerConfig, robot: RobotFacts | None
 ) -> Iterator[Finding]:
-    """Yield what is wrong with the controllers of a YAML.
-
-    Args:
-        config: What it holds.
-        robot: The robot that it is for, if it is known.
-    """
-    joints = None
-    if robot is not None:  # fixed ones take no command
-        joints = [j.name for j in robot.joints.values() if j.is_movable]
+    """Yield what is wrong with the controllers of a YAML, for ``robot`` if known."""
+    joints = None if robot is None else robot.movable_joints
     linted = [
         finding
         for finding in lint(config, joints)
@@ -67,11 +63,10 @@ def controller_findings(
     wrong = {f.key.partition("/")[0] for f in linted if f.severity == "error"}
     for name, entry in config.tree.root.children.items():
         if name in config.names:
-            found = _Ros1Controller(config, name, entry, robot).findings()
-            for finding in found:
+            for finding in _Ros1Controller(config, name, entry, robot).findings():
+                key = finding.key.rpartition("/")[2]
                 is_reported = finding.rule == "missing-key" and any(
-                    f"did you mean '{finding.key.rpartition('/')[2]}'" in other.remedy
-                    for other in linted
+                    f"did you mean '{key}'" in other.remedy for other in linted
                 )
                 follows = finding.rule == "controller-fails" and name in wrong
                 if not is_reported and not follows:
@@ -99,33 +94,30 @@ def _is_controller(finding: Finding, config: ControllerConfig) -> bool:
 
 
 @final
+@dataclass(frozen=True, slots=True)
 class _Ros1Controller:
     """One controller of the YAML."""
 
-    def __init__(
-        self,
-        config: ControllerConfig,
-        name: str,
-        entry: YamlEntry,
-        robot: RobotFacts | None,
-    ) -> None:
-        self._config, self._name, self._entry = config, name, entry
-        self._robot = robot
-        self._keys = entry.children
-        self._type_entry = self._keys["type"]
-        self._type = str(self._type_entry.scalar)
+    config: ControllerConfig
+    name: str
+    entry: YamlEntry
+    robot: RobotFacts | None
+
+    @property
+    def type(self) -> str:
+        return str(self.entry.children["type"].scalar)
 
     def findings(self) -> Iterator[Finding]:
-        if self._type not in TYPES:
+        if self.type not in TYPES:
             yield from self._unknown_type()
             return
-        joints = [(str(item.scalar), item) for item in joint_entries(self._entry)]
+        joints = [(str(item.scalar), item) for item in joint_entries(self.entry)]
         wrong = [
             *self._missing(),
-            *unknown_joints(joints, self._robot),
+            *unknown_joints(joints, self.robot),
             *self._interfaces(joints),
         ]
-        if not wrong or self._robot is None:
+        if not wrong or self.robot is None:
             wrong += self._gains(joints)
         yield from wrong
         if not wrong:
@@ -133,51 +125,46 @@ class _Ros1Controller:
 
     def _missing(self) -> Iterator[Finding]:
         """Yield keys without which it does not load."""
-        patterns = parameters_of(self._type)
+        patterns = parameters_of(self.type)
         publishes = "publish_rate" in patterns
         for key in ("publish_rate",) if publishes else ("joints", "joint"):
-            if key in patterns and key not in self._keys:
+            if key in patterns and key not in self.entry.children:
                 yield error_at(
-                    self._entry.location,
+                    self.entry.location,
                     "missing-key",
-                    f"{self._name}/{key}",
-                    f"is missing, and {self._type} does not load without",
-                    f"write '{key}' under '{self._name}'",
+                    f"{self.name}/{key}",
+                    f"is missing, and {self.type} does not load without",
+                    f"write '{key}' under '{self.name}'",
                 )
 
     def _unknown_type(self) -> Iterator[Finding]:
-        written, known = self._type, (*TYPES, *OTHER_TYPES)
+        written, known = self.type, (*TYPES, *OTHER_TYPES)
+        package = written.partition("/")[0]
+        of_package = [name for name in known if name.startswith(f"{package}/")]
+        message = f"there is no controller type '{written}', so it does not load"
         if written in known:
             return
         if written.startswith(_ROS2_MARKS):
             message = f"'{written}' is a controller of ROS 2, in a file for ROS 1"
             remedy = "write effort_controllers/… or position_controllers/…"
+        elif (near := nearest_name(written, known, _TYPO)) is not None:
+            remedy = f"did you mean '{near}'?"
+        elif of_package:
+            remedy = f"valid: {', '.join(of_package)}"
+        elif "/" not in written:
+            remedy = "write it as package/Class"
         else:
-            near = nearest_name(written, known, _TYPO)
-            package = written.partition("/")[0]
-            of_package = [name for name in known if name.startswith(f"{package}/")]
-            if near is not None:
-                remedy = f"did you mean '{near}'?"
-            elif of_package:
-                remedy = f"valid: {', '.join(of_package)}"
-            elif "/" not in written:
-                remedy = "write it as package/Class"
-            else:
-                return  # a controller of the user's own
-            message = f"there is no controller type '{written}', so it does not load"
-        yield self._type_entry.finding("unknown-type", message, remedy)
+            return  # a controller of the user's own
+        yield self.entry.children["type"].finding("unknown-type", message, remedy)
 
     def _interfaces(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield joints that this controller cannot command."""
-        wanted = INTERFACE_OF_PACKAGE.get(self._type.partition("/")[0])
-        robot = self._robot
-        if robot is None:
-            return
-        for name, entry in joints:
-            joint = robot.joints.get(name)
-            if joint is None or not joint.is_movable:
+        wanted = INTERFACE_OF_PACKAGE.get(self.type.partition("/")[0])
+        for name, entry in () if self.robot is None else joints:
+            joint = None if self.robot is None else self.robot.joints.get(name)
+            if self.robot is None or joint is None or not joint.is_movable:
                 continue
-            offered = robot.interfaces_of(name)
+            offered = self.robot.interfaces_of(name)
             if not offered and joint.mimic_of:
                 yield entry.finding(
                     "no-transmission",
@@ -190,20 +177,22 @@ class _Ros1Controller:
                     f"'{name}' has no <transmission>, so ros_control cannot find it",
                     "give it one in the robot's description",
                 )
-            elif wanted is not None and not offered[0].written.endswith(wanted.value):
-                is_clear = offered[0].meant is not None
-                if is_clear or offered[0].written:
-                    yield entry.finding(
-                        "interface-mismatch",
-                        f"{self._type} commands {wanted.value}, but the <transmission> "
-                        f"of '{name}' ({offered[0].location}) offers "
-                        f"'{offered[0].written}'",
-                        "change the controller's type, or the interface",
-                    )
+            elif (
+                wanted is not None
+                and offered[0].written
+                and not offered[0].written.endswith(wanted.value)
+            ):
+                yield entry.finding(
+                    "interface-mismatch",
+                    f"{self.type} commands {wanted.value}, but the <transmission> "
+                    f"of '{name}' ({offered[0].at.location}) offers "
+                    f"'{offered[0].written}'",
+                    "change the controller's type, or the interface",
+                )
 
     def _gains(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield joints without the gains that this controller needs."""
-        patterns = parameters_of(self._type)
+        patterns = parameters_of(self.type)
         for pattern, path in (
             ("gains/*/p", "gains/{}"),
             ("*/pid/p", "{}/pid"),
@@ -212,26 +201,60 @@ class _Ros1Controller:
             if pattern not in patterns:
                 continue
             for name, _ in joints:
-                gains = self._entry.find(path.format(name))
+                gains = self.entry.find(path.format(name))
                 if gains is not None and "p" in gains.children:
                     continue
-                outer = gains or self._entry.find(path.format(name).rpartition("/")[0])
-                yield (outer or self._entry).finding(
+                outer = gains or self.entry.find(path.format(name).rpartition("/")[0])
+                yield (outer or self.entry).finding(
                     "missing-gains",
-                    f"lacks the gains of '{name}': {self._type} closes the loop itself "
+                    f"lacks the gains of '{name}': {self.type} closes the loop itself "
                     "and needs at least p",
-                    f"write {self._name}/{path.format(name)}: {{p: …, i: …, d: …}}",
+                    f"write {self.name}/{path.format(name)}: {{p: …, i: …, d: …}}",
                 )
 
     def _values(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield what else keeps the controller from loading."""
-        robot = RobotJoints.assumed((name for name, _ in joints), self._type)
+        robot = RobotJoints.assumed((name for name, _ in joints), self.type)
         try:
-            self._config.spec(self._name, robot)
+            self.config.spec(self.name, robot)
         except ConfigError as error:
             yield error_at(
-                error.location or self._entry.location,
+                error.location or self.entry.location,
                 "controller-fails",
-                self._name,
+                self.name,
                 error.message,
             )
+
+
+@cache
+def usual_joints() -> frozenset[str]:
+    """Return the movable joints of the usual robot, a UR5 with a 2F-85."""
+    from tool0.description.catalogue import assemble
+
+    return frozenset(joint.name for joint in assemble().model.movable_joints)
+
+
+def unknown_joints(
+    entries: Sequence[tuple[str, YamlEntry]], robot: RobotFacts | None
+) -> Iterator[Finding]:
+    """Yield a finding for each joint of one list that the robot lacks."""
+    names = [name for name, _ in entries]
+    if robot is not None:
+        known = set(robot.movable_joints)
+        reason = "the robot has no such joint"
+    else:
+        known = set(usual_joints())
+        if sum(name in known for name in names) < _ENOUGH * len(names):
+            return
+        reason = "a UR with a 2F-85, whose joints are beside it, has no such joint"
+    for name, entry in entries:
+        if name in known:
+            continue
+        unused = known.difference(names)
+        near = nearest_name(name, unused) or nearest_name(name, known)
+        yield entry.finding(
+            "unknown-joint",
+            f"names '{name}', but {reason}",
+            f"did you mean '{near}'?" if near else "name one that it has",
+            severity="error" if robot is not None else "warning",
+        )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import final
 
 from tool0.control.config import TYPES as TYPES_OF_ROS1
@@ -10,7 +11,7 @@ from tool0.control.config import siblings
 from tool0.description.finding import Finding, Severity, error_at
 from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import nearest_name
-from tool0.lint.parameters.joint_names import unknown_joints
+from tool0.lint.parameters.ros1 import unknown_joints
 from tool0.lint.parameters.ros2_tables import (
     COMMON,
     MANAGER,
@@ -28,23 +29,12 @@ _MISSPELT = ("ros_parameters", "ros__parameter", "ros_parameter", "ros___paramet
 
 def is_ros2(root: YamlEntry) -> bool:
     """Return whether a file has the layout of ROS 2, perhaps with a typo."""
-    return (
-        any(
-            part in (PARAMETERS, *_MISSPELT)
-            for leaf in root.leaves()
-            for part in leaf.key.split("/")
-        )
-        or _MANAGER in root.children
-    )
+    parts = {part for leaf in root.leaves() for part in leaf.key.split("/")}
+    return not parts.isdisjoint((PARAMETERS, *_MISSPELT)) or _MANAGER in root.children
 
 
 def controller_findings(root: YamlEntry, robot: RobotFacts | None) -> Iterator[Finding]:
-    """Yield what is wrong with the controllers of a ROS 2 YAML.
-
-    Args:
-        root: Its parameters.
-        robot: The robot that it is for, if it is known.
-    """
+    """Yield what is wrong with the controllers of a YAML, for ``robot`` if known."""
     nodes: dict[str, YamlEntry] = {}
     yield from _collect(root, nodes)
     manager = nodes.pop(_MANAGER, None)
@@ -79,17 +69,13 @@ def _collect(root: YamlEntry, nodes: dict[str, YamlEntry]) -> Iterator[Finding]:
         if wrong is not None:
             yield _missing_level(children[wrong], f"'{wrong}' should be '{PARAMETERS}'")
             nodes[name] = children[wrong]
-        elif name == _MANAGER or _is_controller(children):
+        elif name == _MANAGER or {"joints", "command_interfaces"} & children.keys():
             yield _missing_level(
                 entry, f"'{PARAMETERS}:' must stand between '{name}' and its parameters"
             )
             nodes[name] = entry
         else:
             yield from _collect(entry, nodes)
-
-
-def _is_controller(children: Mapping[str, YamlEntry]) -> bool:
-    return "joints" in children or "command_interfaces" in children
 
 
 def _missing_level(entry: YamlEntry, remedy: str) -> Finding:
@@ -121,23 +107,25 @@ def _unread(entry: YamlEntry, who: str, near: str) -> Finding:
 
 
 @final
+@dataclass(frozen=True, slots=True)
 class _Ros2Controller:
     """One controller that the manager is to load."""
 
-    def __init__(
-        self,
-        name: str,
-        type_entry: YamlEntry,
-        parameters: YamlEntry | None,
-        robot: RobotFacts | None,
-    ) -> None:
-        self._name, self._type_entry, self._robot = name, type_entry, robot
-        self._type = str(type_entry.scalar)
-        self._parameters = parameters
-        self._keys = {} if parameters is None else parameters.children
+    name: str
+    type_entry: YamlEntry
+    parameters: YamlEntry | None
+    robot: RobotFacts | None
+
+    @property
+    def type(self) -> str:
+        return str(self.type_entry.scalar)
+
+    @property
+    def keys(self) -> Mapping[str, YamlEntry]:
+        return {} if self.parameters is None else self.parameters.children
 
     def findings(self) -> Iterator[Finding]:
-        patterns = TYPES.get(self._type)
+        patterns = TYPES.get(self.type)
         if patterns is None:
             yield from self._unknown_type()
             return
@@ -145,62 +133,58 @@ class _Ros2Controller:
         joints = [
             (str(entry.scalar), entry)
             for key in ("joint", "joints")
-            if key in self._keys
-            for entry in (self._keys[key].items or [self._keys[key]])
+            if key in self.keys
+            for entry in (self.keys[key].items or [self.keys[key]])
         ]
-        if self._robot is not None or len(joints) > 1:
-            yield from unknown_joints(joints, self._robot)
+        if self.robot is not None or len(joints) > 1:
+            yield from unknown_joints(joints, self.robot)
         yield from self._interfaces(joints)
         yield from self._unread_keys(patterns, {n for n, _ in joints})
 
     def _unknown_type(self) -> Iterator[Finding]:
-        if self._type in OTHER_TYPES:
+        if self.type in OTHER_TYPES:
             return
-        near = nearest_name(self._type, (*TYPES, *OTHER_TYPES), _TYPO)
-        if self._type in TYPES_OF_ROS1 and self._type not in TYPES:
-            kind = self._type.partition("/")[2]
+        near = nearest_name(self.type, (*TYPES, *OTHER_TYPES), _TYPO)
+        if self.type in TYPES_OF_ROS1 and self.type not in TYPES:
+            kind = self.type.partition("/")[2]
             same = [name for name in TYPES if name.endswith(f"/{kind}")]
             remedy = f"write '{same[0]}'" if same else "write joint_state_broadcaster/…"
-            message = f"'{self._type}' is a controller of ROS 1, in a file for ROS 2"
+            message = f"'{self.type}' is a controller of ROS 1, in a file for ROS 2"
         elif near is not None:
-            message = f"there is no controller type '{self._type}'"
+            message = f"there is no controller type '{self.type}'"
             remedy = f"did you mean '{near}'?"
         else:
             return  # a controller of the user's own
-        yield self._type_entry.finding("unknown-type", message, remedy)
+        yield self.type_entry.finding("unknown-type", message, remedy)
 
     def _missing(self) -> Iterator[Finding]:
         missing = [
-            key for key in required_parameters(self._type) if key not in self._keys
+            key for key in required_parameters(self.type) if key not in self.keys
         ]
         if not missing:
             return
-        where = self._parameters or self._type_entry
+        where = self.parameters or self.type_entry
         yield where.finding(
             "missing-key",
-            f"{self._type} does not configure without {' and '.join(missing)}",
-            f"write them under '{self._name}: {PARAMETERS}:'",
+            f"{self.type} does not configure without {' and '.join(missing)}",
+            f"write them under '{self.name}: {PARAMETERS}:'",
         )
 
     def _interfaces(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
-        entry = self._keys.get("command_interfaces")
+        entry = self.keys.get("command_interfaces")
         wanted = [str(item.scalar) for item in (entry.items if entry else ())]
-        if (
-            "effort" in wanted
-            and "gains" not in self._keys
-            and "position" not in wanted
-        ):
-            yield (entry or self._type_entry).finding(
+        if "effort" in wanted and "position" not in wanted and "gains" not in self.keys:
+            yield (entry or self.type_entry).finding(
                 "missing-gains",
                 "commands effort, so it closes the loop itself and needs gains",
-                f"write gains: {{<joint>: {{p: …}}}} under {self._name}",
+                f"write gains: {{<joint>: {{p: …}}}} under {self.name}",
             )
-        if self._robot is None or not self._robot.ros2_joints:
+        if self.robot is None or not self.robot.ros2_joints:
             return
         for name, place in joints:
-            offered = self._robot.ros2_joints.get(name)
+            offered = self.robot.ros2_joints.get(name)
             lacking = [kind for kind in wanted if kind not in (offered or ())]
-            if offered is None and name in self._robot.joints:
+            if offered is None and name in self.robot.joints:
                 yield place.finding(
                     "no-transmission",
                     f"'{name}' is not in the robot's <ros2_control>",
@@ -219,8 +203,8 @@ class _Ros2Controller:
     ) -> Iterator[Finding]:
         read = patterns | COMMON
         reported: set[str] = set()
-        for leaf in self._parameters.leaves() if self._parameters else ():
-            base = self._parameters.key if self._parameters else ""
+        for leaf in self.parameters.leaves() if self.parameters else ():
+            base = self.parameters.key if self.parameters else ""
             path = leaf.key[len(base) + 1 :].split("/")
             pattern = "/".join("*" if part in joints else part for part in path)
             dotted = pattern.replace(".", "/")  # ROS 2 reads a dot as a level
@@ -237,7 +221,7 @@ class _Ros2Controller:
         others = [name for name, keys in TYPES.items() if pattern in keys]
         near = nearest_name(path[-1], siblings(pattern, read), _TYPO)
         severity: Severity = "error"
-        kind = self._type.partition("/")[2]
+        kind = self.type.partition("/")[2]
         if near is not None:
             return _unread(leaf, kind, near)
         if others:

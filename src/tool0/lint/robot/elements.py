@@ -1,41 +1,139 @@
-"""Reading XML that may be wrong: what cannot be read is None or empty, never raised."""
+"""XML that may be wrong: what cannot be read is None or empty, never raised."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from typing import final
 from xml.dom.minidom import Element
 
-from tool0.description.attributes import text_of
-from tool0.description.xml_source import children, locate
-from tool0.errors import SourceLocation
+from tool0.description.finding import Finding, Severity
+from tool0.description.xml_source import children, locate, text_of
+from tool0.errors import SourceLocation, nearest_name
 
 HUGE = 1e12
 """A number above it is no measure of a robot, and its cube might overflow."""
 
 
-def place(element: Element) -> SourceLocation:
-    """Return where ``element`` was written; without a file if that is unknown."""
-    return locate(element) or SourceLocation(None)
+@final
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What findings are about, and where it stands."""
+
+    key: str
+    location: SourceLocation
+
+    def error(
+        self,
+        rule: str,
+        message: str,
+        remedy: str = "",
+        *,
+        key: str | None = None,
+        severity: Severity = "error",
+    ) -> Finding:
+        """Return a finding about this; ``key`` replaces its own key."""
+        return Finding(
+            location=self.location,
+            rule=rule,
+            severity=severity,
+            key=self.key if key is None else key,
+            message=message,
+            remedy=remedy,
+        )
+
+    def warning(
+        self, rule: str, message: str, remedy: str = "", *, key: str | None = None
+    ) -> Finding:
+        """Return a warning about this."""
+        return self.error(rule, message, remedy, key=key, severity="warning")
 
 
-def attribute(element: Element | None, name: str) -> str:
-    """Return the stripped attribute; empty if it, or the element, is not there."""
-    return "" if element is None else element.getAttribute(name).strip()
+@final
+@dataclass(frozen=True, slots=True)
+class Tag:
+    """An element, which may be absent: then it is false, and all in it is empty."""
+
+    element: Element | None
+    owner: str = ""
+    """The link, joint or transmission that it is a part of; findings are about that."""
+
+    def __bool__(self) -> bool:
+        return self.element is not None
+
+    def __getitem__(self, attribute: str) -> str:
+        """The attribute without blanks around it; empty if it is not there."""
+        return self.written(attribute).strip()
+
+    def __contains__(self, attribute: str) -> bool:
+        return self.element is not None and self.element.hasAttribute(attribute)
+
+    def written(self, attribute: str) -> str:
+        """Return the attribute as it is written; empty if it is not there."""
+        return "" if self.element is None else self.element.getAttribute(attribute)
+
+    @property
+    def tag(self) -> str:
+        """The name of the element."""
+        return "" if self.element is None else self.element.tagName
+
+    @property
+    def text(self) -> str:
+        """The text in it."""
+        return "" if self.element is None else text_of(self.element)
+
+    @property
+    def attributes(self) -> list[tuple[str, str]]:
+        """All attributes, as they are written."""
+        return [] if self.element is None else list(self.element.attributes.items())
+
+    @property
+    def location(self) -> SourceLocation:
+        """Where it was written; without a file if that is unknown."""
+        return locate(self.element) or SourceLocation(None)
+
+    @property
+    def at(self) -> Subject:
+        """The owner at this place."""
+        return Subject(self.owner, self.location)
+
+    def children(self, tag: str | None = None) -> Iterator[Tag]:
+        """Yield the elements in it, or only those called ``tag``."""
+        for element in () if self.element is None else children(self.element, tag):
+            yield Tag(element, self.owner or element.getAttribute("name").strip())
+
+    def child(self, tag: str) -> Tag:
+        """Return the first child called ``tag``, as urdfdom takes it."""
+        return next(self.children(tag), Tag(None))
+
+    def descendants(self, tag: str | None = None) -> Iterator[Tag]:
+        """Yield it and all below it, or those called ``tag``, in document order."""
+        waiting = [self]
+        while waiting:
+            found = waiting.pop()
+            if tag is None or found.tag == tag:
+                yield found
+            waiting.extend(reversed(list(found.children())))
+
+    def number(self, attribute: str, default: float | None = None) -> float | None:
+        """Return the attribute as a number; None if it is none.
+
+        Args:
+            attribute: Its name.
+            default: What is returned if the attribute is missing or empty.
+        """
+        text = self[attribute]
+        return _to_number(text) if text else default
+
+    def vector(self, attribute: str) -> tuple[float, ...] | None:
+        """Return three numbers from the attribute, or None."""
+        values = [_to_number(word) for word in self[attribute].split()]
+        found = tuple(value for value in values if value is not None)
+        return found if len(values) == len(found) == 3 else None
 
 
-def child(element: Element | None, tag: str) -> Element | None:
-    """Return the first child called ``tag``, as urdfdom takes it."""
-    return None if element is None else next(children(element, tag), None)
-
-
-def child_text(element: Element, tag: str) -> str:
-    """Return the text in the first child called ``tag``; empty if there is none."""
-    found = child(element, tag)
-    return "" if found is None else text_of(found)
-
-
-def to_number(text: str) -> float | None:
+def _to_number(text: str) -> float | None:
     """Return a finite number of a sane size, or None."""
     try:
         value = float(text)
@@ -44,37 +142,12 @@ def to_number(text: str) -> float | None:
     return value if abs(value) <= HUGE else None  # not so for NaN
 
 
-def is_number(text: str) -> bool:
-    """Return whether ROS reads ``text`` as a finite number, however large."""
-    try:
-        return math.isfinite(float(text)) and "_" not in text
-    except ValueError:
-        return False
-
-
-def number(element: Element | None, name: str) -> float | None:
-    """Return the attribute as a number; None if it is not there or is none."""
-    return to_number(attribute(element, name))
-
-
-def vector(
-    element: Element | None, name: str, count: int = 3
-) -> tuple[float, ...] | None:
-    """Return ``count`` numbers from the attribute, or None."""
-    values = [to_number(word) for word in attribute(element, name).split()]
-    found = tuple(value for value in values if value is not None)
-    return found if len(values) == len(found) == count else None
-
-
 def length(values: tuple[float, ...]) -> float:
     """Return the Euclidean length of ``values``."""
     return math.sqrt(sum(value * value for value in values))
 
 
-def descendants(element: Element) -> Iterator[Element]:
-    """Yield ``element`` and all below it, in the order of the document."""
-    waiting = [element]
-    while waiting:
-        found = waiting.pop()
-        yield found
-        waiting.extend(reversed(list(children(found))))
+def suggestion(name: str, known: Collection[str], write: str, otherwise: str) -> str:
+    """Return ``write`` with the nearest known name for ``{}``, or ``otherwise``."""
+    close = nearest_name(name, known)
+    return write.replace("{}", close) if close else otherwise

@@ -2,35 +2,49 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import final
-from xml.dom.minidom import Element
 
-from tool0.description.attributes import text_of
-from tool0.description.xml_source import LocatedElement, children
-from tool0.errors import SourceLocation
-from tool0.lint.robot.elements import attribute, child, child_text, number, place
-from tool0.lint.robot.interfaces import InterfaceFacts, meant_interface
+from tool0.description.model import Interface
+from tool0.errors import SourceLocation, nearest_name
+from tool0.lint.packages import PackageIndex
+from tool0.lint.robot.elements import Subject, Tag
 
-CONTROL_PLUGIN = "gazebo_ros_control"
 MOVABLE = ("revolute", "continuous", "prismatic", "planar", "floating")
+_DRIVABLE = ("revolute", "continuous", "prismatic")
 _APART = ("preserveFixedJoint", "disableFixedJointLumping")
 _TRUE = ("true", "1")
-DRIVABLE = ("revolute", "continuous", "prismatic")
+
+_PACKAGE = "hardware_interface/"
+_NAMES = {item.value.removeprefix(_PACKAGE): item.value for item in Interface}
+_INTERFACES = (
+    *_NAMES.values(),
+    _PACKAGE + "JointStateInterface",
+    _PACKAGE + "PosVelJointInterface",
+    _PACKAGE + "PosVelAccJointInterface",
+)
+"""Those that DefaultRobotHWSim drives, and others that a robot's own driver may."""
+_LONGEST = 100
 
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LimitFacts:
-    """A joint's <limit>; None is what is missing or no number."""
+def is_interface(text: str) -> bool:
+    """Return whether ROS knows ``text``, with its package's name or without."""
+    return text in _INTERFACES or _PACKAGE + text in _INTERFACES
 
-    lower: float | None
-    upper: float | None
-    velocity: float | None
-    effort: float | None
-    location: SourceLocation
+
+def meant_interface(text: str) -> str | None:
+    """Return the interface that ``text`` means or may mean, or None."""
+    bare = text.strip().strip("\"'").strip()
+    if len(bare) > _LONGEST:
+        return None
+    name = re.split(r"[/\\:.]+", bare)[-1]
+    for known in _INTERFACES:
+        if known == bare or known.removeprefix(_PACKAGE) == name:
+            return known
+    close = nearest_name(name, _NAMES, cutoff=0.8)
+    return _NAMES[close] if close else nearest_name(bare, _NAMES.values(), cutoff=0.8)
 
 
 @final
@@ -38,13 +52,16 @@ class LimitFacts:
 class JointFacts:
     """One joint; an empty text is what is not written."""
 
-    name: str
+    at: Subject
     type: str
     parent: str
     child: str
-    limits: LimitFacts | None
+    has_limits: bool
     mimic_of: str | None
-    location: SourceLocation
+
+    @property
+    def name(self) -> str:
+        return self.at.key
 
     @property
     def is_movable(self) -> bool:
@@ -54,7 +71,23 @@ class JointFacts:
     @property
     def is_drivable(self) -> bool:
         """Whether one motor can drive it: it has one axis and mimics no other."""
-        return self.type in DRIVABLE and self.mimic_of is None
+        return self.type in _DRIVABLE and self.mimic_of is None
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InterfaceFacts:
+    """One <hardwareInterface>."""
+
+    at: Subject
+    meant: str | None
+    """``hardware_interface/…``; None if it is unclear."""
+    in_actuator: bool
+    """Written in <actuator>: read only if <joint> names none, and deprecated."""
+
+    @property
+    def written(self) -> str:
+        return self.at.key
 
 
 @final
@@ -62,13 +95,12 @@ class JointFacts:
 class TransmissionFacts:
     """One <transmission>, as ROS 1 reads it."""
 
-    name: str
+    at: Subject
     type: str
     joints: tuple[str, ...]
     interfaces: tuple[InterfaceFacts, ...]
     """The first is the one that counts."""
     n_actuators: int
-    location: SourceLocation
 
 
 @final
@@ -76,20 +108,19 @@ class TransmissionFacts:
 class PluginFacts:
     """One <plugin> of Gazebo."""
 
+    at: Subject
     filename: str
-    name: str
-    parameters: tuple[tuple[str, str, SourceLocation], ...]
-    """Name, text and place of each element inside."""
-    location: SourceLocation
+    parameters: tuple[tuple[Subject, str], ...]
+    """Each element inside, whose name is the key, and its text."""
 
     def parameter(self, name: str) -> str | None:
         """Return the text of the parameter; None if it is not there."""
-        return next((text for key, text, _ in self.parameters if key == name), None)
+        return next((text for at, text in self.parameters if at.key == name), None)
 
     @property
     def is_control(self) -> bool:
         """Whether it is ROS 1's controller manager for Gazebo classic."""
-        return CONTROL_PLUGIN in self.filename
+        return "gazebo_ros_control" in self.filename
 
     @property
     def is_control_of_ros2(self) -> bool:
@@ -107,10 +138,9 @@ class PluginFacts:
 class GearboxFacts:
     """A gearbox joint in a <gazebo> extension, which holds two bodies together."""
 
-    name: str
+    at: Subject
     parent: str
     child: str
-    location: SourceLocation
 
 
 @final
@@ -118,7 +148,6 @@ class GearboxFacts:
 class RobotFacts:
     """One <robot>.  Of links and joints with one name, the first counts."""
 
-    file: Path | None
     name: str
     links: Mapping[str, SourceLocation]
     joints: Mapping[str, JointFacts]
@@ -140,31 +169,16 @@ class RobotFacts:
         return tuple(plugin for plugin in self.plugins if plugin.is_control)
 
     @property
-    def mimic_plugin_joints(self) -> frozenset[str]:
-        """The joints that a plugin moves as another moves."""
-        return frozenset(
-            plugin.parameter("mimicJoint") or ""
-            for plugin in self.plugins
-            if plugin.is_mimic
-        )
-
-    @property
-    def plugin_joints(self) -> frozenset[str]:
-        """What plugins name: among it the joints that they move."""
-        return frozenset(
-            text for plugin in self.plugins for _, text, _ in plugin.parameters
-        )
-
-    def moves(self, joint: JointFacts) -> bool:
-        """Return whether ``joint`` joins two bodies: a fixed one makes them one."""
-        return joint.is_movable or joint.name in self.unmerged
-
-    @property
     def driven_joints(self) -> frozenset[str]:
         """The joints that a controller can command, in ROS 1 or 2."""
         commanded = {name for name, kinds in self.ros2_joints.items() if kinds}
         by_transmissions = (name for item in self.transmissions for name in item.joints)
         return frozenset(commanded.union(by_transmissions))
+
+    @property
+    def movable_joints(self) -> tuple[str, ...]:
+        """The joints that are not fixed."""
+        return tuple(joint.name for joint in self.joints.values() if joint.is_movable)
 
     def interfaces_of(self, joint: str) -> tuple[InterfaceFacts, ...]:
         """Return the interfaces of ``joint``; the first is the one that counts."""
@@ -175,121 +189,143 @@ class RobotFacts:
             for interface in transmission.interfaces
         )
 
+    def moves(self, joint: JointFacts) -> bool:
+        """Return whether ``joint`` joins two bodies: a fixed one makes them one."""
+        return joint.is_movable or joint.name in self.unmerged
 
-def facts_of(root: LocatedElement | Element) -> RobotFacts:
+    def bodies(self) -> Mapping[str, str]:
+        """Return, for each link, the first link of the body that Gazebo makes of it."""
+        above: dict[str, JointFacts] = {}
+        for joint in self.joints.values():
+            above.setdefault(joint.child, joint)
+        body: dict[str, str] = {}
+        for link in self.links:
+            path: dict[str, None] = {}
+            at = link
+            while at not in body and at not in path:
+                path[at] = None
+                upward = above.get(at)
+                if upward is None or self.moves(upward):
+                    break
+                if upward.parent not in self.links:
+                    break
+                at = upward.parent
+            body.update(dict.fromkeys(path, body.get(at, at)))
+        return body
+
+
+def facts_of(root: Tag) -> RobotFacts:
     """Return what ``root``, a <robot>, holds."""
-    extensions = list(children(root, "gazebo"))
+    extensions = list(root.children("gazebo"))
     links: dict[str, SourceLocation] = {}
-    for element in children(root, "link"):
-        links.setdefault(attribute(element, "name"), place(element))
+    for link in root.children("link"):
+        links.setdefault(link["name"], link.location)
     joints: dict[str, JointFacts] = {}
-    for element in children(root, "joint"):
-        joints.setdefault(attribute(element, "name"), _joint(element))
+    for joint in root.children("joint"):
+        joints.setdefault(joint["name"], _joint(joint))
     links.pop("", None)
     joints.pop("", None)
     return RobotFacts(
-        file=place(root).file,
-        name=attribute(root, "name"),
+        name=root["name"],
         links=links,
         joints=joints,
         transmissions=tuple(
-            _transmission(element)
-            for element in children(root, "transmission")
-            if not element.hasAttribute("type")  # that of a PR2, not of ros_control
+            _transmission(item)
+            for item in root.children("transmission")
+            if "type" not in item  # that of a PR2, not of ros_control
         ),
         plugins=tuple(
-            _plugin(element)
+            _plugin(item)
             for extension in extensions
-            for element in children(extension, "plugin")
+            for item in extension.children("plugin")
         ),
         gearboxes=tuple(_gearboxes(extensions)),
-        ros2_joints=_ros2_joints(root),
+        ros2_joints={
+            joint["name"]: tuple(
+                item["name"] for item in joint.children("command_interface")
+            )
+            for system in root.children("ros2_control")
+            for joint in system.children("joint")
+        },
         passive_joints=frozenset(
-            attribute(element, "name") for element in children(root, "passive_joint")
+            item["name"] for item in root.children("passive_joint")
         ),
         unmerged=frozenset(
-            attribute(extension, "reference")
+            extension["reference"]
             for extension in extensions
-            if any(child_text(extension, flag).lower() in _TRUE for flag in _APART)
+            if any(extension.child(flag).text.lower() in _TRUE for flag in _APART)
         ),
         has_extensions=bool(extensions),
     )
 
 
-def _joint(element: Element) -> JointFacts:
-    limit = child(element, "limit")
-    mimic = child(element, "mimic")
+def _joint(joint: Tag) -> JointFacts:
+    mimic = joint.child("mimic")
     return JointFacts(
-        name=attribute(element, "name"),
-        type=attribute(element, "type"),
-        parent=attribute(child(element, "parent"), "link"),
-        child=attribute(child(element, "child"), "link"),
-        limits=None if limit is None else _limits(limit),
-        mimic_of=None if mimic is None else attribute(mimic, "joint"),
-        location=place(element),
+        at=joint.at,
+        type=joint["type"],
+        parent=joint.child("parent")["link"],
+        child=joint.child("child")["link"],
+        has_limits=bool(joint.child("limit")),
+        mimic_of=mimic["joint"] if mimic else None,
     )
 
 
-def _limits(element: Element) -> LimitFacts:
-    return LimitFacts(
-        lower=number(element, "lower"),
-        upper=number(element, "upper"),
-        velocity=number(element, "velocity"),
-        effort=number(element, "effort"),
-        location=place(element),
-    )
-
-
-def _transmission(element: Element) -> TransmissionFacts:
-    joints = list(children(element, "joint"))
-    actuators = list(children(element, "actuator"))
+def _transmission(item: Tag) -> TransmissionFacts:
+    joints, actuators = list(item.children("joint")), list(item.children("actuator"))
     return TransmissionFacts(
-        name=attribute(element, "name"),
-        type=child_text(element, "type"),
-        joints=tuple(attribute(joint, "name") for joint in joints),
+        at=item.at,
+        type=item.child("type").text,
+        joints=tuple(joint["name"] for joint in joints),
         interfaces=tuple(
             InterfaceFacts(
-                written=text_of(named),
-                meant=meant_interface(text_of(named)),
-                in_actuator=owner.tagName == "actuator",
-                location=place(named),
+                at=Subject(named.text, named.location),
+                meant=meant_interface(named.text),
+                in_actuator=owner.tag == "actuator",
             )
             for owner in (*joints, *actuators)
-            for named in children(owner, "hardwareInterface")
+            for named in owner.children("hardwareInterface")
         ),
         n_actuators=len(actuators),
-        location=place(element),
     )
 
 
-def _plugin(element: Element) -> PluginFacts:
+def _plugin(plugin: Tag) -> PluginFacts:
     return PluginFacts(
-        filename=attribute(element, "filename"),
-        name=attribute(element, "name"),
+        at=Subject(plugin["name"], plugin.location),
+        filename=plugin["filename"],
         parameters=tuple(
-            (item.tagName, text_of(item), place(item)) for item in children(element)
+            (Subject(item.tag, item.location), item.text) for item in plugin.children()
         ),
-        location=place(element),
     )
 
 
-def _gearboxes(extensions: list[Element]) -> Iterator[GearboxFacts]:
+def _gearboxes(extensions: list[Tag]) -> Iterator[GearboxFacts]:
     for extension in extensions:
-        for element in children(extension, "joint"):
-            if attribute(element, "type") == "gearbox":
+        for joint in extension.children("joint"):
+            if joint["type"] == "gearbox":
                 yield GearboxFacts(
-                    name=attribute(element, "name"),
-                    parent=child_text(element, "parent"),
-                    child=child_text(element, "child"),
-                    location=place(element),
+                    at=Subject(joint["name"], joint.location),
+                    parent=joint.child("parent").text,
+                    child=joint.child("child").text,
                 )
 
 
-def _ros2_joints(root: Element) -> dict[str, tuple[str, ...]]:
-    return {
-        attribute(joint, "name"): tuple(
-            attribute(item, "name") for item in children(joint, "command_interface")
-        )
-        for system in children(root, "ros2_control")
-        for joint in children(system, "joint")
-    }
+@final
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """A robot as its rules see it: the XML, and what it holds."""
+
+    root: Tag
+    facts: RobotFacts
+    body: Mapping[str, str]
+    """For each link, the first link of the body that Gazebo makes of it."""
+    packages: PackageIndex
+    is_spawned: bool
+    """Whether it is known to be put into Gazebo to be controlled there."""
+
+    @property
+    def is_controlled(self) -> bool:
+        """Whether ROS 1 is meant to control it in Gazebo."""
+        facts = self.facts
+        return bool(facts.transmissions or facts.control_plugins or self.is_spawned)

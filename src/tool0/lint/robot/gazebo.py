@@ -1,74 +1,71 @@
-"""Gazebo's <gazebo> elements: controller managers, misspelt parameters, references."""
+"""Gazebo's elements: plugins, references, and what makes mimic joints follow."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, error_at, quoted, short, warning_at
-from tool0.description.xml_source import children
+from tool0.description.finding import Finding, quoted, short
 from tool0.errors import nearest_name
-from tool0.lint.robot.bodies import bodies
-from tool0.lint.robot.elements import attribute, place
-from tool0.lint.robot.facts import PluginFacts, RobotFacts
+from tool0.lint.robot.elements import suggestion
+from tool0.lint.robot.facts import PluginFacts, Robot, RobotFacts
 
 LIBRARY = "libgazebo_ros_control.so"
 _FILES = (LIBRARY, LIBRARY.removeprefix("lib"), LIBRARY.removesuffix(".so"))
-_CONTROL = (
-    "robotNamespace",
-    "robotSimType",
-    "controlPeriod",
-    "robotParam",
-    "legacyModeNS",
-    "eStopTopic",
+_PARAMETERS_OF_CONTROL = (
+    *("robotNamespace", "robotSimType", "controlPeriod", "robotParam"),
+    *("legacyModeNS", "eStopTopic"),
 )
-_MIMIC = (
-    "joint",
-    "mimicJoint",
-    "multiplier",
-    "offset",
-    "maxEffort",
-    "sensitiveness",
-    "robotNamespace",
-    "hasPID",
+_PARAMETERS_OF_MIMIC = (
+    *("joint", "mimicJoint", "multiplier", "offset", "maxEffort", "sensitiveness"),
+    *("robotNamespace", "hasPID"),
 )
-_DEFAULT_PARAM = "robot_description"
 
 
-def plugin_findings(facts: RobotFacts, spawned: bool) -> Iterator[Finding]:
+def plugin_findings(robot: Robot) -> Iterator[Finding]:
     """Yield what is wrong in the plugins for Gazebo."""
+    facts = robot.facts
     yield from _two(facts)
-    yield from _none(facts, spawned)
+    if (
+        facts.transmissions
+        and (robot.is_spawned or facts.plugins)
+        and not any(p.is_control or p.is_control_of_ros2 for p in facts.plugins)
+    ):
+        yield facts.transmissions[0].at.warning(
+            "no-plugin",
+            f"the robot has transmissions, yet no {LIBRARY}: in Gazebo there is no "
+            "controller manager, spawners wait for it in vain and the arm falls",
+            f'add <gazebo><plugin name="ros_control" filename="{LIBRARY}"/></gazebo>',
+            key=facts.name,
+        )
     for plugin in facts.plugins:
         yield from _file(plugin)
         if plugin.is_control:
-            yield from _parameters(plugin, _CONTROL)
-        elif "roboticsgroup" in plugin.filename and plugin.is_mimic:
-            yield from _parameters(plugin, _MIMIC)
+            yield from _parameters(plugin, _PARAMETERS_OF_CONTROL)
+        elif _is_upatras_mimic(plugin):
+            yield from _parameters(plugin, _PARAMETERS_OF_MIMIC)
             yield from _joints(plugin, facts)
 
 
-def _description(plugin: PluginFacts) -> str:
-    return (plugin.parameter("robotParam") or _DEFAULT_PARAM).strip("/")
+def _is_upatras_mimic(plugin: PluginFacts) -> bool:
+    return plugin.is_mimic and "roboticsgroup" in plugin.filename
 
 
 def _two(facts: RobotFacts) -> Iterator[Finding]:
     first: dict[str, PluginFacts] = {}
     for plugin in facts.control_plugins:
-        earlier = first.setdefault(_description(plugin), plugin)
+        description = plugin.parameter("robotParam") or "robot_description"
+        earlier = first.setdefault(description.strip("/"), plugin)
         if earlier is plugin:
             continue
         where = (
             "made by the same line, of a macro that is called twice"
-            if plugin.location == earlier.location
-            else f"at {earlier.location}"
+            if plugin.at.location == earlier.at.location
+            else f"at {earlier.at.location}"
         )
-        yield error_at(
-            plugin.location,
+        yield plugin.at.error(
             "two-plugins",
-            plugin.name,
-            f"a second {LIBRARY}, '{short(plugin.name)}'; the first, "
-            f"'{short(earlier.name)}', is {where}. Each makes a "
+            f"a second {LIBRARY}, '{short(plugin.at.key)}'; the first, "
+            f"'{short(earlier.at.key)}', is {where}. Each makes a "
             "controller manager for every joint of the robot: their commands "
             "fight over the joints, and in one namespace the services of one "
             "hide those of the other",
@@ -77,124 +74,124 @@ def _two(facts: RobotFacts) -> Iterator[Finding]:
         )
 
 
-def _none(facts: RobotFacts, spawned: bool) -> Iterator[Finding]:
-    if not facts.transmissions or not (spawned or facts.plugins):
-        return
-    if any(plugin.is_control or plugin.is_control_of_ros2 for plugin in facts.plugins):
-        return
-    yield warning_at(
-        facts.transmissions[0].location,
-        "no-plugin",
-        facts.name,
-        f"the robot has transmissions, yet no {LIBRARY}: in Gazebo there is no "
-        "controller manager, spawners wait for it in vain and the arm falls",
-        f'add <gazebo><plugin name="ros_control" filename="{LIBRARY}"/></gazebo>',
-    )
-
-
 def _file(plugin: PluginFacts) -> Iterator[Finding]:
-    if not plugin.filename:
-        yield error_at(
-            plugin.location,
+    file = plugin.filename
+    if not file:
+        yield plugin.at.error(
             "unnamed",
-            "<plugin>",
             "this <plugin> names no file, so Gazebo loads nothing",
             f'write filename="…", such as filename="{LIBRARY}"',
+            key="<plugin>",
         )
-    elif plugin.is_control_of_ros2 or plugin.filename.rpartition("/")[2] in _FILES:
+    elif plugin.is_control_of_ros2 or file.rpartition("/")[2] in _FILES:
         return
-    elif plugin.is_control or nearest_name(plugin.filename, (LIBRARY,), cutoff=0.9):
-        yield _misspelt(plugin)
-
-
-def _misspelt(plugin: PluginFacts) -> Finding:
-    return error_at(
-        plugin.location,
-        "unknown-plugin",
-        plugin.name,
-        f"there is no plugin '{short(plugin.filename)}', so Gazebo has no "
-        "controller manager",
-        f'write filename="{LIBRARY}"',
-    )
+    elif plugin.is_control or nearest_name(file, (LIBRARY,), cutoff=0.9):
+        yield plugin.at.error(
+            "unknown-plugin",
+            f"there is no plugin '{short(file)}', so Gazebo has no controller manager",
+            f'write filename="{LIBRARY}"',
+        )
 
 
 def _parameters(plugin: PluginFacts, known: tuple[str, ...]) -> Iterator[Finding]:
-    for name, _, location in plugin.parameters:
-        if name in known:
-            continue
-        close = nearest_name(name, known)
-        finding_at = error_at if close else warning_at
-        yield finding_at(
-            location,
-            "unread-parameter",
-            name,
-            f"the plugin {short(plugin.filename)} does not read "
-            f"<{short(name)}>, so it does nothing",
-            f"write <{close}>" if close else f"it reads {quoted(known)}",
-        )
+    for at, _ in plugin.parameters:
+        if at.key not in known:
+            close = nearest_name(at.key, known)
+            yield at.error(
+                "unread-parameter",
+                f"the plugin {short(plugin.filename)} does not read "
+                f"<{short(at.key)}>, so it does nothing",
+                f"write <{close}>" if close else f"it reads {quoted(known)}",
+                severity="error" if close else "warning",
+            )
 
 
 def _joints(plugin: PluginFacts, facts: RobotFacts) -> Iterator[Finding]:
-    places = {name: location for name, _, location in plugin.parameters}
+    places = {at.key: at for at, _ in plugin.parameters}
     for role in ("joint", "mimicJoint"):
-        name = plugin.parameter(role)
-        if name and name in facts.joints:
-            continue
-        close = nearest_name(name or "", facts.joints)
-        yield error_at(
-            places.get(role, plugin.location),
-            "unknown-joint",
-            name or plugin.name,
-            f"plugin '{short(plugin.name)}' has the <{role}> '{short(name or '')}'"
-            ", which the robot lacks: it does nothing, and the finger hangs loose",
-            f"write <{role}>{close}</{role}>"
-            if close
-            else "name one of the robot's joints",
-        )
+        name = plugin.parameter(role) or ""
+        if name not in facts.joints:
+            yield places.get(role, plugin.at).error(
+                "unknown-joint",
+                f"plugin '{short(plugin.at.key)}' has the <{role}> '{short(name)}'"
+                ", which the robot lacks: it does nothing, and the finger hangs loose",
+                suggestion(
+                    name,
+                    facts.joints,
+                    f"write <{role}>{{}}</{role}>",
+                    "name one of the robot's joints",
+                ),
+                key=name or plugin.at.key,
+            )
 
 
-def extension_findings(root: Element, facts: RobotFacts) -> Iterator[Finding]:
+def extension_findings(robot: Robot) -> Iterator[Finding]:
     """Yield the extensions that refer to nothing."""
-    known = {**facts.links, **facts.joints}
-    for element in children(root, "gazebo"):
-        name = attribute(element, "reference")
+    known = {**robot.facts.links, **robot.facts.joints}
+    for extension in robot.root.children("gazebo"):
+        name = extension["reference"]
         if name and name not in known:
-            close = nearest_name(name, known)
-            yield warning_at(
-                place(element),
+            yield extension.at.warning(
                 "unknown-reference",
-                name,
                 f'<gazebo reference="{short(name)}"> is about neither a link nor '
                 "a joint of the robot, so it does nothing",
-                f'write reference="{close}"' if close else "remove it",
+                suggestion(name, known, 'write reference="{}"', "remove it"),
+                key=name,
             )
-    yield from _gearboxes(facts)
-
-
-def _gearboxes(facts: RobotFacts) -> Iterator[Finding]:
-    body = bodies(facts)
-    for gearbox in facts.gearboxes:
+    for gearbox in robot.facts.gearboxes:
         for role, name in (("parent", gearbox.parent), ("child", gearbox.child)):
-            if name in facts.links:
-                merged = body[name]
-                if merged == name:
-                    continue
+            merged = robot.body.get(name)
+            if merged == name:
+                continue
+            reason, remedy = "the robot lacks", "name one of its links"
+            close = nearest_name(name, robot.facts.links) if merged is None else merged
+            if merged is not None:
                 reason = f"Gazebo has merged into '{short(merged)}'"
-                remedy = f"write <{role}>{merged}</{role}>"
-            else:
-                close = nearest_name(name, facts.links)
-                reason = "the robot lacks"
-                remedy = (
-                    f"write <{role}>{close}</{role}>"
-                    if close
-                    else "name one of its links"
-                )
-            yield error_at(
-                gearbox.location,
+            yield gearbox.at.error(
                 "unknown-link",
-                gearbox.name,
-                f"gearbox '{short(gearbox.name)}' has the {role} '{short(name)}', "
+                f"gearbox '{short(gearbox.at.key)}' has the {role} '{short(name)}', "
                 f"which {reason}: Gazebo does not make the gearbox, and the "
                 "finger hangs loose",
-                remedy,
+                f"write <{role}>{close}</{role}>" if close else remedy,
+            )
+
+
+def follower_findings(robot: Robot) -> Iterator[Finding]:
+    """Yield the mimic joints that Gazebo does not make follow, or teleports."""
+    if robot.is_controlled and not robot.facts.ros2_joints:
+        yield from _loose(robot)
+    for plugin in filter(_is_upatras_mimic, robot.facts.plugins):
+        if plugin.parameter("hasPID") is None:
+            joint = plugin.parameter("mimicJoint") or plugin.at.key
+            yield plugin.at.warning(
+                "teleported-mimic",
+                f"without <hasPID/> the mimic plugin '{short(plugin.at.key)}' sets "
+                f"the position of '{short(joint)}' at every step: the finger "
+                "feels no contact, so what it grasps is thrown away or dropped",
+                "hold the joint with a gearbox joint as tool0_description does, "
+                "or add <hasPID/> and gains under "
+                f"gazebo_ros_control/pid_gains/{short(joint)}",
+                key=joint,
+            )
+
+
+def _loose(robot: Robot) -> Iterator[Finding]:
+    facts, body = robot.facts, robot.body
+    geared = {
+        body.get(link) for box in facts.gearboxes for link in (box.parent, box.child)
+    }
+    held = facts.driven_joints | facts.passive_joints
+    held |= {p.parameter("mimicJoint") or "" for p in facts.plugins if p.is_mimic}
+    for joint in facts.joints.values():
+        if joint.mimic_of is None or not joint.is_movable or joint.name in held:
+            continue
+        if body.get(joint.child) not in geared:
+            yield joint.at.warning(
+                "loose-mimic",
+                f"joint '{short(joint.name)}' mimics '{short(joint.mimic_of)}', "
+                "but Gazebo classic drops <mimic>: it swings freely, and the "
+                "fingers neither follow nor hold",
+                "hold it with a gearbox joint, "
+                '<gazebo><joint type="gearbox">…</joint></gazebo> (ODE only), as '
+                "tool0_description does, or with a mimic plugin that has <hasPID/>",
             )

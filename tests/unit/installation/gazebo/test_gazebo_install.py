@@ -9,7 +9,6 @@ from machine import add_program
 
 from tool0.errors import ConfigError, EngineUnavailableError
 from tool0.installation.gazebo.install import (
-    GazeboOptions,
     install_gazebo,
     uninstall_gazebo,
 )
@@ -40,10 +39,13 @@ def install(
     mirror: Mirror, *, gui: bool = False
 ) -> tuple[GazeboInstallation, list[str]]:
     said: list[str] = []
-    options = GazeboOptions(
-        has_client=gui, is_private=True, mirror=mirror.address, keyring=mirror.keyring
+    made = install_gazebo(
+        lambda activity, _: said.append(activity),
+        has_client=gui,
+        is_private=True,
+        mirror=mirror.address,
+        keyring=mirror.keyring,
     )
-    made = install_gazebo(options, lambda activity, _: said.append(activity))
     return made, list(dict.fromkeys(said))
 
 
@@ -54,7 +56,9 @@ def refusal(mirror: Mirror) -> str:
     return str(error.value)
 
 
-def test_makes_a_prefix_that_runs_and_leaves_no_downloads(mirror: Mirror) -> None:
+def test_makes_a_prefix_that_runs_and_removes_it(
+    mirror: Mirror, tmp_path: Path
+) -> None:
     made, said = install(mirror)
     prefix = private_prefix()
     assert (made.version, made.prefix, made.client) == (VERSION, prefix, None)
@@ -65,6 +69,11 @@ def test_makes_a_prefix_that_runs_and_leaves_no_downloads(mirror: Mirror) -> Non
     assert (prefix / "usr" / "share" / "libtbb-dev").is_dir()
     assert said[0] == "reading the list of packages"
     assert said[-1] == "compiling the bridge to Gazebo"
+    assert any((tmp_path / "cache").rglob("*.so"))
+    assert uninstall_gazebo() > 0
+    assert not prefix.parent.exists()
+    assert not any((tmp_path / "cache").rglob("*.so"))
+    assert uninstall_gazebo() == 0
 
 
 def test_what_only_the_window_needs_is_taken_on_demand(mirror: Mirror) -> None:
@@ -111,20 +120,14 @@ def test_a_package_of_other_content_is_refused(mirror: Mirror, tmp_path: Path) -
     assert made.server.is_file()
 
 
-def test_a_mirror_without_debian_11_is_named(mirror: Mirror, tmp_path: Path) -> None:
-    wrong = Mirror(tmp_path / "empty", mirror.keyring)
-    wrong.folder.mkdir()
-    assert "--mirror" in refusal(wrong)
-
-
-def test_missing_keys_are_named(mirror: Mirror, tmp_path: Path) -> None:
-    absent = tmp_path / "none.gpg"
-    assert str(absent) in refusal(Mirror(mirror.folder, absent))
-
-
-def test_a_missing_compiler_is_named_before_anything_is_fetched(
-    mirror: Mirror, monkeypatch: pytest.MonkeyPatch
+def test_what_is_missing_is_named_before_anything_is_fetched(
+    mirror: Mirror, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    wrong, keys = tmp_path / "empty", tmp_path / "none.gpg"
+    wrong.mkdir()
+    assert "--mirror" in refusal(Mirror(wrong, mirror.keyring))
+    assert str(keys) in refusal(Mirror(mirror.folder, keys))
+    uninstall_gazebo()
     monkeypatch.setenv("CXX", "no-such-compiler")
     assert "apt install g++" in refusal(mirror)
     assert not private_prefix().parent.exists()
@@ -140,16 +143,7 @@ def test_two_at_once_do_not_disturb_each_other(mirror: Mirror) -> None:
             uninstall_gazebo()
 
 
-def test_uninstalling_leaves_nothing(mirror: Mirror, tmp_path: Path) -> None:
-    install(mirror)
-    assert any((tmp_path / "cache").rglob("*.so"))
-    assert uninstall_gazebo() > 0
-    assert not private_prefix().parent.exists()
-    assert not any((tmp_path / "cache").rglob("*.so"))
-    assert uninstall_gazebo() == 0
-
-
 @pytest.mark.parametrize("mirror", ["debian.org", "http://a b", ""])
 def test_a_mirror_must_be_an_address(mirror: str) -> None:
     with pytest.raises(ConfigError):
-        GazeboOptions(mirror=mirror)
+        install_gazebo(lambda *_: None, mirror=mirror)

@@ -1,15 +1,14 @@
 from pathlib import Path
 
 import pytest
-from machine import add_program
+from machine import add_gazebo_header, add_program
 
 from tool0.errors import EngineUnavailableError
 from tool0.installation.gazebo.installation import (
-    PrefixMarker,
     find_installation,
     include_folders,
+    mark_complete,
     private_prefix,
-    write_marker,
 )
 
 
@@ -35,9 +34,7 @@ def add_server(folder: Path, version: str) -> Path:
 
 
 def add_headers(root: Path, version: str) -> None:
-    header = root / "include" / "gazebo-11" / "gazebo" / "gazebo_config.h"
-    header.parent.mkdir(parents=True)
-    header.write_text(f'#define GAZEBO_VERSION_FULL "{version}"\n')
+    add_gazebo_header(root, version)
     for name in ("sdformat-9.8", "ignition/math6", "ignition/msgs5"):
         (root / "include" / name).mkdir(parents=True)
     (root / "lib" / "x86_64-linux-gnu" / "gazebo-11" / "plugins").mkdir(parents=True)
@@ -46,10 +43,8 @@ def add_headers(root: Path, version: str) -> None:
 
 def add_prefix(prefix: Path, *, has_client: bool = True) -> None:
     add_headers(prefix / "usr", "11.1.0")
-    marker = PrefixMarker(
-        version="11.1.0", triplet="x86_64-linux-gnu", has_client=has_client, size=1
-    )
-    write_marker(prefix, marker)
+    triplet = "x86_64-linux-gnu"
+    mark_complete(prefix, triplet=triplet, has_client=has_client, size=1)
 
 
 def why_none() -> str:
@@ -57,10 +52,6 @@ def why_none() -> str:
     with pytest.raises(EngineUnavailableError) as error:
         find_installation()
     return str(error.value)
-
-
-def test_without_any_it_names_the_command() -> None:
-    assert "tool0 gazebo install" in why_none()
 
 
 def test_the_system_s_comes_before_the_private_one(bare_machine: Path) -> None:
@@ -78,6 +69,7 @@ def test_the_system_s_comes_before_the_private_one(bare_machine: Path) -> None:
 def test_the_system_s_without_headers_says_which_package_has_them(
     bare_machine: Path,
 ) -> None:
+    assert "tool0 gazebo install" in why_none()
     add_server(bare_machine, "11.10.2")
     assert "libgazebo-dev" in why_none()
 
@@ -102,22 +94,12 @@ def test_a_prefix_runs_from_where_it_is() -> None:
     include = prefix / "usr" / "include"
     names = ("gazebo-11", "sdformat-9.8", "ignition/math6", "ignition/msgs5")
     assert set(found.include_dirs) == {include, *(include / name for name in names)}
-
-
-def test_the_compiler_is_never_pointed_to_the_system_s_own_headers() -> None:
     assert Path("/usr/include") not in include_folders(Path("/usr"))
-
-
-def test_without_a_driver_to_draw_with_there_is_no_display() -> None:
-    prefix = private_prefix()
-    add_prefix(prefix, has_client=False)
+    mark_complete(prefix, triplet="x86_64-linux-gnu", has_client=False, size=1)
     found = find_installation()
     assert found.client is None
-    assert found.environment["DISPLAY"] == ""
-
-
-def test_a_prefix_that_is_not_finished_does_not_count() -> None:
-    add_headers(private_prefix() / "usr", "11.1.0")
+    assert found.environment["DISPLAY"] == ""  # there is no driver to draw with
+    (prefix / "tool0-gazebo.json").unlink()
     assert "tool0 gazebo install" in why_none()
 
 

@@ -1,3 +1,8 @@
+"""Our message packages: made once, and known to ROS's commands."""
+
+import os
+import subprocess
+import sys
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -10,6 +15,7 @@ pytestmark = pytest.mark.slow
 IMPORT = (
     "from tool0.installation.ros1.messages import import_messages; import_messages()\n"
 )
+CACHE = "it's a $cache"
 WHERE = "import control_msgs.msg; print(control_msgs.msg.__file__)\n"
 
 
@@ -17,15 +23,15 @@ WHERE = "import control_msgs.msg; print(control_msgs.msg.__file__)\n"
 def none_installed() -> None:
     require_ros()
     program = "from tool0.installation.ros1.library import import_ros; import_ros()\n"
-    program += "from tool0.installation.ros1 import generation, messages\n"
-    program += "print(messages.absent_packages() == generation.package_names())"
+    program += "from tool0.installation.ros1 import messages\n"
+    program += "print(messages.absent_packages() == messages.package_names())"
     if run(program) != "True\n":
         absent("ros1", "a ROS 1 that leaves all message packages to us is not here")
 
 
 @pytest.fixture(autouse=True)
 def bare_caches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / CACHE))
     monkeypatch.setenv("TMPDIR", str(tmp_path))
 
 
@@ -51,9 +57,9 @@ def noetic(tmp_path: Path) -> Path:
     folder.mkdir()
     program = (
         "import sys; from pathlib import Path\n"
-        "from tool0.installation.ros1 import generation\n"
+        "from tool0.installation.ros1 import messages\n"
         "from tool0.installation.ros1.library import import_ros; import_ros()\n"
-        "generation.generate(('control_msgs',), Path(sys.argv[1]))\n"
+        "messages.generate(('control_msgs',), Path(sys.argv[1]))\n"
     )
     run(program, str(folder))
     return folder
@@ -61,9 +67,9 @@ def noetic(tmp_path: Path) -> Path:
 
 def test_a_second_start_finds_what_the_first_made(tmp_path: Path) -> None:
     first = run(IMPORT + WHERE)
-    before = [(path, path.stat().st_ino) for path in made(tmp_path / "cache")]
+    before = [(path, path.stat().st_ino) for path in made(tmp_path / CACHE)]
     assert run(IMPORT + WHERE) == first
-    assert [(path, path.stat().st_ino) for path in made(tmp_path / "cache")] == before
+    assert [(path, path.stat().st_ino) for path in made(tmp_path / CACHE)] == before
 
 
 def test_what_is_made_is_compiled_where_it_is_read_from(
@@ -83,7 +89,7 @@ def test_several_at_once_make_one(tmp_path: Path) -> None:
         answers = [process.communicate(timeout=60) for process in processes]
     assert [process.returncode for process in processes] == [0, 0, 0], answers
     assert len({out for out, _ in answers}) == 1
-    folder, lock = made(tmp_path / "cache")
+    folder, lock = made(tmp_path / CACHE)
     assert (folder.is_dir(), lock.name) == (True, "lock")
     assert not list(folder.glob(".*"))
 
@@ -97,7 +103,7 @@ def test_importing_twice_changes_nothing() -> None:
 def test_a_cache_that_cannot_be_written_is_done_without(
     tmp_path: Path, depth: int
 ) -> None:
-    obstacle = tmp_path.joinpath("cache", *("tool0", "ros1")[:depth])
+    obstacle = tmp_path.joinpath(CACHE, *("tool0", "ros1")[:depth])
     obstacle.parent.mkdir(parents=True, exist_ok=True)
     obstacle.touch()
     where = Path(run(IMPORT + WHERE).strip())
@@ -106,7 +112,7 @@ def test_a_cache_that_cannot_be_written_is_done_without(
 
 
 def test_no_place_to_write_is_an_error_that_says_so(tmp_path: Path) -> None:
-    (tmp_path / "cache").touch()
+    (tmp_path / CACHE).touch()
     program = "import tempfile; tempfile.tempdir = '/dev/null'\n"
     program += "from tool0.errors import RosUnavailableError\n"
     program += f"try:\n {IMPORT}except RosUnavailableError as error: print(error)"
@@ -116,13 +122,13 @@ def test_no_place_to_write_is_an_error_that_says_so(tmp_path: Path) -> None:
 def test_an_installed_package_is_used(noetic: Path, tmp_path: Path) -> None:
     where = run(IMPORT + WHERE, PYTHONPATH=str(noetic))
     assert Path(where.strip()).is_relative_to(noetic)
-    folder = next(path for path in made(tmp_path / "cache") if path.is_dir())
+    folder = next(path for path in made(tmp_path / CACHE) if path.is_dir())
     names = {path.name for path in folder.iterdir()}
     assert names == {"controller_manager_msgs", "gazebo_msgs"}
 
 
 def test_what_tool0_made_does_not_count_as_installed(tmp_path: Path) -> None:
-    old = tmp_path / "cache" / "tool0" / "ros1" / "old"
+    old = tmp_path / CACHE / "tool0" / "ros1" / "old"
     (old / "control_msgs").mkdir(parents=True)
     (old / "control_msgs" / "__init__.py").touch()
     where = Path(run(IMPORT + WHERE, PYTHONPATH=str(old)).strip())
@@ -132,7 +138,7 @@ def test_what_tool0_made_does_not_count_as_installed(tmp_path: Path) -> None:
 def test_a_mere_folder_of_that_name_is_no_package(tmp_path: Path) -> None:
     (tmp_path / "src" / "control_msgs").mkdir(parents=True)
     where = Path(run(IMPORT + WHERE, PYTHONPATH=str(tmp_path / "src")).strip())
-    assert where.is_relative_to(tmp_path / "cache")
+    assert where.is_relative_to(tmp_path / CACHE)
 
 
 def test_an_installed_package_without_a_type_is_refused(noetic: Path) -> None:
@@ -163,3 +169,64 @@ def test_a_package_of_ros_2_is_refused(tmp_path: Path) -> None:
     (package / "msg" / "__init__.py").write_text(classes, encoding="utf-8")
     said = refusal(PYTHONPATH=str(package.parent))
     assert "FollowJointTrajectoryGoal is not of ROS 1" in said
+
+
+# --- `tool0 ros1 env` ---
+
+FORGOTTEN = ("PYTHONPATH", "ROS_PACKAGE_PATH")
+EVALUATE = f'eval "$({sys.executable} -m tool0 ros1 env)" && '
+
+
+def shell(script: str, **variables: str) -> str:
+    bare = {k: v for k, v in os.environ.items() if k not in FORGOTTEN}
+    answer = subprocess.run(
+        ["sh", "-c", script],
+        env=bare | variables,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert answer.returncode == 0, answer.stderr
+    return answer.stdout
+
+
+def test_a_person_can_ask_rosmsg_and_rossrv_for_our_types() -> None:
+    script = "rosmsg md5 control_msgs/FollowJointTrajectoryAction && "
+    script += "rossrv md5 controller_manager_msgs/SwitchController && "
+    script += "rosmsg show -r control_msgs/JointTolerance && "
+    script += "rossrv show gazebo_msgs/GetJointProperties"
+    lines = shell(EVALUATE + script).splitlines()
+    assert "bc4f9b743838566551c0390c65f1a248" in lines
+    assert "b29a7abc673b2c54c14b54e50f8d06a5" in lines
+    assert "float64 acceleration" in lines
+    assert "uint8 REVOLUTE=0" in lines
+
+
+def test_what_the_variables_held_stays_before() -> None:
+    held = {"PYTHONPATH": "/a b:/c", "ROS_PACKAGE_PATH": "/d"}
+    script = EVALUATE + 'printf "%s\\n" "$PYTHONPATH" "$ROS_PACKAGE_PATH"'
+    python, ros = shell(script, **held).splitlines()
+    assert python.startswith("/a b:/c:/")
+    assert ros.startswith("/d:/")
+    folder = Path(python.rpartition(":")[2])
+    assert (folder / "control_msgs" / "package.xml").is_file()
+    assert ros.rpartition(":")[2] == str(folder)
+
+
+def test_saying_it_twice_is_saying_it_once() -> None:
+    say = 'printf "%s\\n" "$PYTHONPATH" "$ROS_PACKAGE_PATH"'
+    assert shell(EVALUATE + EVALUATE + say) == shell(EVALUATE + say)
+
+
+def test_it_says_why_it_cannot(tmp_path: Path) -> None:
+    (tmp_path / CACHE).touch()
+    answer = subprocess.run(
+        [sys.executable, "-m", "tool0", "ros1", "env"],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert (answer.returncode, answer.stdout) == (2, "")
+    assert "cannot write the cache" in answer.stderr

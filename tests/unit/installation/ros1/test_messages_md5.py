@@ -8,6 +8,8 @@ import pytest
 from fresh_python import run
 from promised import require_ros
 
+from tool0.installation.ros1.messages import definition_files
+
 MD5_SUMS = Path(__file__).parents[3] / "data" / "ros1" / "md5sums.txt"
 OURS = ("control_msgs", "controller_manager_msgs", "gazebo_msgs")
 OF_ACTIONS = (
@@ -40,11 +42,9 @@ def pinned() -> dict[str, str]:
 
 
 def defined() -> set[str]:
-    from tool0.installation.ros1 import generation
-
     names = set()
     for package in OURS:
-        for file in generation.definition_files(package):
+        for file in definition_files(package):
             kinds = OF_ACTIONS if file.suffix == ".action" else ("",)
             names |= {f"{package}/{file.stem}{kind}" for kind in kinds}
     return names

@@ -3,12 +3,12 @@ from pathlib import Path
 import pytest
 from machine import make_machine
 
-from tool0.installation.doctor.machine import ExaminedMachine
 from tool0.installation.doctor.report import ProbeResult
+from tool0.installation.machine import Machine
 from tool0.interfaces.panel import probes
 
 
-def browser(examined: ExaminedMachine) -> ProbeResult:
+def browser(examined: Machine) -> ProbeResult:
     (result,) = probes.browser(examined)
     return result
 

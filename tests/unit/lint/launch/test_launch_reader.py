@@ -11,7 +11,7 @@ import pytest
 
 from tool0.errors import SourceLocation
 from tool0.lint.launch.load_context import MAX_BYTES
-from tool0.lint.launch.model import Activity, Argument, LaunchFile
+from tool0.lint.launch.model import Argument, Include, LaunchFile, Node
 from tool0.lint.launch.reader import read_launch
 from tool0.lint.launch_file import commented_rosparams
 from tool0.lint.packages import PackageIndex, packages_around
@@ -86,7 +86,8 @@ def test_a_word_of_the_robot_s_command_is_what_xacro_gets() -> None:
 
 def test_what_is_switched_off_is_kept() -> None:
     launch = bring_up()
-    every = [node.name.resolved for node in launch.nodes(active_only=False)]
+    everything = launch.walk(active_only=False)
+    every = [entry.name.resolved for entry in everything if isinstance(entry, Node)]
     active = [node.name.resolved for node in launch.nodes()]
     assert set(every) - set(active) == {"recorder"}
 
@@ -110,7 +111,7 @@ def test_where_values_come_from(read: Reader) -> None:
         "fixed": ("value", "92"),
         "required": ("missing", None),
     }
-    (include,) = launch.includes()
+    (include,) = (entry for entry in launch.entries if isinstance(entry, Include))
     assert include.launch is not None
     inside = include.launch.arguments
     assert [(a.name, a.origin, a.value and a.value.location.line) for a in inside] == [
@@ -135,7 +136,7 @@ def test_a_missing_argument_is_told_once_and_reading_goes_on(read: Reader) -> No
     assert p.content.resolved is None
     assert p.content.reason == q.content.reason == "argument 'a' has no value"
     (node,) = launch.nodes()
-    assert node.place.activity is Activity.UNKNOWN
+    assert node.place.holds is None
 
 
 def test_alternatives_that_depend_on_an_unknown_do_not_collide(read: Reader) -> None:
@@ -267,7 +268,7 @@ def test_what_is_no_launch_file_is_a_finding(
     launch = read('<include file="$(dirname)/other.launch"/>')
     assert rules(launch) == [rule]
     assert launch.findings[0].location.file == file
-    (include,) = launch.includes()
+    (include,) = (entry for entry in launch.entries if isinstance(entry, Include))
     assert include.reason
 
 

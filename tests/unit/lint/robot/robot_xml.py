@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from tool0.description.finding import Finding
 from tool0.description.xml_source import LocatedElement, parse_text
 from tool0.lint.robot_file import robot_findings, xacro_findings
@@ -80,3 +82,20 @@ def rules(findings: list[Finding]) -> list[str]:
 def only(findings: list[Finding], rule: str) -> Finding:
     assert rules(findings) == [rule], [str(finding) for finding in findings]
     return findings[0]
+
+
+def fault(
+    rule: str, *parts: str, line: int | None = None, named: str = "", severity: str = ""
+) -> object:
+    """Return a case: a robot with one fault, its line, and a name in its text."""
+    return pytest.param(parts, rule, line, named, severity, id=f"{rule}-{named}")
+
+
+def assert_only(
+    parts: tuple[str, ...], rule: str, line: int | None, named: str, severity: str
+) -> None:
+    """Fail unless the robot has this fault and no other."""
+    finding = only(check(*parts), rule)
+    assert line in (None, finding.location.line)
+    assert severity in ("", finding.severity)
+    assert named in finding.text, finding.text

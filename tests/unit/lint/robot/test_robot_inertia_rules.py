@@ -96,18 +96,10 @@ def test_a_base_without_inertia_is_dropped_by_gazebo() -> None:
     assert "carries" in finding.message
 
 
-def test_what_is_fixed_to_a_link_weighs_for_it() -> None:
-    fixed = joint("mount", "hand", "pad", "", "fixed")
-    parts = (ARM, joint("wrist", "arm", "hand"), link("hand", ""), fixed, link("pad"))
-    assert check(*parts) == []
-
-
-def test_a_robot_to_look_at_needs_no_inertia() -> None:
-    parts = (link("a", ""), joint("j", "a", "b"), link("b", ""))
-    assert check(*parts) == []
-
-
-def test_a_frame_that_is_fixed_to_a_body_may_weigh_nothing() -> None:
+def test_links_that_need_no_inertia_of_their_own() -> None:
+    pad = joint("mount", "hand", "pad", "", "fixed") + link("pad")
+    assert check(ARM, joint("wrist", "arm", "hand"), link("hand", ""), pad) == []
+    assert check(link("a", ""), joint("j", "a", "b"), link("b", "")) == []  # drawn only
     fixed = joint("mount", "arm", "imu", "", "fixed")
     assert check(ARM, fixed, link("imu", inertial(0, 0, 0, 0))) == []
     assert check(ARM, fixed, link("imu", inertial(0.001, 1e-4, 1e-4, 1e-4) + BOX)) == []
@@ -115,14 +107,17 @@ def test_a_frame_that_is_fixed_to_a_body_may_weigh_nothing() -> None:
     assert only(negative, "bad-mass").severity == "error"
 
 
-def test_what_gazebo_runs_all_the_same_is_a_warning() -> None:
-    moving = (ARM, joint("wrist", "arm", "hand"))
-    triangle = check(*moving, link("hand", inertial(1, 0.01, 0.01, 0.03)))
-    assert only(triangle, "bad-inertia").severity == "warning"
-    negative = check(*moving, link("hand", inertial(1, -0.01, 0.01, 0.01)))
-    assert only(negative, "bad-inertia").severity == "error"
-    massless = link("hand", inertial(0, 1, 1, 1))
-    assert only(check(*moving, massless), "bad-mass").severity == "warning"
-    assert only(
-        check(*moving, massless, plugin("libother.so")), "bad-mass"
-    ).severity == ("error")
+@pytest.mark.parametrize(
+    ("inside", "more", "rule", "severity"),
+    [
+        (inertial(1, 0.01, 0.01, 0.03), "", "bad-inertia", "warning"),
+        (inertial(1, -0.01, 0.01, 0.01), "", "bad-inertia", "error"),
+        (inertial(0, 1, 1, 1), "", "bad-mass", "warning"),
+        (inertial(0, 1, 1, 1), plugin("libother.so"), "bad-mass", "error"),
+    ],
+)
+def test_what_gazebo_runs_all_the_same_is_a_warning(
+    inside: str, more: str, rule: str, severity: str
+) -> None:
+    found = check(ARM, joint("wrist", "arm", "hand"), link("hand", inside), more)
+    assert only(found, rule).severity == severity

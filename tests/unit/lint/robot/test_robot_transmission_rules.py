@@ -5,7 +5,9 @@ from robot_xml import (
     ARM,
     DRIVEN,
     LIMIT,
+    assert_only,
     check,
+    fault,
     joint,
     link,
     only,
@@ -14,7 +16,7 @@ from robot_xml import (
     transmission,
 )
 
-from tool0.lint.robot.interfaces import is_interface, meant_interface
+from tool0.lint.robot.facts import is_interface, meant_interface
 
 EFFORT = "hardware_interface/EffortJointInterface"
 
@@ -81,43 +83,26 @@ MIMIC = joint("finger", "arm", "hand", LIMIT + '<mimic joint="hinge"/>') + HAND
 TWO = f"{EFFORT}</hardwareInterface><hardwareInterface>PositionJointInterface"
 
 
+WRIST = joint("wrist", "arm", "hand") + HAND
+FIXED = joint("m", "arm", "hand", "", "fixed") + HAND
+BOTH = ARM + transmission("hinge", TWO) + plugin()
+
+
 @pytest.mark.parametrize(
-    ("parts", "rule", "severity", "named"),
+    ("parts", "rule", "line", "named", "severity"),
     [
-        ((DRIVEN, transmission("hing")), "unknown-joint", "error", 'name="hinge"'),
-        (
-            (DRIVEN, joint("m", "arm", "hand", "", "fixed") + HAND, transmission("m")),
-            "unknown-joint",
-            "error",
-            "'m'",
-        ),
-        (
-            (DRIVEN, joint("wrist", "arm", "hand") + HAND),
-            "no-transmission",
-            "warning",
-            "'wrist'",
-        ),
-        ((DRIVEN, transmission("hinge")), "two-transmissions", "error", "<string>:2"),
-        (
-            (DRIVEN, MIMIC, transmission("finger")),
-            "driven-mimic",
-            "warning",
-            "'finger'",
-        ),
-        (
-            (ARM + transmission("hinge", TWO) + plugin(),),
-            "two-interfaces",
-            "warning",
-            "",
-        ),
+        fault("unknown-joint", DRIVEN, transmission("hing"), named='name="hinge"'),
+        fault("unknown-joint", DRIVEN, FIXED, transmission("m"), named="'m'"),
+        fault("no-transmission", DRIVEN, WRIST, named="'wrist'", severity="warning"),
+        fault("two-transmissions", DRIVEN, transmission("hinge"), named="<string>:2"),
+        fault("driven-mimic", DRIVEN, MIMIC, transmission("finger"), named="'finger'"),
+        fault("two-interfaces", BOTH, severity="warning"),
     ],
 )
 def test_one_fault_is_one_finding(
-    parts: tuple[str, ...], rule: str, severity: str, named: str
+    parts: tuple[str, ...], rule: str, line: int | None, named: str, severity: str
 ) -> None:
-    finding = only(check(*parts), rule)
-    assert finding.severity == severity
-    assert named in finding.text
+    assert_only(parts, rule, line, named, severity)
 
 
 def test_joints_that_need_no_transmission() -> None:

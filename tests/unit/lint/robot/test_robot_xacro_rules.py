@@ -6,6 +6,7 @@ import pytest
 from robot_xml import check_xacro, only, rules
 
 from tool0.description.xml_source import parse_text
+from tool0.lint.robot.elements import Tag
 from tool0.lint.robot.xacro_source import parameters_of
 
 TYPO = "hardware/interface/EffortJointInterface"
@@ -125,6 +126,6 @@ def test_parameters_are_read_as_xacro_reads_them(params: str, expected: str) -> 
     element.setAttribute("params", params)  # XML makes a line's end a space
     found = [
         p.name if p.default is None else f"{p.name}={p.default}"
-        for p in parameters_of(element)
+        for p in parameters_of(Tag(element))
     ]
     assert " ".join(found) == expected

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from tool0.api.robot import Robot
-from tool0.description.rigid_model import RigidModel
-from tool0.description.rigid_model_xml import read_rigid_model
+from tool0.description.rigid_model import RigidModel, read_rigid_model
 from tool0.errors import ControlError
 from tool0.interfaces.ros1.gazebo.world import GROUND, GazeboWorld, WorldState
 from tool0.interfaces.ros1.messages import Message, to_motion, to_transform

@@ -1,0 +1,236 @@
+"""``tool0 state | wrench | camera``: what a running bringup measures."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from tool0.cli.connection import DEFAULT, Bringup
+from tool0.cli.motion import described
+from tool0.cli.text import columns
+from tool0.description.transform import to_pose
+from tool0.errors import ConfigError
+from tool0.sensing.force_torque import DEFAULT_CUTOFF
+
+if TYPE_CHECKING:
+    from tool0.api.sensors import CameraHandle, ForceTorque
+    from tool0.description.transform import Pose, Vector3
+    from tool0.sensing.cameras import CameraImage
+    from tool0.sensing.force_torque import WrenchReading
+    from tool0.sensing.grasp import GraspState
+    from tool0.sensing.snapshot import Snapshot
+
+
+def state(
+    *,
+    as_json: Annotated[bool, tyro.conf.arg(name="json")] = False,
+    bringup: Bringup = DEFAULT,
+) -> None:
+    """Print simulated time, every joint's motion, what grippers do, where tool0 is.
+
+    Args:
+        as_json: Print one JSON object.
+        bringup: Which bringup.
+    """
+    with bringup.connect() as robot:
+        snapshot = robot.snapshot
+        grippers = {name: item.state for name, item in robot.grippers.items()}
+        tools = {arm.tip: to_pose(arm.pose()) for arm in robot.arms.values()}
+    if as_json:
+        print(json.dumps(_plain(snapshot, grippers, tools)))
+    else:
+        print(_table(snapshot, grippers) + _poses(tools), end="")
+
+
+def _plain(
+    snapshot: Snapshot, grippers: Mapping[str, GraspState], tools: Mapping[str, Pose]
+) -> dict[str, object]:
+    names = snapshot.joint_names
+    return {
+        "time": snapshot.time,
+        "is_paused": snapshot.is_paused,
+        "is_stopped": snapshot.is_stopped,
+        "real_time_factor": snapshot.real_time_factor,
+        "overruns": snapshot.overruns,
+        "fault": snapshot.fault,
+        "position": dict(zip(names, snapshot.position, strict=True)),
+        "velocity": dict(zip(names, snapshot.velocity, strict=True)),
+        "effort": dict(zip(names, snapshot.effort, strict=True)),
+        "grippers": {
+            name: {**asdict(state), "gobj": state.gobj}
+            for name, state in grippers.items()
+        },
+        "poses": {name: asdict(pose) for name, pose in tools.items()},
+    }
+
+
+def _poses(ends: Mapping[str, Pose]) -> str:
+    """Return where the end of each arm is, as ``tool0 move --pose`` takes it."""
+    return "".join(
+        f"{name}: xyz {_numbers(pose.xyz)} m, rpy {_numbers(pose.rpy)} rad\n"
+        for name, pose in ends.items()
+    )
+
+
+def _numbers(values: Vector3) -> str:
+    return " ".join(f"{value:+.5f}" for value in values)
+
+
+def _table(snapshot: Snapshot, grippers: Mapping[str, GraspState]) -> str:
+    marks = [f"t = {snapshot.time:.3f} s"]
+    if snapshot.real_time_factor > 0.0:  # zero until it was measured for a second
+        marks.append(f"{snapshot.real_time_factor:.2f} x real time")
+    if snapshot.is_paused:
+        marks.append("paused")
+    if snapshot.is_stopped:
+        marks.append("emergency stop")
+    if snapshot.fault is not None:
+        marks.append(f"standing still: {snapshot.fault}")
+    rows = [("joint", "position", "velocity", "effort")]
+    rows += [
+        (name, f"{position:+.5f}", f"{velocity:+.5f}", f"{effort:+.3f}")
+        for name, position, velocity, effort in zip(
+            snapshot.joint_names,
+            snapshot.position,
+            snapshot.velocity,
+            snapshot.effort,
+            strict=True,
+        )
+    ]
+    lines = "".join(f"{name}: {described(state)}\n" for name, state in grippers.items())
+    return f"{', '.join(marks)}\n{columns(rows)}{lines}"
+
+
+def wrench(
+    *,
+    zero: bool = False,
+    rate: float | None = None,
+    cutoff: float | None = None,
+    duration: float | None = None,
+    raw: bool = False,
+    bringup: Bringup = DEFAULT,
+) -> None:
+    """Print force and torque that the tool exerts on tool0, in its axes.
+
+    Its weight, its inertia and what presses on it; once, or every sample for a while.
+
+    Args:
+        zero: Call what is felt now zero first; --rate or --cutoff forget that.
+        rate: Sample so often from now on [Hz]: 50 to 1000; 125 at first.
+        cutoff: Of the low-pass filter from now on [Hz]; 15 at first.
+        duration: Print every sample for so many simulated seconds; Ctrl-C ends it.
+        raw: Print what is not filtered.
+        bringup: Which bringup.
+    """
+    if duration is not None and not duration >= 0.0:
+        raise ConfigError(f"--duration must be 0 or more seconds, got {duration}")
+    with bringup.connect() as robot:
+        sensor = robot.force_torque
+        if rate is not None or cutoff is not None:
+            sensor.start(rate, DEFAULT_CUTOFF if cutoff is None else cutoff)
+        if zero:
+            sensor.zero()
+        for reading in _readings(sensor, duration or 0.0):
+            print(_line(reading, raw), flush=True)
+
+
+def _readings(sensor: ForceTorque, duration: float) -> Iterator[WrenchReading]:
+    """Yield the newest sample, and those of the time after it."""
+    newest = sensor.read()
+    end = newest.time + duration - 1e-6
+    yield newest
+    while newest.time < end:
+        for reading in sensor.samples(newest.number, None):
+            if newest.time < end:
+                newest = reading
+                yield newest
+
+
+def _line(reading: WrenchReading, raw: bool) -> str:
+    force = reading.raw_force if raw else reading.force
+    torque = reading.raw_torque if raw else reading.torque
+    return (
+        f"t = {reading.time:.3f} s  force {_aligned(force, 2)} N"
+        f"  torque {_aligned(torque, 4)} N·m  {reading.frame}"
+    )
+
+
+def _aligned(values: Vector3, digits: int) -> str:
+    rounded = (round(value, digits) + 0.0 for value in values)  # no -0.00
+    return " ".join(f"{value:+{digits + 5}.{digits}f}" for value in rounded)
+
+
+def camera(
+    name: Annotated[str | None, tyro.conf.Positional] = None,
+    *,
+    out: Path | None = None,
+    depth: Path | None = None,
+    as_list: Annotated[bool, tyro.conf.arg(name="list")] = False,
+    bringup: Bringup = DEFAULT,
+) -> None:
+    """Take a picture, or list the cameras.
+
+    Args:
+        name: The camera, such as wrist or scene.
+        out: Write the colours into this file, a PNG.
+        depth: Write the depth into this file: millimetres as a PNG of 16 bits with 0
+            for nothing there, or metres as a .npy of numpy's with infinity for that.
+        as_list: List the cameras.
+        bringup: Which bringup.
+    """
+    if as_list == (name is not None):
+        raise ConfigError("name a camera, or list them with --list")
+    if name is not None and out is None and depth is None:
+        raise ConfigError(
+            "say where the picture is to go: --out FILE.png, --depth FILE"
+        )
+    for path, suffixes in ((out, (".png",)), (depth, (".png", ".npy"))):
+        if path is not None and path.suffix.lower() not in suffixes:
+            raise ConfigError(f"{path}: the name must end in {' or '.join(suffixes)}")
+    with bringup.connect() as robot:
+        if name is None:
+            print(_camera_table(robot.cameras), end="")
+            return
+        image = robot.camera(name).image()
+    _write(image, out, depth)
+
+
+def _camera_table(cameras: Mapping[str, CameraHandle]) -> str:
+    rows = [("camera", "link", "pixels", "field of view", "sees")]
+    rows += [
+        (
+            name,
+            item.link or "(none)",
+            f"{item.width} x {item.height}",
+            f"{math.degrees(item.field_of_view):.0f}°",
+            f"{item.near:g} … {item.far:g} m",
+        )
+        for name, item in ((name, view.camera) for name, view in cameras.items())
+    ]
+    return columns(rows)
+
+
+def _write(image: CameraImage, out: Path | None, depth: Path | None) -> None:
+    import numpy as np
+
+    from tool0.sensing.cameras import encode_depth, encode_png
+
+    try:
+        if out is not None:
+            out.write_bytes(encode_png(image.rgb))
+        if depth is not None and depth.suffix.lower() == ".npy":
+            with depth.open("wb") as file:
+                np.save(file, image.depth)
+        elif depth is not None:
+            depth.write_bytes(encode_depth(image.depth))
+    except OSError as error:
+        raise ConfigError(f"cannot write {error.filename}: {error.strerror}") from None
+    height, width = image.depth.shape
+    written = ", ".join(str(path) for path in (out, depth) if path is not None)
+    print(f"{written}: {width} x {height}, at t = {image.time:.3f} s")

@@ -1,0 +1,336 @@
+"""The packages of Debian 11 that make a private Gazebo: download and unpacking.
+
+apt runs with its own sources, lists and status, as an ordinary user.  It verifies
+Debian's signature and every hash, and never touches what the machine has installed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, final
+
+from tool0.errors import EngineUnavailableError
+from tool0.installation.apt import ProgressCallback, explain_failure
+from tool0.installation.child_process import last_lines, run_program
+
+RELEASE: Final = "bullseye"
+"""Debian 11: the last one with Gazebo 11."""
+
+TRIPLETS: Final = {"amd64": "x86_64-linux-gnu", "arm64": "aarch64-linux-gnu"}
+"""Architecture as apt calls it → the folder of its libraries."""
+
+PROGRAMS: Final = ("gazebo", "gazebo-plugin-base")
+"""Installed with all that they depend on, except what follows."""
+
+FROM_HOST: Final = (
+    # The host's own, newer ones must be used: what its g++ compiles needs them.
+    *("libc6", "libgcc-s1", "libgcc1", "libstdc++6", "libcrypt1"),
+    # Programs and scripts of the base system, which the simulator never calls.
+    *("coreutils", "debconf", "dpkg", "lsb-base", "mariadb-common", "mysql-common"),
+    *("perl-base", "sensible-utils", "shared-mime-info", "tar", "ucf", "x11-common"),
+)
+"""Considered as installed: apt leaves them out, and what only they need."""
+
+FOR_GUI: Final = (
+    *("libgl1-mesa-dri", "libgvc6", "libspnav0"),
+    *("libqt5core5a", "libqt5dbus5", "libqt5gui5", "libqt5network5", "libqt5opengl5"),
+    *("libqt5svg5", "libqt5widgets5", "libqtpropertybrowser4", "libqwt-qt5-6"),
+)
+"""What gzclient loads and gzserver does not, and the driver that both draw with."""
+
+HEADERS: Final = (
+    *("libboost1.74-dev", "libgazebo-dev", "libprotobuf-dev", "libsdformat-dev"),
+    *("libignition-common-dev", "libignition-math-dev", "libignition-msgs-dev"),
+    *("libignition-transport-dev", "libtbb-dev", "libtinyxml-dev", "libtinyxml2-dev"),
+    "uuid-dev",
+)
+"""Without dependencies: a plugin is compiled with headers, and links nothing."""
+
+DROPPED: Final = (
+    *("./usr/share/bug", "./usr/share/doc", "./usr/share/icons"),
+    *("./usr/share/lintian", "./usr/share/locale", "./usr/share/man"),
+    "./usr/lib/*.a",
+)
+"""Parts of packages that are not unpacked, as patterns for tar."""
+
+_EXPLANATIONS: Final = {
+    "disk full": (
+        "the disk is full; free some space (a GUI needs 1 GB), then run it again"
+    ),
+    "unreachable": (
+        "the mirror {mirror} cannot be reached: is there a network, or a proxy to be "
+        "set in http_proxy or apt.conf? Another mirror: --mirror URL"
+    ),
+    "unsigned": (
+        "the release file of {mirror} is not signed by a key of {keyring}; upgrade "
+        "debian-archive-keyring, or name other keys: --keyring FILE"
+    ),
+    "wrong content": (
+        "{mirror} provides other files than Debian signed; try again later, or "
+        "another mirror: --mirror URL"
+    ),
+    "no package": (
+        "the mirror {mirror} has no Debian 11 (bullseye); name one that has, such as "
+        "an archive of old releases: --mirror URL"
+    ),
+}
+_CONFIGURATION: Final = """\
+#clear APT::Architectures;
+#clear APT::Default-Release;
+#clear APT::Update::Post-Invoke;
+#clear APT::Update::Post-Invoke-Stats;
+#clear APT::Update::Post-Invoke-Success;
+#clear APT::Update::Pre-Invoke;
+#clear AptCli::Hooks;
+#clear DPkg::Post-Invoke;
+#clear DPkg::Pre-Install-Pkgs;
+#clear DPkg::Pre-Invoke;
+APT::Architecture "{architecture}";
+APT::Architectures:: "{architecture}";
+APT::Install-Recommends "false";
+APT::Install-Suggests "false";
+APT::Update::Error-Mode "any";
+Acquire::Languages "none";
+Acquire::Retries "3";
+Dir::Cache "{folder}/cache";
+Dir::Cache::pkgcache "";
+Dir::Cache::srcpkgcache "";
+Dir::Etc::preferences "/dev/null";
+Dir::Etc::preferencesparts "/dev/null";
+Dir::Etc::sourcelist "{folder}/sources.list";
+Dir::Etc::sourceparts "/dev/null";
+Dir::State "{folder}";
+Dir::State::lists "{folder}/lists";
+Dir::State::status "{folder}/status";
+Dir::State::extended_states "{folder}/extended_states";
+"""
+"""Read after the machine's own settings, so that its proxies apply.
+
+Its hooks, which would inform other programs of packages that are not theirs, its
+preferences and other architectures do not.
+"""
+_AS_ROOT: Final = 'APT::Sandbox::User "root";\n'
+"""Or apt, run as root, downloads as a user who may not write here."""
+_HOST_PACKAGE: Final = """\
+Package: {name}
+Status: install ok installed
+Version: 99:0
+Architecture: {architecture}
+Multi-Arch: foreign
+Maintainer: none
+Description: the host's
+
+"""
+_PACKAGE: Final = re.compile(r"^'[^']*' (\S+) (\d+) (?:SHA256:([0-9a-f]{64}))?", re.M)
+_INDEX: Final = re.compile(
+    r"^'((?:https?|file|ftp|mirror[^:]*):\S*?)/dists/\S*/main/binary-", re.MULTILINE
+)
+
+
+# --- download ---
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DebianPackage:
+    """One file to download."""
+
+    file: str
+    """Its name, as apt writes it: ``name_version_architecture.deb``."""
+    size: int
+    """Bytes."""
+    sha256: str
+    """Of its content, in hexadecimal; empty if the index does not state it."""
+
+    def size_in(self, folder: Path) -> int:
+        """Return the bytes of it that the folder has."""
+        try:
+            return min((folder / self.file).stat().st_size, self.size)
+        except FileNotFoundError:
+            return 0
+
+    def is_damaged_in(self, folder: Path) -> bool:
+        """Return whether the folder has a file of its size with other content."""
+        if self.size_in(folder) < self.size or not self.sha256:
+            return False
+        digest = hashlib.sha256()
+        with (folder / self.file).open("rb") as stream:
+            while block := stream.read(1 << 20):
+                digest.update(block)
+        return digest.hexdigest() != self.sha256
+
+
+@final
+class PrivateApt:
+    """apt-get with a configuration of its own, in a folder of its own."""
+
+    def __init__(self, folder: Path, mirror: str, keyring: Path, architecture: str):
+        """Write the configuration, and fetch the signed list of packages.
+
+        Args:
+            folder: Made if it does not exist; lists and downloads in it are reused.
+            mirror: Address of a Debian mirror.
+            keyring: The keys by which the release must be signed.
+            architecture: As Debian calls it.
+
+        Raises:
+            EngineUnavailableError: If the list cannot be fetched or is not signed.
+        """
+        self._folder, self._mirror, self._keyring = folder, mirror, keyring
+        self.architecture = architecture
+        self.downloads = folder / "debs"
+        for part in ("lists/partial", "cache/archives/partial", "debs"):
+            (folder / part).mkdir(parents=True, exist_ok=True)
+        (folder / "sources.list").write_text(
+            f"deb [arch={architecture} signed-by={keyring}] {mirror} {RELEASE} main\n",
+            encoding="utf-8",
+        )
+        text = _CONFIGURATION.format(folder=folder, architecture=architecture)
+        text += _AS_ROOT if os.geteuid() == 0 else ""
+        (folder / "apt.conf").write_text(text, encoding="utf-8")
+        self._run(["update"])
+
+    def closure(self, wanted: Sequence[str], installed: Iterable[str]) -> list[str]:
+        """Return the names of the packages to add for ``wanted``.
+
+        Args:
+            wanted: Packages that shall run.
+            installed: Packages to consider as installed.
+        """
+        text = "".join(
+            _HOST_PACKAGE.format(name=name, architecture=self.architecture)
+            for name in installed
+        )
+        (self._folder / "status").write_text(text, encoding="utf-8")
+        output = self._run(["install", "--yes", "--print-uris", *wanted])
+        return [item.file.split("_")[0] for item in listed_packages(output)]
+
+    def files(self, names: Sequence[str]) -> list[DebianPackage]:
+        """Return the files of these packages, without their dependencies."""
+        return listed_packages(self._run(["download", "--print-uris", *names]))
+
+    def download(self, names: Sequence[str], while_running: Callable[[], None]) -> None:
+        """Download the files of these packages, except those of the right size.
+
+        Raises:
+            EngineUnavailableError: If one is not available, or has a wrong hash.
+        """
+        self._run(["download", *names], while_running, self.downloads)
+
+    def _run(
+        self,
+        arguments: Sequence[str],
+        while_running: Callable[[], None] | None = None,
+        folder: Path | None = None,
+    ) -> str:
+        configuration = str(self._folder / "apt.conf")
+        answer = run_program(
+            ["apt-get", "--config-file", configuration, "-qq", *arguments],
+            # Not where the downloads are: apt lists only files that are not there.
+            folder=folder or self._folder,
+            while_running=while_running,
+        )
+        if answer.returncode != 0:
+            names = {"mirror": self._mirror, "keyring": self._keyring}
+            reason = explain_failure(
+                answer.stderr + answer.stdout,
+                {cause: text.format(**names) for cause, text in _EXPLANATIONS.items()},
+                otherwise="apt-get failed; run the same command again to resume",
+            )
+            raise EngineUnavailableError(reason)
+        return answer.stdout
+
+
+def listed_packages(output: str) -> list[DebianPackage]:
+    """Return the files that ``apt-get --print-uris`` lists."""
+    return [
+        DebianPackage(file, int(size), sha256)
+        for file, size, sha256 in _PACKAGE.findall(output)
+    ]
+
+
+def machine_mirrors() -> list[str]:
+    """Return the mirrors of the machine's own apt, those of Debian first."""
+    answer = run_program(["apt-get", "update", "--print-uris"])
+    found = dict.fromkeys(_INDEX.findall(answer.stdout))
+    usable = (uri for uri in found if "security" not in uri)
+    return sorted(usable, key=lambda uri: not uri.endswith("/debian"))
+
+
+# --- unpacking ---
+
+_WORKERS: Final = min(os.cpu_count() or 1, 8)
+_UNPACK: Final = """\
+set -o pipefail
+dpkg-deb --fsys-tarfile "$1" | tar --extract --file=- "${@:2}"
+"""
+_TAR_OPTIONS: Final = (
+    *("--no-same-owner", "--no-same-permissions", "--delay-directory-restore"),
+    *(f"--exclude={pattern}" for pattern in DROPPED),
+)
+
+
+def unpack(files: Sequence[Path], root: Path, progress: ProgressCallback) -> None:
+    """Unpack packages into ``root``, an empty folder, several at once.
+
+    What ``DROPPED`` names is left out.  Large packages first are quickest.
+
+    Raises:
+        EngineUnavailableError: If one cannot be unpacked.
+    """
+    with ThreadPoolExecutor(_WORKERS) as pool:
+        sizes = {pool.submit(_unpack_one, f, root): f.stat().st_size for f in files}
+        done = 0
+        try:
+            for future in as_completed(sizes):
+                future.result()
+                done += sizes[future]
+                progress(f"unpacking {len(files)} packages", done / sum(sizes.values()))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    _make_links_relative(root)
+
+
+def _unpack_one(file: Path, root: Path) -> None:
+    options = (f"--directory={root}", *_TAR_OPTIONS)
+    answer = run_program(["bash", "-c", _UNPACK, "unpack", str(file), *options])
+    if answer.returncode == 0:
+        return
+    if "No space left" in answer.stderr:
+        raise EngineUnavailableError(
+            f"the disk of '{root}' is full; a Gazebo with GUI needs 1 GB while it is "
+            "installed. Free some space, then run it again"
+        )
+    file.unlink(missing_ok=True)  # so that the next run downloads it again
+    raise EngineUnavailableError(
+        f"cannot unpack '{file.name}'; run the same command again to download it once "
+        f"more:\n{last_lines(answer.stderr)}"
+    )
+
+
+def _make_links_relative(root: Path) -> None:
+    """Make absolute links refer to what was unpacked, where that has their target."""
+    for folder, subfolders, files in os.walk(root):
+        for link in (Path(folder, name) for name in (*subfolders, *files)):
+            target = os.readlink(link) if link.is_symlink() else ""  # noqa: PTH115
+            inside = root / target.lstrip("/")
+            if target.startswith("/") and inside.exists():
+                link.unlink()
+                link.symlink_to(os.path.relpath(inside, link.parent))
+
+
+def size_on_disk(root: Path) -> int:
+    """Return the bytes that a folder takes; a file with several names counts once."""
+    sizes: dict[int, int] = {}
+    for folder, subfolders, files in os.walk(root):
+        for name in (*subfolders, *files):
+            status = Path(folder, name).lstat()
+            sizes[status.st_ino] = status.st_blocks * 512
+    return sum(sizes.values())

@@ -1,0 +1,113 @@
+"""This machine: its files, programs, package managers and Python packages."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import shlex
+import shutil
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final, final
+
+_INSTALL_COMMANDS: Final = {
+    "apt-get": "sudo apt install",
+    "dnf": "sudo dnf install",
+    "zypper": "sudo zypper install",
+    "pacman": "sudo pacman -S",
+    "apk": "sudo apk add",
+    "brew": "brew install",
+    "winget": "winget install",
+}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Machine:
+    """Where a probe looks; a test passes another root."""
+
+    root: Path = Path("/")
+    environ: Mapping[str, str] = field(default_factory=lambda: os.environ)
+    system: str = sys.platform
+
+    def program(self, *names: str) -> str | None:
+        """Return the path of the first of these programs that PATH has."""
+        path = self.environ.get("PATH", "")
+        found = (shutil.which(name, path=path) for name in names)
+        return next((name for name in found if name), None)
+
+    def install_command(self, apt: str, **others: str) -> str:
+        """Return the command that installs a package; empty if there is none.
+
+        Args:
+            apt: Its name for Debian and Ubuntu, and elsewhere if not among ``others``.
+            others: Package manager → its name there; empty if it is not packaged.
+        """
+        for manager, command in _INSTALL_COMMANDS.items():
+            if self.program(manager):
+                package = others.get(manager, apt)
+                return f"{command} {package}" if package else ""
+        return ""
+
+    def read(self, name: str) -> str:
+        """Return the text of a file, empty if there is none."""
+        try:
+            return (self.root / name).read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return ""
+
+    def release(self) -> dict[str, str]:
+        """Return the fields of ``os-release``."""
+        text = self.read("etc/os-release") or self.read("usr/lib/os-release")
+        fields = (line.strip().partition("=") for line in text.splitlines())
+        return {key: value.strip("\"'") for key, _, value in fields if value}
+
+    def name(self) -> str:
+        """Return the operating system, for people."""
+        if self.system == "linux":
+            return self.release().get("PRETTY_NAME", "Linux")
+        if self.system == "darwin":
+            return f"macOS {platform.mac_ver()[0]}"
+        return f"{platform.system()} {platform.release()}"
+
+    def codename(self) -> str:
+        """Return the release's codename, as ``bookworm``; Mint's is its Ubuntu's."""
+        release = self.release()
+        keys = ("UBUNTU_CODENAME", "DEBIAN_CODENAME", "VERSION_CODENAME")
+        return next((release[key] for key in keys if key in release), "")
+
+
+# --- the Python packages that tool0 needs ---
+
+
+def python_requirements() -> dict[str, str]:
+    """Return package → requirement, as ``mujoco>=3.3``; empty for a source folder."""
+    from importlib import metadata  # slow, and mostly not needed
+
+    try:
+        stated = metadata.requires("tool0") or []
+    except metadata.PackageNotFoundError:
+        return {}
+    return {
+        re.split(r"[^\w.-]", text, maxsplit=1)[0]: text
+        for text in stated
+        if ";" not in text
+    }
+
+
+def python_package_version(package: str) -> str | None:
+    """Return the version that is installed, None if none is."""
+    from importlib import metadata
+
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def pip_install_command(*arguments: str) -> str:
+    """Return the command that installs packages for the Python that runs this."""
+    return shlex.join([sys.executable, "-m", "pip", "install", *arguments])

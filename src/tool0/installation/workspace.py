@@ -1,0 +1,333 @@
+"""Writes the ROS packages that tool0 reads into a person's catkin workspace.
+
+Each file is written whole or not at all, and what a person has edited stays.  A hidden
+file in each package holds the hashes of what was written.  By them a later run
+distinguishes its own files from edited ones.  An interrupted run leaves both the old
+and the new hash, so that either counts.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import Enum
+from itertools import chain, count
+from pathlib import Path, PurePosixPath
+from typing import Final, final
+
+from tool0.description.packages import BUNDLED, crawl, package_name
+from tool0.errors import ConfigError
+
+PACKAGES: Final = ("tool0_description", "tool0_gazebo")
+UPSTREAM_PACKAGES: Final = ("ur_description", "robotiq_2f_85_gripper_visualization")
+"""Whose meshes can replace ours."""
+RECORD_FILE: Final = ".tool0-workspace.json"
+"""The hidden file."""
+_ABOUT: Final = (
+    "Written by `tool0 workspace`: by these hashes it knows the files that it wrote "
+    "from those that were edited."
+)
+_PROGRAMS: Final = "scripts"
+"""The folder of programs."""
+_OWN_MESHES: Final = b'name="meshes" default="tool0"'
+_UPSTREAM_MESHES: Final = b'name="meshes" default="upstream"'
+_LAST_DEPENDENCY: Final = b"  <exec_depend>xacro</exec_depend>\n"
+_Files = Mapping[PurePosixPath, bytes]
+_Hashes = dict[PurePosixPath, frozenset[str]]
+"""File, below its package, → SHA-256 of what we may have written there."""
+
+
+class FileAction(Enum):
+    """What happens to one file."""
+
+    ADD = "new"
+    UPDATE = "updated"
+    REMOVE = "removed"
+    REPLACE = "overwritten"
+    """The edited file is renamed."""
+    KEEP = "kept"
+    """The file was edited, and stays."""
+    LEAVE = "unchanged"
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkspaceChanges:
+    """What was done to a workspace."""
+
+    source: Path
+    """The folder that the packages are in."""
+    actions: Mapping[Path, FileAction]
+    """What happened to each file."""
+    backups: Mapping[Path, Path]
+    """Overwritten file → its edited version."""
+
+    def paths(self, action: FileAction) -> tuple[Path, ...]:
+        """Return the files that this happened to."""
+        return tuple(path for path, what in self.actions.items() if what is action)
+
+
+def write_workspace(
+    folder: Path, *, upstream_meshes: bool = False, force: bool = False
+) -> WorkspaceChanges:
+    """Write the packages into the workspace ``folder``.
+
+    Nothing is written before the change of every file is known.
+
+    Args:
+        folder: The workspace; made if it does not exist.
+        upstream_meshes: Whether the robot looks as in upstream's packages by default.
+        force: Whether edited files are overwritten, too.
+
+    Raises:
+        ConfigError: If a file cannot be read or written.  Files written by then are
+            complete, and the same call resumes.
+    """
+    source = source_folder(folder)
+    files = package_files(upstream_meshes=upstream_meshes)
+    actions: dict[Path, FileAction] = {}
+    plans = []
+    for package in (source / name for name in PACKAGES):
+        wanted = {
+            path.relative_to(package.name): data
+            for path, data in files.items()
+            if path.parts[0] == package.name
+        }
+        written = _read_record(package)
+        for path in sorted({*wanted, *written}):
+            hashes = written.get(path, frozenset())
+            file = package / path
+            actions[file] = _action(file, wanted.get(path), hashes, force)
+        plans.append((package, wanted, written))
+    backups: dict[Path, Path] = {}
+    for package, wanted, written in plans:
+        _write_package(package, wanted, written, actions, backups)
+    return WorkspaceChanges(source=source, actions=actions, backups=backups)
+
+
+def _action(
+    path: Path, wanted: bytes | None, written: frozenset[str], force: bool
+) -> FileAction:
+    """Return what happens to a file.
+
+    ``wanted`` is its new content, None if it is no longer part of the package;
+    ``written`` has the hashes of what we may have written there.
+    """
+    present = _read(path)
+    if present == wanted:
+        return FileAction.LEAVE
+    if present is None:
+        return FileAction.ADD
+    if path.is_symlink() or _digest(present) not in written:
+        # an edited file that we no longer ship is the person's, with force, too
+        is_replaced = force and wanted is not None
+        return FileAction.REPLACE if is_replaced else FileAction.KEEP
+    return FileAction.REMOVE if wanted is None else FileAction.UPDATE
+
+
+def _write_package(
+    package: Path,
+    wanted: _Files,
+    written: _Hashes,
+    actions: Mapping[Path, FileAction],
+    backups: dict[Path, Path],
+) -> None:
+    """Change the files of one package; add where edited ones were put to backups."""
+    after = {path: frozenset({_digest(data)}) for path, data in wanted.items()}
+    for path in after:  # an edited file that we no longer ship is forgotten
+        if actions[package / path] is FileAction.KEEP:
+            after[path] |= written.get(path, frozenset())
+    meanwhile = {
+        path: after.get(path, frozenset()) | written.get(path, frozenset())
+        for path in {*after, *written}
+    }
+    _write(package / RECORD_FILE, _record_text(meanwhile))
+    for path in sorted({*wanted, *written}):
+        file = package / path
+        action = actions[file]
+        if action is FileAction.REPLACE:
+            backups[file] = _back_up(file)
+        if action is FileAction.REMOVE:
+            with _named_failure("remove", file):
+                file.unlink()
+        elif action not in (FileAction.KEEP, FileAction.LEAVE):
+            _write(file, wanted[path])
+    _write(package / RECORD_FILE, _record_text(after))
+
+
+# --- the files ---
+
+
+def package_files(*, upstream_meshes: bool = False) -> _Files:
+    """Return the content of the files by their paths below ``src``.
+
+    Args:
+        upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default,
+            and those packages are dependencies.
+    """
+    files = {
+        PurePosixPath(path.relative_to(BUNDLED).as_posix()): path.read_bytes()
+        for package in PACKAGES
+        for path in sorted((BUNDLED / package).rglob("*"))
+        if path.is_file() and not _is_by_product(path.relative_to(BUNDLED))
+    }
+    if not upstream_meshes:
+        return files
+    depends = "".join(
+        f'  <exec_depend condition="$ROS_VERSION == 1">{name}</exec_depend>\n'
+        for name in sorted(UPSTREAM_PACKAGES)
+    )
+    manifest = PurePosixPath("tool0_description", "package.xml")
+    files[manifest] = files[manifest].replace(
+        _LAST_DEPENDENCY, depends.encode() + _LAST_DEPENDENCY
+    )
+    return {
+        path: data.replace(_OWN_MESHES, _UPSTREAM_MESHES)
+        for path, data in files.items()
+    }
+
+
+def _is_by_product(path: Path) -> bool:
+    """Return whether tools left it, and it is no part of a package."""
+    return any(name.startswith((".", "__pycache__")) for name in path.parts)
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def _read_record(package: Path) -> _Hashes:
+    """Return the hashes of a package; empty if there is no record that can be read.
+
+    Then every file that is not as we would write it counts as edited.
+    """
+    try:
+        text = (package / RECORD_FILE).read_text(encoding="utf-8")
+        return {
+            PurePosixPath(name): frozenset(map(str, hashes))
+            for name, hashes in json.loads(text)["sha256"].items()
+        }
+    except (FileNotFoundError, NotADirectoryError):
+        return {}
+    except (ValueError, KeyError, AttributeError, TypeError):  # edited
+        return {}
+
+
+def _record_text(record: _Hashes) -> bytes:
+    files = {str(path): sorted(record[path]) for path in sorted(record)}
+    return f"{json.dumps({'about': _ABOUT, 'sha256': files}, indent=1)}\n".encode()
+
+
+def _read(path: Path) -> bytes | None:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        if path.is_symlink():
+            raise ConfigError(f"'{path}' is a dangling link; remove it") from None
+        return None
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise ConfigError(f"cannot read '{path}': {reason}; move it away") from None
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Replace the content of ``path`` atomically."""
+    new = path.with_name(f".{path.name}.{os.getpid()}.new")
+    with _named_failure("write", path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            new.write_bytes(data)
+            if path.parent.name == _PROGRAMS:
+                mode = new.stat().st_mode
+                new.chmod(mode | (mode & 0o444) >> 2)  # who may read it may run it
+            new.replace(path)
+        finally:
+            new.unlink(missing_ok=True)
+
+
+def _back_up(path: Path) -> Path:
+    """Rename an edited file to a free name, and return that."""
+    numbers = chain([""], count(2))
+    paths = (path.with_name(f"{path.name}.orig{number}") for number in numbers)
+    backup = next(p for p in paths if not (p.exists() or p.is_symlink()))
+    with _named_failure("rename", path):
+        path.rename(backup)
+    return backup
+
+
+@contextmanager
+def _named_failure(verb: str, path: Path) -> Iterator[None]:
+    """Raise ConfigError for an OSError."""
+    try:
+        yield
+    except OSError as error:
+        raise ConfigError(
+            f"cannot {verb} '{path}': {error.strerror or error}; correct that, then "
+            "run the same command again, which resumes"
+        ) from None
+
+
+# --- the folder ---
+
+
+def source_folder(folder: Path) -> Path:
+    """Return the folder of packages that ``folder`` has, is, or will have.
+
+    A workspace has ``src``; so will a folder that is empty, or does not exist yet.  A
+    folder is one itself if it is called ``src``, has packages in it, or
+    catkin_init_workspace was run there.
+
+    Raises:
+        ConfigError: If packages cannot be put there.
+    """
+    folder = folder.expanduser().absolute()
+    _refuse_files(folder)
+    for path in (folder, *folder.parents):
+        if (path / "package.xml").is_file():
+            raise ConfigError(
+                f"'{path}' is a ROS package, and catkin finds none inside another; "
+                "name the workspace, the folder above its 'src'"
+            )
+    below = folder / "src"
+    found = below if below.is_dir() or not _holds_packages(folder) else folder
+    _refuse_files(found)
+    _refuse_duplicates(found)
+    return found
+
+
+def _holds_packages(folder: Path) -> bool:
+    if folder.name == "src":
+        return True
+    # catkin's top-level CMakeLists.txt is a link to where catkin is installed
+    has_toplevel = (folder / "CMakeLists.txt").is_symlink()
+    return has_toplevel or any(folder.glob("*/package.xml"))
+
+
+def _refuse_files(folder: Path) -> None:
+    for path in (folder, *folder.parents):
+        if path.exists() and not path.is_dir():
+            raise ConfigError(f"'{path}' is not a folder; name a catkin workspace")
+        if path.is_symlink() and not path.exists():
+            raise ConfigError(f"'{path}' is a dangling link; remove or correct it")
+
+
+def _refuse_duplicates(source: Path) -> None:
+    """Raise ConfigError if a package of ours exists already in another folder."""
+    ours = {source / name for name in PACKAGES}
+    for path in ours:
+        if path.is_symlink():
+            raise ConfigError(
+                f"'{path}' is a link to '{path.resolve()}', which would be written to; "
+                "remove it, or name another workspace"
+            )
+    for path in crawl(source):
+        name = package_name(path)
+        if name in PACKAGES and path not in ours:
+            raise ConfigError(
+                f"'{path}' is a package called {name} already, and catkin accepts only "
+                "one of a name; remove it, or put a CATKIN_IGNORE file into it"
+            )

@@ -1,0 +1,162 @@
+"""``tool0 move`` and ``tool0 grip`` with a robot that runs."""
+
+import contextlib
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+
+import pytest
+
+import tool0
+from tool0.cli import GOAL_FAILED, INTERRUPTED, OK, main
+from tool0.cli.motion import described
+from tool0.description.shapes import Sphere
+from tool0.description.transform import to_pose
+from tool0.sensing.grasp import GraspState, GripperMotion, grasp_frame
+
+Capture = pytest.CaptureFixture[str]
+ARM = "eff_joint_traj_controller"
+
+
+def run(line: str) -> int:
+    return main(line.split())
+
+
+def test_move_keeps_the_joints_that_are_not_given(
+    robot: tool0.Robot, capsys: Capture
+) -> None:
+    before, start = robot.joint_state.position, robot.time
+    assert run("move --joints elbow_joint=1.2 wrist_1_joint=-1.3 --duration 3") == OK
+    assert capsys.readouterr().out == "SUCCEEDED\n"
+    assert robot.time - start > 2.9
+    goals = {**before, "elbow_joint": 1.2, "wrist_1_joint": -1.3}
+    after = robot.joint_state.position
+    for name in robot.arm.joint_names:
+        assert after[name] == pytest.approx(goals[name], abs=0.03)
+
+
+def test_move_by_a_named_controller(robot: tool0.Robot) -> None:
+    assert run(f"move --joints elbow_joint=1.4 --controller {ARM}") == OK
+    assert robot.joint_state.position["elbow_joint"] == pytest.approx(1.4, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("options", "tip", "relative_to"),
+    [
+        ("--speed 0.3 --tip robotiq_arg2f_base_link", "robotiq_arg2f_base_link", None),
+        ("--linear --relative-to base", "tool0", "base"),
+    ],
+)
+def test_move_takes_the_tool_to_a_pose(
+    options: str, tip: str, relative_to: str | None, robot: tool0.Robot
+) -> None:
+    start = robot.arm.pose(tip=tip, relative_to=relative_to)
+    x, y, z = start.position
+    roll, pitch, yaw = to_pose(start).rpy
+    line = f"move --pose {x} {y} {z - 0.05} {roll} {pitch} {yaw} {options}"
+    assert run(line) == OK
+    reached = robot.arm.pose(tip=tip, relative_to=relative_to).position
+    assert reached == pytest.approx((x, y, z - 0.05), abs=0.02)
+
+
+def test_a_goal_that_fails_exits_with_1(robot: tool0.Robot, capsys: Capture) -> None:
+    assert run("move --joints shoulder_pan_joint=3 --duration 0.02") == GOAL_FAILED
+    assert re.match(r"ABORTED \(-\d\): .*shoulder_pan_joint", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize(
+    ("line", "named"),
+    [
+        ("move --joints elbow=1", "'elbow_joint'"),
+        ("move --joints elbow_joint", "'elbow_joint'"),
+        ("move --joints elbow_joint=nan", "'elbow_joint=nan'"),
+        ("move --joints elbow_joint=1 elbow_joint=2", "'elbow_joint'"),
+        ("move --joints elbow_joint=1 --duration 0", "--duration"),
+        ("move --joints elbow_joint=1 --duration nan", "--duration"),
+        (
+            "move --joints elbow_joint=1 --controller joint_group_eff_controller",
+            "'joint_group_eff_controller'",
+        ),
+        ("move", "--joints"),
+        ("move --joints a=1 --pose 0 0 0 0 0 0", "--pose"),
+        ("move --joints a=1 --linear", "--linear"),
+        ("move --joints a=1 --tip b", "--tip"),
+        ("move --pose 0 0 0 0 0 0 --duration 2", "--duration"),
+        ("move --pose 0 0 0 0 0 0 --arm left", "'left'"),
+        ("grip", "--opening"),
+        ("grip --opening 0.1", "0.085"),
+        ("grip --position 3", "3.0"),
+        ("grip --opening 0.01 --position 0.1", "--position"),
+    ],
+)
+def test_a_mistake_is_one_line_and_moves_nothing(
+    line: str, named: str, refused: Callable[[str], str]
+) -> None:
+    assert named in refused(line)
+
+
+def test_grip_tells_what_it_holds(robot: tool0.Robot, capsys: Capture) -> None:
+    gripper = robot.gripper
+    frame = grasp_frame(robot.description.model, gripper.geometry, 0.045, "tool0")
+    position = (robot.pose("tool0") @ frame).position
+    robot.scene.add("ball", Sphere(radius=0.0225), xyz=position)
+    assert run("grip --opening 0 --speed 0.05 --force 60") == OK
+    held = re.search(r"(\d\d\.\d) mm wide \(gOBJ 2\)\n", capsys.readouterr().out)
+    assert held is not None
+    assert float(held[1]) == pytest.approx(45.0, abs=1.0)
+    assert run("state") == OK
+    assert "gripper: holds something " in capsys.readouterr().out
+    assert run("grip --position 0 --effort 5") == OK
+    assert gripper.opening == pytest.approx(0.085, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("motion", "text"),
+    [
+        ("holding_inside", "holds something 45.0 mm wide (gOBJ 2)"),
+        ("holding_outside", "presses against something outside, open 45.0 mm (gOBJ 1)"),
+        ("at_target", "open 45.0 mm (gOBJ 3)"),
+        ("moving", "moving, open 45.0 mm (gOBJ 0)"),
+        ("idle", "open 45.0 mm, commanded by nobody"),
+    ],
+)
+def test_every_state_of_a_gripper_has_words(motion: GripperMotion, text: str) -> None:
+    assert described(GraspState(motion=motion, opening=0.045)) == text
+
+
+def test_a_timeout_stops_the_robot(robot: tool0.Robot, capsys: Capture) -> None:
+    line = "move --joints elbow_joint=1 --duration 600 --timeout 0.01"
+    assert run(line) == GOAL_FAILED
+    assert "PREEMPTED" in capsys.readouterr().out
+
+
+def test_a_goal_while_paused_says_what_it_waits_for(
+    robot: tool0.Robot, capsys: Capture
+) -> None:
+    robot.pause()
+    assert run("grip --opening 0.02 --timeout 0.01") == GOAL_FAILED
+    assert "`tool0 resume`" in capsys.readouterr().err
+    robot.resume()
+    assert run("grip --opening 0.02") == OK
+    assert not capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_stops_the_robot(number: signal.Signals, robot: tool0.Robot) -> None:
+    move = ["move", "--joints", "elbow_joint=-1", "--duration", "20"]
+    with (
+        contextlib.closing(robot.subscribe()) as states,
+        subprocess.Popen(
+            [sys.executable, "-m", "tool0", *move], stdout=subprocess.PIPE, text=True
+        ) as program,
+    ):
+        while robot.joint_state.position["elbow_joint"] > 1.5:
+            states.following(1.0)
+        program.send_signal(number)
+        out, _ = program.communicate(timeout=30.0)
+    assert "PREEMPTED" in out
+    assert program.returncode == INTERRUPTED
+    assert robot.joint_state.position["elbow_joint"] > 0.0

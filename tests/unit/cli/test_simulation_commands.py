@@ -1,0 +1,93 @@
+"""``tool0 controllers``, ``pause``, ``step``, … with a robot that runs."""
+
+from collections.abc import Callable
+
+import pytest
+
+import tool0
+from tool0.cli import OK, main
+
+Capture = pytest.CaptureFixture[str]
+ARM, OTHER = "eff_joint_traj_controller", "joint_group_eff_controller"
+
+
+def run(line: str) -> int:
+    return main(line.split())
+
+
+def states(robot: tool0.Robot) -> dict[str, str]:
+    return {status.name: status.state for status in robot.controllers()}
+
+
+def test_controllers_list_shows_every_one(robot: tool0.Robot, capsys: Capture) -> None:
+    assert run("controllers list") == OK
+    rows = capsys.readouterr().out.splitlines()[1:]
+    assert [row.split()[:3] for row in rows] == [
+        [status.name, status.type, status.state] for status in robot.controllers()
+    ]
+    (arm,) = (row.split() for row in rows if row.startswith(ARM))
+    assert arm[3:] == list(robot.arm.joint_names)
+
+
+def test_controllers_are_stopped_loaded_started_and_switched(
+    robot: tool0.Robot,
+) -> None:
+    assert run(f"controllers stop {ARM} gripper_controller") == OK
+    assert states(robot)[ARM] == states(robot)["gripper_controller"] == "stopped"
+    assert run(f"controllers unload {OTHER}") == OK
+    assert OTHER not in states(robot)
+    assert run(f"controllers load {OTHER}") == OK
+    assert states(robot)[OTHER] == "initialized"
+    assert run(f"controllers start {OTHER} gripper_controller") == OK
+    assert states(robot)[OTHER] == states(robot)["gripper_controller"] == "running"
+    line = f"controllers switch --start {ARM} nobody --stop {OTHER} --best-effort"
+    assert run(line) == OK
+    assert states(robot)[ARM] == "running"
+    assert states(robot)[OTHER] == "stopped"
+
+
+def test_time_is_paused_stepped_and_resumed(
+    robot: tool0.Robot, capsys: Capture
+) -> None:
+    assert run("pause") == OK
+    assert robot.snapshot.is_paused
+    start = robot.time
+    assert run("step") == OK
+    assert run("step 20") == OK
+    assert robot.time == pytest.approx(start + 21 * robot.control_period)
+    assert capsys.readouterr().out.splitlines()[-1] == f"t = {robot.time:.3f} s"
+    assert run("resume") == OK
+    assert not robot.snapshot.is_paused
+
+
+def test_reset_returns_to_the_start(robot: tool0.Robot) -> None:
+    robot.pause()
+    assert run("reset") == OK
+    assert robot.time == 0.0
+
+
+def test_the_emergency_stop_is_engaged_and_released(robot: tool0.Robot) -> None:
+    assert run("estop") == OK
+    assert robot.snapshot.is_stopped
+    assert run("estop --release") == OK
+    assert not robot.snapshot.is_stopped
+
+
+@pytest.mark.parametrize(
+    ("line", "named"),
+    [
+        ("controllers start", "`tool0 controllers list`"),
+        ("controllers switch", "`tool0 controllers list`"),
+        ("controllers load nobody", "'nobody'"),
+        (f"controllers start {OTHER}", "'shoulder_pan_joint'"),
+        (f"controllers unload {ARM}", f"'{ARM}'"),
+        ("step 0", "0"),
+        ("step", "pause"),
+        ("state --name nobody", "'nobody'"),
+        ("state --name ../x", "'../x'"),
+    ],
+)
+def test_a_mistake_is_one_line_and_changes_nothing(
+    line: str, named: str, refused: Callable[[str], str]
+) -> None:
+    assert named in refused(line)

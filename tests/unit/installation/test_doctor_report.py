@@ -1,0 +1,139 @@
+import os
+import signal
+import time
+from pathlib import Path
+
+import fresh_python
+import pytest
+from processes import Watch, has_ended
+
+from tool0.installation.doctor.report import (
+    PROBES,
+    DoctorReport,
+    ProbeResult,
+    ProbeState,
+    examine,
+)
+
+pytestmark = pytest.mark.slow
+
+PROBE_MODULE = """
+import os, signal, subprocess, sys, time
+from tool0.installation.doctor.report import ProbeResult
+
+def fine(machine):
+    print("what a library prints is not part of the answer")
+    os.write(1, b"nor is this")
+    return [ProbeResult("fine", "ready", "\\N{SNOWMAN}")]
+
+def raises(machine):
+    raise RuntimeError("no such thing")
+
+def crashes(machine):
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+def leaves(machine):
+    os._exit(7)
+
+def hangs(machine):
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+    other = subprocess.Popen(["sleep", "1000"])
+    with open(os.environ["PIDS"], "w") as told:
+        print(os.getpid(), other.pid, file=told)
+    time.sleep(1000)
+
+def leaves_one_behind(machine):
+    other = subprocess.Popen(["sleep", "1000"])  # it holds our output open
+    with open(os.environ["PIDS"], "w") as told:
+        print(other.pid, file=told)
+    return [ProbeResult("left", "ready", "")]
+"""
+
+
+@pytest.fixture(autouse=True)
+def pids(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Make the probes importable; return where they write whom they started."""
+    (tmp_path / "odd_probes.py").write_text(PROBE_MODULE)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    told = tmp_path / "pids"
+    monkeypatch.setenv("PIDS", str(told))
+    return told
+
+
+def look(*names: str, timeout: float = 30.0) -> dict[str, ProbeResult]:
+    report = examine(dict.fromkeys(names, "odd_probes"), timeout=timeout)
+    return {line.what: line for line in report.lines}
+
+
+def test_a_probe_that_fails_is_unknown_and_the_others_run() -> None:
+    found = look("raises", "crashes", "leaves", "absent", "fine")
+    assert [line.state for line in found.values()] == ["unknown"] * 4 + ["ready"]
+    assert "RuntimeError: no such thing" in found["raises"].found
+    assert "SIGSEGV" in found["crashes"].found
+    assert "exit status 7" in found["leaves"].found
+    assert "no attribute 'absent'" in found["absent"].found
+    assert found["fine"].found == "\N{SNOWMAN}"
+
+
+def test_a_probe_that_hangs_is_unknown_and_ended(pids: Path) -> None:
+    began = time.monotonic()
+    found = look("hangs", "fine", timeout=2.0)
+    assert time.monotonic() - began < 10.0
+    assert (found["hangs"].state, found["fine"].state) == ("unknown", "ready")
+    assert all(has_ended(int(pid), 10.0) for pid in pids.read_text().split())
+
+
+def test_a_process_that_a_probe_leaves_behind_is_ended(pids: Path) -> None:
+    assert look("leaves_one_behind", timeout=10.0)["left"].state == "ready"
+    assert has_ended(int(pids.read_text()), 10.0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
+def test_every_probe_ends_with_the_doctor(pids: Path, number: signal.Signals) -> None:
+    os.mkfifo(pids)
+    program = (
+        "from tool0.installation.doctor.report import examine\n"
+        "examine({'hangs': 'odd_probes'}, timeout=600.0)"
+    )
+    with fresh_python.start(program) as doctor:
+        watch = Watch(map(int, pids.read_text().split()))  # waits until they start
+        doctor.send_signal(number)
+        _, errors = doctor.communicate(timeout=20.0)
+        assert watch.all_ended(timeout=20.0)
+    assert errors.rstrip().endswith("KeyboardInterrupt") is (number == signal.SIGINT)
+
+
+def test_modules_of_the_folder_one_stands_in_are_not_taken(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "here"
+    folder.mkdir()
+    (folder / "json.py").write_text("raise RuntimeError('not this one')")
+    (folder / "mujoco.py").write_text("raise RuntimeError('not this one')")
+    monkeypatch.chdir(folder)
+    found = examine({"mujoco": PROBES["mujoco"]})
+    assert [line.state for line in found.lines] == ["ready"], found.lines
+
+
+@pytest.mark.parametrize(
+    ("states", "can_run"),
+    [
+        (("ready", "ready", "missing"), True),
+        (("missing", "ready", "ready"), False),
+        (("ready", "unknown", "ready"), False),
+    ],
+)
+def test_mujoco_is_what_has_to_run(
+    states: tuple[ProbeState, ...], can_run: bool
+) -> None:
+    names = ("python", "mujoco", "gazebo")
+    lines = [ProbeResult(*row, "") for row in zip(names, states, strict=True)]
+    report = DoctorReport(tuple(lines))
+    assert report.can_run is can_run
+    assert report.as_json()["can_run"] is can_run
+    assert ("runs here" in report.rows()[-1]) is can_run
+
+
+def test_a_remedy_has_a_line_of_its_own_to_copy() -> None:
+    line = ProbeResult("rviz", "missing", "none", "apt install rviz")
+    assert ("", "", "-> apt install rviz") in DoctorReport((line,)).rows()
