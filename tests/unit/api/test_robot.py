@@ -45,7 +45,7 @@ def states(robot: tool0.Robot) -> dict[str, str]:
     return {status.name: status.state for status in robot.controllers()}
 
 
-def test_it_comes_up_with_the_controllers_of_the_launch_file(
+def test_it_comes_up_at_home_with_the_controllers_of_the_launch_file(
     robot: tool0.Robot,
 ) -> None:
     assert states(robot) == {
@@ -56,9 +56,6 @@ def test_it_comes_up_with_the_controllers_of_the_launch_file(
     }
     assert robot.time == 0.0
     assert robot.warnings == ()
-
-
-def test_joint_states_are_by_name_with_mimic_joints(robot: tool0.Robot) -> None:
     state = robot.joint_state
     assert tuple(state.position.values())[:6] == HOME
     assert len(state.position) == len(state.velocity) == len(state.effort) == 12
