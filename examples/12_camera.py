@@ -7,7 +7,7 @@ import numpy as np
 
 import tool0
 from tool0.scene import Camera, looking
-from tool0.sensing.png import encode_png
+from tool0.sensing.cameras import encode_png
 from tool0.sensing.video import VideoWriter
 
 SIDE = Camera(  # besides `wrist` and `scene`, which every arm has

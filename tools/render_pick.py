@@ -13,7 +13,7 @@ from tool0.cli.pick_demo.grasps import find_bin
 from tool0.cli.pick_demo.monitor import FrameRecorder
 from tool0.cli.pick_demo.picker import pick_and_place
 from tool0.description.camera import Camera, looking
-from tool0.sensing.png import encode_png
+from tool0.sensing.cameras import encode_png
 
 CAMERA = Camera(
     name="readme",

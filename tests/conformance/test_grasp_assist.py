@@ -14,7 +14,7 @@ from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose
 from tool0.errors import ConfigError
-from tool0.sensing.grasp_assist import WARNING
+from tool0.sensing.grasp import WARNING
 
 SLIPPERY = Scene(
     (

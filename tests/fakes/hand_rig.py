@@ -17,7 +17,7 @@ from tool0.description.catalogue import load_robot
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.hardware.joint_dynamics import JointDynamics
+from tool0.hardware.bodies import JointDynamics
 
 Vector = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import final
 
 from tool0.api.channel import Channel
-from tool0.control.controller_types import ControllerSpec
+from tool0.control.config import ControllerSpec
 from tool0.control.goal import GoalStatus, Result, ToleranceOverride
 from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
 from tool0.description.model import ParallelGripper

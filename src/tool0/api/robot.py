@@ -14,7 +14,7 @@ from tool0.api.channel import Channel, LocalChannel
 from tool0.api.controller import ControllerHandle, GoalHandle, Gripper
 from tool0.api.scene import SceneHandle
 from tool0.api.sensors import CameraHandle, ForceTorque
-from tool0.control.controller_types import TYPES
+from tool0.control.config import TYPES
 from tool0.description.model import JointLimits
 from tool0.errors import ControlError, RenderError, did_you_mean
 from tool0.requests import motion, state

@@ -1,20 +1,165 @@
-"""ros_control YAML, parsed once into the specs of controllers."""
+"""ros_control's controllers: their interface, their types, and their YAML."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
+from importlib import import_module
 from pathlib import Path
-from typing import final
+from typing import Protocol, final
 
-from tool0.control.controller_types import ControllerSpec, parser_of
 from tool0.control.parameters import RobotJoints
-from tool0.description.model import JointLimits
+from tool0.control.trajectory import Setpoint
+from tool0.description.model import Interface
 from tool0.description.yaml_tree import Tree, read_files
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
+from tool0.hardware.engine import JointState
+
+
+class Controller(Protocol):
+    """A running controller: it exists, so it is ready; stopping drops it."""
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        """Return a command per claimed joint, in the order of the spec's joints.
+
+        Args:
+            state: Every joint, in the engine's order.
+            period: Time since the last update [s].
+        """
+
+    def setpoint(self) -> Setpoint | None:
+        """Return where the joints are wanted; None if no position is.
+
+        It is called between ticks, about a hundred times a second, so it only takes
+        references to what will not change.
+        """
+
+    def stop(self) -> None:
+        """End what is in progress: an active goal is PREEMPTED."""
+
+
+class ControllerSpec(Protocol):
+    """A loaded controller: its checked parameters, ready to be started."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def type(self) -> str:
+        """As in YAML: ``effort_controllers/JointTrajectoryController``."""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints it claims, in the order of its commands."""
+
+    @property
+    def interface(self) -> Interface | None:
+        """The command interface it claims; None if it only reads."""
+
+    @property
+    def waits_for_command(self) -> bool:
+        """Whether the brakes stay on from its start to its first command."""
+
+    def start(self, indices: Sequence[int], state: JointState) -> Controller:
+        """Return a running controller that holds the measured ``state``.
+
+        Args:
+            indices: Where its joints stand in the state's lists.
+            state: The state at the instant of the start.
+        """
+
+
+Parser = Callable[[Namespace, RobotJoints], ControllerSpec]
+
+_FORWARD = "tool0.control.forward_command"
+_GRIPPER = "tool0.control.gripper_action"
+_TRAJECTORY = "tool0.control.joint_trajectory"
+_MODULES = {
+    "joint_state_controller/JointStateController": "tool0.control.joint_state",
+    "effort_controllers/JointTrajectoryController": _TRAJECTORY,
+    "position_controllers/JointTrajectoryController": _TRAJECTORY,
+    "velocity_controllers/JointTrajectoryController": _TRAJECTORY,
+    "effort_controllers/GripperActionController": _GRIPPER,
+    "position_controllers/GripperActionController": _GRIPPER,
+    "effort_controllers/JointEffortController": _FORWARD,
+    "effort_controllers/JointPositionController": _FORWARD,
+    "effort_controllers/JointVelocityController": _FORWARD,
+    "effort_controllers/JointGroupEffortController": _FORWARD,
+    "effort_controllers/JointGroupPositionController": _FORWARD,
+    "position_controllers/JointPositionController": _FORWARD,
+    "position_controllers/JointGroupPositionController": _FORWARD,
+    "velocity_controllers/JointPositionController": _FORWARD,
+    "velocity_controllers/JointVelocityController": _FORWARD,
+    "velocity_controllers/JointGroupVelocityController": _FORWARD,
+}
+"""Where each type's ``parse(parameters, robot)`` is defined."""
+
+TYPES = tuple(sorted(_MODULES))
+
+_SAMPLE = """
+sample:
+  type: {type_name}
+  joint: "*"
+  joints: ["*"]
+  publish_rate: 1
+  gains: {{"*": {{p: 1}}}}
+  pid: {{p: 1}}
+  "*": {{pid: {{p: 1}}}}
+"""
+"""A controller of the joint ``*`` with every parameter that any type requires."""
+
+
+def parser_of(type_name: str, location: SourceLocation | None = None) -> Parser:
+    """Return the function that reads the parameters of a type.
+
+    Raises:
+        ConfigError: If there is no such type.
+    """
+    module = _MODULES.get(type_name)
+    if module is None:
+        hint = did_you_mean(type_name, TYPES)
+        known = "" if hint.startswith("; valid") else f" (of {', '.join(TYPES)})"
+        raise ConfigError(
+            f"unknown controller type '{type_name}'{hint}{known}", location
+        )
+    parse: Parser = import_module(module).parse
+    return parse
+
+
+@cache
+def parameters_of(type_name: str) -> frozenset[str]:
+    """Return the parameters that a type reads besides ``type``; ``*`` is a joint.
+
+    They are what the type's parser looks up in a sample, so that a parameter is added
+    in the parser alone.
+
+    Raises:
+        ConfigError: If there is no such type.
+    """
+    tree = Tree()
+    tree.load(_SAMPLE.format(type_name=type_name), SourceLocation(None, 1))
+    sample = Namespace(tree.root.children["sample"])
+    parser_of(type_name)(sample, RobotJoints.assumed("*", type_name))
+    return sample.read_keys() - {"type"}
+
+
+def siblings(parameter: str, known: Iterable[str]) -> set[str]:
+    """Return the names of the known parameters beside ``parameter``."""
+    prefix = parameter[: parameter.rfind("/") + 1]
+    return {
+        name.removeprefix(prefix).partition("/")[0]
+        for name in known
+        if name.startswith(prefix)
+    }
+
+
+def readers_of(parameter: str) -> tuple[str, ...]:
+    """Return the kinds of controllers that read a parameter, without packages."""
+    readers = {name for name in TYPES if parameter in parameters_of(name)}
+    return tuple(sorted({name.partition("/")[2] for name in readers}))
+
 
 NOT_ENFORCED = ("max_acceleration", "max_jerk")
 """Limits that ROS knows and no drive here enforces."""
@@ -23,29 +168,6 @@ _SAMPLE_LIMITS = """
  has_velocity_limits: true, max_velocity: 1, has_effort_limits: true, max_effort: 1}
 """
 """A joint with every limit, for ``joint_limit_parameters``."""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LimitOverrides:
-    """Limits that ``joint_limits/<joint>`` puts in place of the URDF's.
-
-    None leaves the URDF's.
-    """
-
-    position: tuple[float, float] | None = None
-    velocity: float | None = None
-    effort: float | None = None
-
-    def over(self, limits: JointLimits) -> JointLimits:
-        """Return ``limits`` with these put in their place."""
-        lower, upper = self.position or (limits.lower, limits.upper)
-        return JointLimits(
-            lower=lower,
-            upper=upper,
-            velocity=limits.velocity if self.velocity is None else self.velocity,
-            effort=limits.effort if self.effort is None else self.effort,
-        )
 
 
 @final
@@ -69,12 +191,7 @@ class ControllerConfig:
     def from_text(
         text: str, location: SourceLocation | None = None
     ) -> ControllerConfig:
-        """Return the controllers of a YAML text.
-
-        Args:
-            text: The YAML.
-            location: Where its first line stands, for messages.
-        """
+        """Return the controllers of a YAML text, which begins at ``location``."""
         tree = Tree()
         tree.load(text, location or SourceLocation(None, 1))
         return ControllerConfig(tree)
@@ -103,7 +220,16 @@ class ControllerConfig:
         Raises:
             ConfigError: If it is not there, or anything about it is wrong.
         """
-        parameters = self._namespace(name)
+        entry = self.tree.root.children.get(name)
+        if entry is None:
+            raise ConfigError(
+                f"unknown controller '{name}'{did_you_mean(name, self.names)}"
+            )
+        if not entry.is_mapping:
+            raise ConfigError(
+                f"'{name}' is no controller, but {entry.describe()}", entry.location
+            )
+        parameters = Namespace(entry)
         type_entry = parameters.find("type")
         if type_entry is None:
             raise ConfigError(
@@ -114,20 +240,11 @@ class ControllerConfig:
         parse = parser_of(parameters.text("type"), type_entry.location)
         return parse(parameters, robot)
 
-    def _namespace(self, name: str) -> Namespace:
-        entry = self.tree.root.children.get(name)
-        if entry is None:
-            raise ConfigError(
-                f"unknown controller '{name}'{did_you_mean(name, self.names)}"
-            )
-        if not entry.is_mapping:
-            raise ConfigError(
-                f"'{name}' is no controller, but {entry.describe()}", entry.location
-            )
-        return Namespace(entry)
+    def joint_limits(self) -> Mapping[str, Mapping[str, float]]:
+        """Return what ``joint_limits`` puts in place of the URDF's, by joint.
 
-    def joint_limits(self) -> Mapping[str, LimitOverrides]:
-        """Return the limits that ``joint_limits`` puts over the URDF's, by joint."""
+        The keys are fields of ``JointLimits``.
+        """
         limits = Namespace(self.tree.root).namespace("joint_limits")
         entries = {} if limits is None else limits.entry.children
         return {name: _limits(Namespace(entry)) for name, entry in entries.items()}
@@ -143,7 +260,7 @@ def joint_limit_parameters() -> frozenset[str]:
     return sample.read_keys()
 
 
-def _limits(limits: Namespace) -> LimitOverrides:
+def _limits(limits: Namespace) -> dict[str, float]:
     """Read one joint's limits: each counts beside ``has_…: true``, as in ROS."""
     limits.accept(*NOT_ENFORCED, "has_acceleration_limits", "has_jerk_limits")
     limits.accept("angle_wraparound")
@@ -152,25 +269,20 @@ def _limits(limits: Namespace) -> LimitOverrides:
         flag = f"has_{kind}_limits"
         return None if limits.find(flag) is None else limits.boolean(flag, default=True)
 
-    def largest(kind: str) -> float | None:
-        has = has_limit(kind)
-        if has is None:
-            return None
-        return limits.not_negative(f"max_{kind}") if has else math.inf
-
-    position: tuple[float, float] | None = None
+    found: dict[str, float] = {}
     if has_limit("position") is False:
-        position = (-math.inf, math.inf)
+        found = {"lower": -math.inf, "upper": math.inf}
     elif has_limit("position"):
-        position = (limits.number("min_position"), limits.number("max_position"))
-        if not position[0] <= position[1]:
+        lower, upper = limits.number("min_position"), limits.number("max_position")
+        if not lower <= upper:
             raise ConfigError(
-                f"'{limits.entry.key}' has min_position {position[0]} "
-                f"above max_position {position[1]}",
+                f"'{limits.entry.key}' has min_position {lower} "
+                f"above max_position {upper}",
                 limits.location,
             )
-    return LimitOverrides(
-        position=position,
-        velocity=largest("velocity"),
-        effort=largest("effort"),
-    )
+        found = {"lower": lower, "upper": upper}
+    for kind in ("velocity", "effort"):
+        has = has_limit(kind)
+        if has is not None:
+            found[kind] = limits.not_negative(f"max_{kind}") if has else math.inf
+    return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,27 +9,19 @@ from typing import final
 
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
+    Gains,
+    Pid,
     RobotJoints,
     controlled_joints,
     read_gains,
     single_joint,
 )
-from tool0.control.pid import Gains, Pid
-from tool0.control.segment import shortest_turn
-from tool0.control.setpoint import Setpoint
-from tool0.control.spline import JointSpline, hold
+from tool0.control.spline import JointSpline, hold, shortest_turn
+from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ControlError
-from tool0.hardware.joint_state import JointState, joint_selector
-
-
-class Quantity(enum.Enum):
-    """The physical quantity of a command."""
-
-    EFFORT = "effort"
-    POSITION = "position"
-    VELOCITY = "velocity"
+from tool0.hardware.engine import JointState, joint_selector
 
 
 @final
@@ -42,14 +33,13 @@ class ForwardCommandSpec:
     type: str
     joint_models: tuple[Joint, ...]
     interface: Interface
-    quantity: Quantity
-    """Of its commands."""
+    quantity: Interface
+    """The interface that takes its commands as they are."""
     gains: tuple[Gains, ...] = ()
     """One per joint if the quantity is not the interface's own."""
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joints it claims."""
         return tuple(joint.name for joint in self.joint_models)
 
     @property
@@ -60,7 +50,6 @@ class ForwardCommandSpec:
     def start(
         self, indices: Sequence[int], state: JointState
     ) -> ForwardCommandController:
-        """Return a controller that commands the measured positions, or 0."""
         return ForwardCommandController(self, indices, state)
 
 
@@ -80,7 +69,7 @@ class ForwardCommandController:
         self, spec: ForwardCommandSpec, indices: Sequence[int], state: JointState
     ) -> None:
         self.spec = spec
-        self._is_position = spec.quantity is Quantity.POSITION
+        self._is_position = spec.quantity is Interface.POSITION
         self._was_commanded = False
         self._holds: tuple[JointSpline, ...] = ()
         """The commanded positions as splines, made when they are asked for."""
@@ -170,13 +159,13 @@ def parse(parameters: Namespace, robot: RobotJoints) -> ForwardCommandSpec:
     package, _, kind = type_name.partition("/")
     interface = INTERFACE_OF_PACKAGE[package]
     is_group = kind.startswith("JointGroup")
-    quantity = Quantity[kind[10 if is_group else 5 : -len("Controller")].upper()]
+    quantity = Interface[kind[10 if is_group else 5 : -len("Controller")].upper()]
     if is_group:
         joints = controlled_joints(robot, parameters, interface)
     else:
         joints = (single_joint(robot, parameters, interface),)
     gains: tuple[Gains, ...] = ()
-    if quantity.name != interface.name:
+    if quantity is not interface:
         paths = [f"{joint.name}/pid" for joint in joints] if is_group else ["pid"]
         why = f"{type_name} needs"
         gains = tuple(read_gains(parameters, path, why) for path in paths)

@@ -192,15 +192,5 @@ def _override(default: Tolerance, override: ToleranceOverride | None) -> Toleran
     if override is None:
         return default
     wanted = override if isinstance(override, Tolerance) else Tolerance(override)
-    return Tolerance(*map(_override_field, default, wanted))
-
-
-def _override_field(default: float, override: float) -> float:
-    if override > 0.0:
-        return override
-    return 0.0 if override < 0.0 else default
-
-
-def tolerance_numbers(override: ToleranceOverride) -> tuple[float, ...]:
-    """Return every number of an override, to check them."""
-    return tuple(override) if isinstance(override, Tolerance) else (override,)
+    pairs = zip(default, wanted, strict=True)
+    return Tolerance(*(max(new, 0.0) if new else old for old, new in pairs))

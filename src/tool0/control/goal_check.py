@@ -1,4 +1,4 @@
-"""The checks that a trajectory goal passes before anything moves.
+"""A trajectory goal's way into the motion: its checks, and the splines that follow it.
 
 Wordings and codes are those of ROS's joint_trajectory_controller where it has any.
 Beyond ROS, which accepts them, these are rejected: numbers that are not finite,
@@ -13,10 +13,20 @@ from __future__ import annotations
 import logging
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import final
 
-from tool0.control.goal import tolerance_numbers
-from tool0.control.trajectory import BLOCK, TrajectoryGoal, TrajectoryPoint
+from tool0.control.goal import Goal, Tolerance, TrajectoryTolerances
+from tool0.control.spline import (
+    JointSpline,
+    Knots,
+    Motion,
+    MotionPlan,
+    hold,
+    stop,
+    wrap_offset,
+)
+from tool0.control.trajectory import BLOCK, MARGIN, TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Joint, JointType
 from tool0.errors import GoalRejectedError, did_you_mean
 
@@ -53,7 +63,8 @@ def check_names(
                 raise _invalid_joints(
                     f"tolerance for unknown joint '{name}'", name, joints
                 )
-            if not all(map(math.isfinite, tolerance_numbers(override))):
+            numbers = override if isinstance(override, Tolerance) else (override,)
+            if not all(map(math.isfinite, numbers)):
                 raise GoalRejectedError(f"tolerance {override} of '{name}'")
     if not math.isfinite(goal.goal_time_tolerance or 0.0):
         raise GoalRejectedError(f"goal_time_tolerance {goal.goal_time_tolerance}")
@@ -138,13 +149,7 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
 
 
 def check_limits(goal: TrajectoryGoal, joints: Sequence[Joint], first: int) -> None:
-    """Reject positions that the joints cannot reach.
-
-    Args:
-        goal: Its points are examined from number ``first`` on.
-        joints: Those of the points' numbers.
-        first: The first point still to be reached.
-    """
+    """Reject positions that ``joints`` cannot reach, from point ``first`` on."""
     limits = [_limits(joint) for joint in joints]
     blocks = [range(first, len(goal.points))]
     if goal.position_ranges is not None:
@@ -187,3 +192,148 @@ def _invalid_joints(
 ) -> GoalRejectedError:
     hint = did_you_mean(name, valid) if valid else ""
     return GoalRejectedError(text + hint, GoalRejectedError.INVALID_JOINTS)
+
+
+_COARSE = 1e-9
+"""If times are rounded to more than this [s], every segment is examined."""
+
+Splines = Sequence[JointSpline]
+"""One per joint of a controller."""
+
+
+@final
+class TrajectoryReplacement:
+    """Makes the splines of one controller.
+
+    In its methods ``running`` are the splines that are executed so far, ``now`` is the
+    simulated time of the coming update [s], and ``handle`` is the goal whose tolerances
+    hold from now on; None for none.
+    """
+
+    def __init__(
+        self,
+        joints: Sequence[Joint],
+        tolerances: TrajectoryTolerances,
+        stop_duration: float,
+    ) -> None:
+        """Take the controller's parameters; its stop takes ``stop_duration`` [s]."""
+        self._joints = {joint.name: joint for joint in joints}
+        self._tolerances = tolerances
+        self._stop_duration = stop_duration
+
+    def by_goal(
+        self,
+        running: Splines,
+        goal: TrajectoryGoal,
+        names: tuple[str, ...],
+        now: float,
+        handle: Goal | None,
+    ) -> list[JointSpline]:
+        """Return the splines that follow a goal of at least one point, or reject it.
+
+        ``names`` are the joints of the points' numbers.  Joints that are not among them
+        keep their splines, which count for the goal from now on, as in ROS.
+        """
+        check_points(goal, names)
+        start = start_time(goal, now)
+        first = first_point_ahead(goal, start, now)
+        check_limits(goal, [self._joints[name] for name in names], first)
+        before = dict(zip(self._joints, running, strict=True))
+        leave = max(now, start)
+        offsets = [
+            _offset(self._joints[name], before[name], leave, position)
+            for name, position in zip(names, goal.points[first].positions, strict=True)
+        ]
+        suspects = [number for number in goal.suspects if number > first]
+        shift = max(abs(offset or 0.0) for offset in offsets)
+        if shift > MARGIN or math.ulp(start + goal.times[-1]) > _COARSE:
+            suspects = list(range(first + 1, len(goal.points)))
+        splines: list[JointSpline] = []
+        for name, old in before.items():
+            if name not in names:
+                splines.append(old.with_goal(handle))
+                continue
+            column = names.index(name)
+            motion = _motion_at(goal.points, column, offsets[column])
+            tolerances = self._tolerances.of(
+                name, goal.path_tolerance.get(name), goal.goal_tolerance.get(name)
+            )
+            splines.append(
+                old.spliced(
+                    now,
+                    start,
+                    Knots(goal.times, motion),
+                    first=first,
+                    suspects=suspects,
+                    goal=handle,
+                    tolerances=tolerances,
+                )
+            )
+        return splines
+
+    def by_plan(
+        self, running: Splines, plan: MotionPlan, now: float, handle: Goal | None
+    ) -> list[JointSpline]:
+        """Return the splines along a plan that starts with the desired motion now."""
+        return [
+            old.spliced(
+                now,
+                now,
+                Knots.of(path),
+                suspects=range(1, len(path)),
+                goal=handle,
+                tolerances=self._tolerances.of(name, None, None),
+            )
+            for name, old, path in zip(self._joints, running, plan, strict=True)
+        ]
+
+    def by_stop(
+        self,
+        running: Splines,
+        measured: Sequence[float],
+        now: float,
+        handle: Goal | None,
+    ) -> list[JointSpline]:
+        """Return the splines to rest: at the measured positions, or by a ramp."""
+        duration = self._stop_duration
+        if duration <= 0.0:
+            return [hold(now, position, handle) for position in measured]
+        return [
+            stop(
+                now,
+                old.sample(now),
+                duration,
+                float if joint.type is JointType.CONTINUOUS else joint.limits.clamp,
+                handle,
+            )
+            for joint, old in zip(self._joints.values(), running, strict=True)
+        ]
+
+
+def _offset(
+    joint: Joint, before: JointSpline, time: float, first: float
+) -> float | None:
+    """Return the whole turns that bring a first position nearest to the desired one."""
+    if joint.type is not JointType.CONTINUOUS:
+        return None
+    return wrap_offset(before.sample(time).position, first)
+
+
+def _motion_at(
+    points: Sequence[TrajectoryPoint], column: int, offset: float | None
+) -> Callable[[int], Motion]:
+    """Return the function that returns the motion of joint ``column`` at each point.
+
+    ``offset`` [rad] is added to the positions of a continuous joint.
+    """
+
+    def motion_at(number: int) -> Motion:
+        point = points[number]
+        position = point.positions[column]
+        return Motion(
+            position if offset is None else position + offset,
+            point.velocities[column] if point.velocities else None,
+            point.accelerations[column] if point.accelerations else None,
+        )
+
+    return motion_at

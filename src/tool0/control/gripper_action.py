@@ -11,18 +11,19 @@ from tool0.control.goal import Goal, GoalStatus, GripperResult
 from tool0.control.goal_check import check_position
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
+    Gains,
+    Pid,
     RobotJoints,
     read_gains,
     single_joint,
 )
-from tool0.control.pid import Gains, Pid
-from tool0.control.setpoint import Setpoint
 from tool0.control.spline import hold
+from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import GoalRejectedError
-from tool0.hardware.drive_limits import DriveLimits
-from tool0.hardware.joint_state import JointState, joint_selector
+from tool0.hardware.engine import JointState, joint_selector
+from tool0.hardware.limits import DriveLimits
 
 
 @final
@@ -52,13 +53,11 @@ class GripperActionSpec:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joint it claims."""
         return (self.joint.name,)
 
     def start(
         self, indices: Sequence[int], state: JointState
     ) -> GripperActionController:
-        """Return a controller that holds the measured position."""
         return GripperActionController(self, indices[0], state)
 
 
@@ -145,12 +144,8 @@ class GripperActionController:
     ) -> Goal:
         """Replace the goal and return the new one's handle, or reject it.
 
-        Args:
-            position: Where to go [rad | m].
-            max_effort: Limit of the effort [N·m | N], its sign ignored as in ROS; None
-                or 0 for the controller's own.
-            now: Simulated time of the coming update [s].
-            drive_limits: Those of the joint's drive meanwhile.
+        The sign of ``max_effort`` [N·m | N] is ignored as in ROS; None or 0 is the
+        controller's own.  ``drive_limits`` hold meanwhile.
 
         Raises:
             GoalRejectedError: What was commanded before goes on untouched.
@@ -184,11 +179,9 @@ class GripperActionController:
             self._finish(GoalStatus.PREEMPTED)
 
     def setpoint(self) -> Setpoint:
-        """Return the commanded position, with the state measured at the last update."""
         return Setpoint((self.spec.joint,), (self._hold,), self._select, self._state)
 
     def stop(self) -> None:
-        """End an active goal as PREEMPTED; the controller is dropped after that."""
         self._finish(GoalStatus.PREEMPTED)
 
     def _finish(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
@@ -11,7 +12,7 @@ from tool0.description.model import Interface
 from tool0.description.yaml_tree import YamlEntry
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import JointState
 
 
 @final
@@ -66,11 +67,7 @@ class JointStateSpec:
     ) -> PublishedJointState:
         """Return the message to publish; extra joints keep their values from YAML.
 
-        Args:
-            joint_names: The joints of the other three, all of shape (n_joints,).
-            position: [rad | m]
-            velocity: [rad/s | m/s]
-            effort: [N·m | N]
+        All have shape (n_joints,), ordered as ``joint_names``.
         """
         picked = [joint_names.index(name) for name in self.joints]
         extra = self.extra_joints
@@ -157,3 +154,37 @@ def _extra_joint(entry: YamlEntry) -> ExtraJoint:
         velocity=joint.number("velocity", 0.0),
         effort=joint.number("effort", 0.0),
     )
+
+
+_ROUNDING = 1e-9
+"""[s] that sums of periods may differ from multiples of the tick."""
+
+_PAUSE = 0.5
+"""After so long a pause [s] no late publication is made up for: the publisher did not
+run.  ros_control forgets at every start."""
+
+
+@final
+class PublishRate:
+    """ros_control's rule: due once a period has passed; late ones are caught up."""
+
+    def __init__(self, rate: float) -> None:
+        """Take a rate [Hz]; 0 or less is never."""
+        self._period = 1.0 / rate if rate > 0.0 else math.inf
+        self._last = self._checked = -math.inf
+
+    def is_due(self, time: float) -> bool:
+        """Return whether to publish at ``time`` [s]; the first time always.
+
+        An instant is published once, though several snapshots may have it.
+        """
+        if not math.isfinite(self._period) or time == self._checked:
+            return False
+        pause, self._checked = time - self._checked, time
+        if pause < 0.0 or pause > max(_PAUSE, self._period):
+            self._last = time
+            return True
+        if time < self._last + self._period - _ROUNDING:
+            return False
+        self._last += self._period
+        return True

@@ -16,23 +16,26 @@ from tool0.control.goal import (
     Tolerance,
     TrajectoryTolerances,
 )
-from tool0.control.goal_check import check_names
+from tool0.control.goal_check import TrajectoryReplacement, check_names
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
+    Gains,
+    Pid,
     RobotJoints,
     controlled_joints,
     read_gains,
 )
-from tool0.control.pid import Gains, Pid
-from tool0.control.replacement import TrajectoryReplacement
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
-from tool0.control.segment import MotionPlan, shortest_turn
-from tool0.control.setpoint import Setpoint, joints_motion
-from tool0.control.spline import JointSpline, hold
-from tool0.control.trajectory import JointsMotion, TrajectoryGoal
+from tool0.control.spline import JointSpline, MotionPlan, hold, shortest_turn
+from tool0.control.trajectory import (
+    JointsMotion,
+    Setpoint,
+    TrajectoryGoal,
+    joints_motion,
+)
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
-from tool0.hardware.joint_state import JointState, joint_selector
+from tool0.hardware.engine import JointState, joint_selector
 
 PREEMPTED = GoalResult(status=GoalStatus.PREEMPTED)
 
@@ -63,13 +66,11 @@ class JointTrajectorySpec:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joints it claims."""
         return tuple(joint.name for joint in self.joint_models)
 
     def start(
         self, indices: Sequence[int], state: JointState
     ) -> JointTrajectoryController:
-        """Return a controller that holds the measured positions."""
         return JointTrajectoryController(self, indices, state)
 
 
@@ -156,8 +157,10 @@ class JointTrajectoryController:
 
     # ---- requests, between ticks --------------------------------------------------
 
-    def follow(self, goal: TrajectoryGoal, now: float) -> Goal:
+    def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
         """Replace what is done by ``goal`` and return its handle, or reject it.
+
+        A plan starts with the desired motion ``now``.
 
         Raises:
             GoalRejectedError: With ROS's code; what ran before goes on untouched.
@@ -166,26 +169,12 @@ class JointTrajectoryController:
         self._accept(goal, now, handle)
         return handle
 
-    def command(self, goal: TrajectoryGoal, now: float) -> None:
+    def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
         """Replace what is done by ``goal``, without tolerances, or reject it.
 
         The topic ``~/command`` of ROS: nobody hears whether it arrives.
         """
         self._accept(goal, now, None)
-
-    def follow_plan(self, plan: MotionPlan, now: float) -> Goal:
-        """Replace what is done by a plan that starts with the desired motion ``now``.
-
-        Raises:
-            GoalRejectedError: If no joint can move so; what ran before goes on.
-        """
-        handle = Goal(self.spec.name)
-        self._accept_plan(plan, now, handle)
-        return handle
-
-    def command_plan(self, plan: MotionPlan, now: float) -> None:
-        """Replace what is done by such a plan, without tolerances, or reject it."""
-        self._accept_plan(plan, now, None)
 
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
@@ -194,38 +183,28 @@ class JointTrajectoryController:
             self._end_goal(PREEMPTED)
 
     def stop(self) -> None:
-        """End an active goal as PREEMPTED; the controller is dropped after that."""
         self._end_goal(PREEMPTED)
 
-    def _accept(self, goal: TrajectoryGoal, now: float, handle: Goal | None) -> None:
-        spec = self.spec
-        names = check_names(
-            goal, spec.joints, allow_partial=spec.allow_partial_joints_goal
-        )
-        if goal.points:
-            running = self._sampler.splines
-            splines = self._replacement.by_goal(running, goal, names, now, handle)
-        else:
-            splines = self._stop_splines(now, handle)
-        self._replace(splines, now, handle, goal.goal_time_tolerance)
-
-    def _accept_plan(self, plan: MotionPlan, now: float, handle: Goal | None) -> None:
-        running = self._sampler.splines
-        splines = self._replacement.by_plan(running, plan, now, handle)
-        self._replace(splines, now, handle, None)
-
-    def _replace(
-        self,
-        splines: list[JointSpline],
-        now: float,
-        handle: Goal | None,
-        goal_time: float | None,
+    def _accept(
+        self, goal: TrajectoryGoal | MotionPlan, now: float, handle: Goal | None
     ) -> None:
+        spec, running, goal_time = self.spec, self._sampler.splines, None
+        if isinstance(goal, TrajectoryGoal):
+            names = check_names(
+                goal, spec.joints, allow_partial=spec.allow_partial_joints_goal
+            )
+            goal_time = goal.goal_time_tolerance
+            if goal.points:
+                splines = self._replacement.by_goal(running, goal, names, now, handle)
+            else:
+                splines = self._stop_splines(now, handle)
+        else:
+            splines = self._replacement.by_plan(running, goal, now, handle)
         self._end_goal(PREEMPTED)
         self._sampler = TrajectorySampler(splines, now)
         if handle is not None:
-            grace = self.spec.tolerances.goal_time_with(goal_time)
-            self._monitor = GoalMonitor(handle, self.spec.joints, grace)
+            grace = spec.tolerances.goal_time_with(goal_time)
+            self._monitor = GoalMonitor(handle, spec.joints, grace)
             self._monitor.watch(self._sampler, now)
 
     def _stop_splines(self, now: float, handle: Goal | None) -> list[JointSpline]:
@@ -243,7 +222,6 @@ class JointTrajectoryController:
         return joints_motion(self._sampler.samples(time))
 
     def setpoint(self) -> Setpoint:
-        """Return desired and measured motion, as a value that later ticks leave be."""
         return Setpoint(
             self.spec.joint_models, self._sampler.splines, self._select, self._state
         )

@@ -8,13 +8,15 @@ from typing import final
 
 from tool0.control.config import (
     NOT_ENFORCED,
+    TYPES,
     ControllerConfig,
     joint_limit_parameters,
+    parameters_of,
+    readers_of,
+    siblings,
 )
-from tool0.control.controller_types import TYPES, parameters_of, readers_of, siblings
 from tool0.control.parameters import joint_entries
 from tool0.description.finding import Finding
-from tool0.description.model import RobotModel
 from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import nearest_name
 
@@ -32,33 +34,21 @@ def gain_parameters() -> frozenset[str]:
 
 
 def lint(
-    config: ControllerConfig, model: RobotModel | None = None
+    config: ControllerConfig, joints: Collection[str] | None = None
 ) -> tuple[Finding, ...]:
     """Return what nothing reads, or does nothing, or is suspicious.
 
-    Args:
-        config: A person's parameters.
-        model: The robot, to find names of joints that it lacks.
+    ``joints`` are the robot's movable joints, if they are known.
     """
-    joints = None if model is None else [j.name for j in model.movable_joints]
-    return lint_joints(config, joints)
-
-
-def lint_joints(
-    config: ControllerConfig, joints: Collection[str] | None
-) -> tuple[Finding, ...]:
-    """Do as ``lint``, given the names of the robot's movable joints, if known."""
     findings = list(config.tree.findings)
     for name, entry in config.tree.root.children.items():
         if name not in config.names:
             findings += _lint_other(name, entry, joints)
         elif config.types[name] in TYPES:  # loading another type fails with a reason
             findings += _Controller(entry, config.types[name], joints).findings()
-    return tuple(sorted(findings, key=_place))
-
-
-def _place(finding: Finding) -> tuple[str, int]:
-    return str(finding.location.file), finding.location.line or 0
+    return tuple(
+        sorted(findings, key=lambda f: (str(f.location.file), f.location.line or 0))
+    )
 
 
 def _or_remove(near: str | None) -> str:

@@ -7,13 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from tool0.control.config import ControllerConfig
-from tool0.control.controller_types import Controller, ControllerSpec
+from tool0.control.config import Controller, ControllerConfig, ControllerSpec
 from tool0.control.parameters import RobotJoints
-from tool0.control.setpoint import Setpoint
+from tool0.control.trajectory import Setpoint
 from tool0.description.model import Joint
 from tool0.errors import ClaimError, ControlError, GoalRejectedError, did_you_mean
-from tool0.hardware.joint_state import JointState, as_slice
+from tool0.hardware.engine import JointState, as_slice
 from tool0.hardware.robot_hardware import RobotHardware
 
 
@@ -69,13 +68,7 @@ class ControllerManager:
         config: ControllerConfig,
         joints: Mapping[str, Joint],
     ) -> None:
-        """Load nothing yet.
-
-        Args:
-            hardware: What the controllers command.
-            config: The parameters of all controllers that can be loaded.
-            joints: The robot's joints, by name.
-        """
+        """Load nothing yet; ``config`` has the controllers that can be loaded."""
         self._hardware = hardware
         self._config = config
         self._robot = RobotJoints(joints, hardware.interfaces)
@@ -109,11 +102,7 @@ class ControllerManager:
     # ---- loading ------------------------------------------------------------------
 
     def load(self, name: str, config: ControllerConfig | None = None) -> None:
-        """Check a controller's parameters and keep it ready.
-
-        Args:
-            name: The controller.
-            config: What its parameters are taken from, instead of the manager's own.
+        """Check a controller's parameters, from the manager's config or this one.
 
         Raises:
             ControlError: If it is loaded already.
@@ -149,11 +138,7 @@ class ControllerManager:
     ) -> tuple[str, ...]:
         """Stop and start controllers at one instant; return why others were skipped.
 
-        Args:
-            start: Names of loaded controllers.
-            stop: Names of running controllers.
-            strictness: Whether to skip those that cannot be switched.
-            state: The measured state, which started controllers hold.
+        Started controllers hold the measured ``state``.
 
         Raises:
             ControlError: If it cannot be done; then nothing has changed.

@@ -1,16 +1,83 @@
-"""Reading typed values out of a controller's namespace."""
+"""Parameters of controllers: joints, and PID gains with the law that uses them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from tool0.control.pid import Gains
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_tree import YamlEntry
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean, nearest_name
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gains:
+    """Gains from joint units to command units.
+
+    As in control_toolbox, an integral without a clamp contributes nothing.
+    """
+
+    p: float
+    i: float = 0.0
+    d: float = 0.0
+    i_min: float = 0.0
+    """Least contribution of the integral, at most 0."""
+    i_max: float = 0.0
+    """Greatest contribution of the integral, at least 0."""
+    antiwindup: bool = False
+    """Clamp the integral itself, not only its contribution."""
+
+    def __post_init__(self) -> None:
+        if not all(map(math.isfinite, (self.p, self.i, self.d))):
+            raise ConfigError(f"gains must be finite numbers, got {self}")
+        if not self.i_min <= 0.0 <= self.i_max:
+            raise ConfigError(f"need i_min <= 0 <= i_max, got {self}")
+
+
+@final
+class Pid:
+    """Per joint: ``p e + clamp(i ∫e dt) + d de/dt``; no filter, no output clamp.
+
+    A period of zero gives 0 and leaves the integral.  The errors must be finite, which
+    the engine (DivergenceError) and the checks of goals and commands ensure.
+    """
+
+    __slots__ = ("_integrals", "_rows")
+
+    def __init__(self, gains: Sequence[Gains]) -> None:
+        self._rows = [
+            (k, g.p, g.i, g.d, g.i_min, g.i_max, g.antiwindup)
+            for k, g in enumerate(gains)
+        ]
+        self._integrals = [0.0] * len(self._rows)
+
+    def update(
+        self, errors: Sequence[float], error_rates: Sequence[float], period: float
+    ) -> list[float]:
+        """Return a command per joint."""
+        if not period > 0.0:
+            return [0.0] * len(self._rows)
+        integrals = self._integrals
+        commands: list[float] = []
+        for k, p, i, d, i_min, i_max, antiwindup in self._rows:
+            error = errors[k]
+            integrals[k] = integral = integrals[k] + period * error
+            term = i * integral
+            if term > i_max:
+                term = i_max
+                if antiwindup:
+                    integrals[k] = term / i
+            elif term < i_min:
+                term = i_min
+                if antiwindup:
+                    integrals[k] = term / i
+            commands.append(p * error + term + d * error_rates[k])
+        return commands
+
 
 INTERFACE_OF_PACKAGE = {
     "effort_controllers": Interface.EFFORT,
@@ -31,12 +98,7 @@ class RobotJoints:
 
     @staticmethod
     def assumed(names: Iterable[str], type_name: str) -> RobotJoints:
-        """Return joints that a controller of a type can command, for want of a robot.
-
-        Args:
-            names: The joints.
-            type_name: The controller's type; its package names the interface.
-        """
+        """Return joints that a controller of this type can command, without a robot."""
         package = type_name.partition("/")[0]
         interface = INTERFACE_OF_PACKAGE.get(package, Interface.EFFORT)
         joints = {
@@ -60,13 +122,9 @@ def joint_entries(controller: YamlEntry) -> list[YamlEntry]:
 def controlled_joint(
     robot: RobotJoints, name: str, interface: Interface | None, entry: YamlEntry
 ) -> Joint:
-    """Return the joint called ``name``, if a controller may command it.
+    """Return the joint called ``name``, if it takes ``interface``; None is any.
 
-    Args:
-        robot: Where the joint must be.
-        name: The joint.
-        interface: What it must take; None for any.
-        entry: Where a file names it, for messages.
+    ``entry`` is where a file names it, for messages.
     """
     joint = robot.joints.get(name)
     wanted = "any interface" if interface is None else f"'{interface.value}'"
@@ -121,10 +179,7 @@ def single_joint(
 def read_gains(parameters: Namespace, path: str, why: str) -> Gains:
     """Return the gains at ``path``; ``p`` is required, as in control_toolbox.
 
-    Args:
-        parameters: The controller's.
-        path: Such as ``gains/elbow_joint``.
-        why: Who needs them, for the message that they are missing.
+    ``why`` says who needs them, for the message that they are missing.
     """
     gains = parameters.namespace(path)
     if gains is None:

@@ -8,8 +8,14 @@ from operator import neg, sub
 from typing import final
 
 from tool0.control.goal import Goal, GoalResult, GoalStatus
-from tool0.control.segment import Polynomial, Sample, Segment, resting
-from tool0.control.spline import JointSpline, SplineSection
+from tool0.control.spline import (
+    JointSpline,
+    Polynomial,
+    Sample,
+    Segment,
+    SplineSection,
+    resting,
+)
 from tool0.errors import ControlError
 
 
@@ -112,13 +118,7 @@ class GoalMonitor:
     def __init__(
         self, goal: Goal, joint_names: tuple[str, ...], goal_time: float
     ) -> None:
-        """Begin with a goal.
-
-        Args:
-            goal: The goal.
-            joint_names: The joints of the sampler.
-            goal_time: Grace after the last point [s].
-        """
+        """Check the sampler's joints; ``goal_time`` [s] is grace after the end."""
         self.goal = goal
         self._joint_names = joint_names
         self._goal_time = goal_time
@@ -151,13 +151,7 @@ class GoalMonitor:
     def check(
         self, time: float, errors: list[float], rates: list[float]
     ) -> GoalResult | None:
-        """Return how the goal ends, or None while it goes on.
-
-        Args:
-            time: Of the errors [s].
-            errors: Desired minus measured positions [rad | m].
-            rates: Desired minus measured velocities [rad/s | m/s].
-        """
+        """Return how the goal ends by the errors at ``time``; None if it goes on."""
         if self._on_path and (
             self._checks_path_velocity or max(map(abs, errors)) > self._path_limit
         ):

@@ -1,15 +1,23 @@
-"""The robot as rigid bodies: fixed links merged into the movable link they ride on."""
+"""The robot as rigid bodies: their masses, and what loads and moves the joints.
+
+Fixed links are merged into the movable link they ride on.  Loads and the mass matrix
+need no engine: every joint is turned so that it acts along its own z axis; one pass
+from the root outwards places the bodies, and sums over what lies beyond a joint give
+its load.  It is needed every tick, so it is computed with plain floats: a pass over 12
+joints costs less than one NumPy call per joint would.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
 from tool0.description.model import Inertial, Joint, JointType, RobotModel
-from tool0.description.transform import pose_matrix
+from tool0.description.transform import Vector3, pose_matrix
 from tool0.errors import ModelError
 
 Matrix = np.ndarray
@@ -81,21 +89,29 @@ def moving_bodies(model: RobotModel) -> tuple[MovingBody, ...]:
         while (above := model.parent_joint.get(link)) and not above.is_movable:
             placement, link = pose_matrix(above.origin) @ placement, above.parent
         links = tuple(_fixed_links(model, joint.child, np.eye(4)))
-        parts = [
-            BodyInertia.of(inertial, frame)
-            for name, frame in links
-            if (inertial := model.link_by_name[name].inertial) is not None
-        ]
         bodies.append(
             MovingBody(
                 joint=joint,
                 parent=index[above.name] if above else -1,
                 placement=placement,
                 links=links,
-                inertia=BodyInertia.total(parts),
+                inertia=total_inertia(model, links),
             )
         )
     return tuple(bodies)
+
+
+def total_inertia(
+    model: RobotModel, links: Iterable[tuple[str, Matrix]]
+) -> BodyInertia:
+    """Return the inertia of links, given with their frames, in the frame of these."""
+    return BodyInertia.total(
+        [
+            BodyInertia.of(inertial, frame)
+            for name, frame in links
+            if (inertial := model.link_by_name[name].inertial) is not None
+        ]
+    )
 
 
 def check_masses(model: RobotModel, bodies: Sequence[MovingBody]) -> None:
@@ -124,3 +140,195 @@ def _fixed_links(
             below = frame @ pose_matrix(joint.origin)
             found.extend(_fixed_links(model, joint.child, below))
     return found
+
+
+STANDARD_GRAVITY: Vector3 = (0.0, 0.0, -9.81)
+"""Acceleration of free fall [m/s²], as MuJoCo has it by default; Gazebo has 9.8."""
+
+
+@final
+class JointDynamics:
+    """Gravity and spring load and mass matrix, mimic joints counted to their master.
+
+    Passive joints are, too: while nothing touches their linkage, they do mimic.
+    """
+
+    def __init__(self, model: RobotModel, gravity: Vector3 = STANDARD_GRAVITY) -> None:
+        """Take the robot's figures; ``gravity`` [m/s²] is in the axes of its root."""
+        bodies = moving_bodies(model)
+        self._n = len(bodies)
+        self._gravity = math.hypot(*gravity)
+        # Seen from a root that is turned so, things fall along -z.
+        upright = _upright(gravity)
+        index = {body.joint.name: i for i, body in enumerate(bodies)}
+        self._parent = [body.parent for body in bodies]
+        self._prismatic = [b.joint.type is JointType.PRISMATIC for b in bodies]
+        self._masters = [_master(model, body.joint, index) for body in bodies]
+        self._springs = [
+            (i, *self._masters[i], spring.stiffness, spring.reference)
+            for i, body in enumerate(bodies)
+            if (spring := body.joint.spring) is not None
+        ]
+        self._armature = [
+            transmission.armature if transmission else 0.0
+            for body in bodies
+            for transmission in [model.transmission_by_joint.get(body.joint.name)]
+        ]
+        # Turn each body's frame so that its joint acts along z.
+        turns = [turn_z_to(body.joint.axis) for body in bodies]
+        self._placement: list[tuple[float, ...]] = []
+        self._mass: list[float] = []
+        self._center: list[tuple[float, float, float]] = []
+        self._tensor: list[Matrix] = []
+        for body, turn in zip(bodies, turns, strict=True):
+            before = turns[body.parent].T if body.parent >= 0 else upright
+            rotation = before @ body.placement[:3, :3] @ turn
+            offset = before @ body.placement[:3, 3]
+            self._placement.append((*rotation.T.ravel().tolist(), *offset.tolist()))
+            self._mass.append(body.inertia.mass)
+            x, y, z = (turn.T @ body.inertia.center).tolist()
+            self._center.append((x, y, z))
+            self._tensor.append(turn.T @ body.inertia.tensor @ turn)
+
+    def static_effort(self, position: Sequence[float]) -> list[float]:
+        """Return the effort that balances gravity and springs, shape (n_joints,).
+
+        [N·m | N], such that nothing moves.
+
+        ``position`` is in the order of the model's movable joints.
+        """
+        frames = self.frames(position)
+        mass = self._mass.copy()
+        moment_x = [0.0] * self._n  # Σ m x and Σ m y of all that a joint carries [kg·m]
+        moment_y = [0.0] * self._n
+        for i, (frame, center) in enumerate(zip(frames, self._center, strict=True)):
+            cx, cy, cz = center
+            m = mass[i]
+            moment_x[i] = m * (frame[0] * cx + frame[3] * cy + frame[6] * cz + frame[9])
+            moment_y[i] = m * (
+                frame[1] * cx + frame[4] * cy + frame[7] * cz + frame[10]
+            )
+        effort = [0.0] * self._n
+        g = self._gravity
+        for i in range(self._n - 1, -1, -1):
+            frame, parent = frames[i], self._parent[i]
+            if self._prismatic[i]:
+                load = g * mass[i] * frame[8]
+            else:  # the height's derivative: z of (axis cross lever)
+                lever_x = moment_x[i] - mass[i] * frame[9]
+                lever_y = moment_y[i] - mass[i] * frame[10]
+                load = g * (frame[6] * lever_y - frame[7] * lever_x)
+            master, multiplier = self._masters[i]
+            effort[master] += multiplier * load
+            if parent >= 0:
+                mass[parent] += mass[i]
+                moment_x[parent] += moment_x[i]
+                moment_y[parent] += moment_y[i]
+        for i, master, multiplier, stiffness, reference in self._springs:
+            effort[master] += multiplier * stiffness * (position[i] - reference)
+        return effort
+
+    def mass_matrix(self, position: Sequence[float]) -> Matrix:
+        """Return the mass matrix [kg·m² | kg], shape (n_joints, n_joints).
+
+        At ``position``, with the rotors' inertia; rows of mimic joints are 0.
+        """
+        frames = np.array(self.frames(position)).reshape(-1, 12)
+        axes, origins = frames[:, 6:9], frames[:, 9:12]
+        matrix = np.diag(self._armature)
+        for body in range(self._n):
+            rotation = frames[body, :9].reshape(3, 3).T
+            center = rotation @ np.array(self._center[body]) + origins[body]
+            linear = np.zeros((self._n, 3))  # the body's motion per joint velocity
+            angular = np.zeros((self._n, 3))
+            joint = body
+            while joint >= 0:
+                master, multiplier = self._masters[joint]
+                axis = multiplier * axes[joint]
+                if self._prismatic[joint]:
+                    linear[master] += axis
+                else:
+                    linear[master] += np.cross(axis, center - origins[joint])
+                    angular[master] += axis
+                joint = self._parent[joint]
+            tensor = rotation @ self._tensor[body] @ rotation.T
+            matrix += self._mass[body] * linear @ linear.T
+            matrix += angular @ tensor @ angular.T
+        return matrix
+
+    def frames(self, position: Sequence[float]) -> list[tuple[float, ...]]:
+        """Return each body's axes x, y, z and origin in the root, 12 floats each.
+
+        Where gravity is not along -z, in the root turned so that it is.
+        """
+        frames: list[tuple[float, ...]] = []
+        cos, sin = math.cos, math.sin
+        for i, place in enumerate(self._placement):
+            ax, ay, az, bx, by, bz, cx, cy, cz, px, py, pz = place
+            parent = self._parent[i]
+            if parent >= 0:
+                (r0, r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11) = frames[parent]
+                ax, ay, az = (
+                    r0 * ax + r3 * ay + r6 * az,
+                    r1 * ax + r4 * ay + r7 * az,
+                    r2 * ax + r5 * ay + r8 * az,
+                )
+                bx, by, bz = (
+                    r0 * bx + r3 * by + r6 * bz,
+                    r1 * bx + r4 * by + r7 * bz,
+                    r2 * bx + r5 * by + r8 * bz,
+                )
+                cx, cy, cz = (
+                    r0 * cx + r3 * cy + r6 * cz,
+                    r1 * cx + r4 * cy + r7 * cz,
+                    r2 * cx + r5 * cy + r8 * cz,
+                )
+                px, py, pz = (
+                    r0 * px + r3 * py + r6 * pz + r9,
+                    r1 * px + r4 * py + r7 * pz + r10,
+                    r2 * px + r5 * py + r8 * pz + r11,
+                )
+            q = position[i]
+            if self._prismatic[i]:
+                px, py, pz = px + q * cx, py + q * cy, pz + q * cz
+            else:
+                c, s = cos(q), sin(q)
+                ax, ay, az, bx, by, bz = (
+                    c * ax + s * bx,
+                    c * ay + s * by,
+                    c * az + s * bz,
+                    c * bx - s * ax,
+                    c * by - s * ay,
+                    c * bz - s * az,
+                )
+            frames.append((ax, ay, az, bx, by, bz, cx, cy, cz, px, py, pz))
+        return frames
+
+
+def _master(
+    model: RobotModel, joint: Joint, index: dict[str, int]
+) -> tuple[int, float]:
+    """Return the joint that drives ``joint`` and how fast it turns against it."""
+    multiplier = 1.0
+    while joint.mimic is not None:
+        multiplier *= joint.mimic.multiplier
+        joint = model.joint_by_name[joint.mimic.joint]
+    return index[joint.name], multiplier
+
+
+def _upright(gravity: Vector3) -> Matrix:
+    """Return the turn, shape (3, 3), after which ``gravity`` points along -z."""
+    x, y, z = gravity
+    if x == y == 0.0 and z <= 0.0:
+        return np.eye(3)
+    g = math.hypot(x, y, z)
+    return turn_z_to((-x / g, -y / g, -z / g)).T
+
+
+def turn_z_to(axis: Sequence[float]) -> Matrix:
+    """Return a rotation, shape (3, 3), whose third column is the unit ``axis``."""
+    z = np.asarray(axis, dtype=float)
+    helper = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = np.cross(helper, z)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])

@@ -1,14 +1,57 @@
-"""The interface to a physics engine: its joints, and the world around the robot."""
+"""The interface to a physics engine, and the checks that every engine makes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol, final
+from operator import itemgetter
+from typing import NamedTuple, Protocol, final
 
 from tool0.description.scene import SceneObject
 from tool0.description.transform import Vector3
-from tool0.hardware.joint_state import JointState
+from tool0.errors import ConfigError, DivergenceError, EngineError, did_you_mean
+
+
+class JointState(NamedTuple):
+    """The measured state of every movable joint at one instant.
+
+    Lists have shape (n_joints,), ordered as the engine's ``joint_names``.  A named
+    tuple of plain lists: the tick makes one a thousand times a second, and plain
+    floats are what Python computes with fastest.
+    """
+
+    time: float
+    """Simulated time [s]."""
+    position: list[float]
+    """[rad], or [m] for a prismatic joint."""
+    velocity: list[float]
+    """[rad/s] or [m/s]."""
+    effort: list[float]
+    """Last applied effort [N·m] or [N]."""
+
+
+JointSelector = Callable[[list[float]], Sequence[float]]
+"""Takes some joints out of a list of all joints."""
+
+
+def joint_selector(indices: Sequence[int]) -> JointSelector:
+    """Return the function that takes ``indices`` out of a list.
+
+    It runs in C: a slice where the joints stand side by side, as they mostly do.
+    """
+    run = as_slice(indices)
+    if run is not None:
+        return itemgetter(run)
+    return itemgetter(*indices)
+
+
+def as_slice(indices: Sequence[int]) -> slice | None:
+    """Return the slice that is ``indices``, or None if they do not stand in a row."""
+    first = indices[0] if indices else 0
+    if list(indices) == list(range(first, first + len(indices))):
+        return slice(first, first + len(indices))
+    return None
 
 
 @final
@@ -155,3 +198,53 @@ class Engine(Protocol):
 
     def close(self) -> None:
         """End the engine and what it started; closing twice is allowed."""
+
+
+def check_dt(dt: float) -> None:
+    """Raise ConfigError unless ``dt`` [s] can be the length of a step."""
+    if not 0.0 < dt < math.inf:
+        raise ConfigError(f"the step must be above 0 s and finite, got {dt}")
+
+
+def effort_divergence(
+    joint_names: Sequence[str], effort: Sequence[float], time: float
+) -> DivergenceError:
+    """Return the error for efforts [N·m | N] whose sum is not finite."""
+    worst = next((i for i, u in enumerate(effort) if not math.isfinite(u)), 0)
+    return DivergenceError(joint_names[worst], time, "effort")
+
+
+def check_new_name(objects: Mapping[str, SceneObject], name: str) -> None:
+    """Raise EngineError if there is an object ``name`` already."""
+    if name in objects:
+        raise EngineError(
+            f"there is an object '{name}' already; "
+            "remove it first, or take another name"
+        )
+
+
+def find_object(objects: Mapping[str, SceneObject], name: str) -> SceneObject:
+    """Return the object ``name``, or raise EngineError if there is none."""
+    if name not in objects:
+        hint = did_you_mean(name, set(objects))
+        raise EngineError(f"there is no object '{name}'{hint}")
+    return objects[name]
+
+
+def check_attachable(objects: Mapping[str, SceneObject], name: str) -> None:
+    """Raise EngineError unless there is an object ``name`` that can move."""
+    if find_object(objects, name).mass is None:
+        raise EngineError(
+            f"object '{name}' has no mass and is static; only a movable object can be "
+            "attached"
+        )
+
+
+def check_placement(objects: Mapping[str, SceneObject], state: ObjectState) -> None:
+    """Raise EngineError unless the object of ``state`` can have that velocity."""
+    item = find_object(objects, state.name)
+    if item.mass is None and any((*state.linear, *state.angular)):
+        raise EngineError(
+            f"object '{state.name}' has no mass and is static; "
+            "place it without a velocity"
+        )

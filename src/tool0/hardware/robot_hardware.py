@@ -2,6 +2,11 @@
 
 A joint is driven in one of three ways: by its controller's effort; by its controller's
 position or velocity, through a servo; or by the brake, when nobody claims it.
+
+Gazebo's position interface teleports the joint unless gains are given; ours never
+does.  A servo's effort is gravity compensation plus a PD law on the joint's own
+inertia, so that every joint answers alike whatever hangs on it, plus a slow integral
+against payloads.
 """
 
 from __future__ import annotations
@@ -11,14 +16,17 @@ from collections.abc import Mapping, Sequence
 from operator import mul, truediv
 from typing import final
 
-from tool0.description.model import Interface, JointLimits, RobotModel
+from tool0.description.model import Interface, JointLimits, RobotModel, SafetyController
 from tool0.description.transform import Vector3
 from tool0.errors import ModelError, did_you_mean
-from tool0.hardware.drive_limits import DriveLimits
-from tool0.hardware.joint_dynamics import STANDARD_GRAVITY, JointDynamics
-from tool0.hardware.joint_state import JointState
-from tool0.hardware.limits import EffortLimiter, EffortLimits
-from tool0.hardware.servo import Brake, PositionServo, Servo, VelocityServo
+from tool0.hardware.bodies import STANDARD_GRAVITY, JointDynamics
+from tool0.hardware.engine import JointState
+from tool0.hardware.limits import (
+    DriveLimits,
+    EffortLimiter,
+    EffortLimits,
+    velocity_window,
+)
 
 POSE_PERIOD = 64
 """Steps after which values that depend on the pose alone and need not be exact are
@@ -41,14 +49,10 @@ class RobotHardware:
         limits: Mapping[str, JointLimits] | None = None,
         gravity: Vector3 = STANDARD_GRAVITY,
     ) -> None:
-        """Build the drives.
+        """Build the drives of the engine's ``joint_names`` for steps of ``dt`` [s].
 
-        Args:
-            model: The robot.
-            joint_names: The engine's joints, in its order.
-            dt: The engine's step [s].
-            limits: Limits that replace those of the URDF, by joint.
-            gravity: In the axes of the robot's root [m/s²].
+        ``limits``, by joint, replace those of the URDF; ``gravity`` [m/s²] is in the
+        axes of the robot's root.
         """
         overrides = dict(limits or {})
         for name in overrides:
@@ -236,3 +240,110 @@ class RobotHardware:
             (i, matrix[row, rows].tolist())
             for i, row in zip(self._servos, rows, strict=True)
         ]
+
+
+BANDWIDTH = 80.0
+"""Natural frequency of a servo [rad/s]: 1 kHz steps are 12 times shorter."""
+DAMPING_RATIO = 1.0
+STIFF_BANDWIDTH = 200.0
+"""The same where the inertia of a known rotor leads, whatever the joint carries: a
+gripper squeezes with all its force from 5 mm on that are left to its target."""
+STOPPED = 0.005
+"""How far behind a stiff servo counts as stopped by something [rad | m]."""
+INTEGRAL_RATE = 4.0
+"""How fast a constant disturbance is taken over by the integral [1/s]."""
+STANDSTILL = 0.02
+"""Slowest motion that a brake does not call rest [rad/s | m/s]."""
+
+
+@final
+class PositionServo:
+    """Drives one joint to a position, no faster than its limits allow."""
+
+    def __init__(
+        self,
+        position: float,
+        limits: JointLimits,
+        soft: SafetyController | None = None,
+        *,
+        is_stiff: bool = False,
+    ) -> None:
+        self._limits = limits
+        self._soft = soft
+        self._is_stiff = is_stiff
+        self._bandwidth = STIFF_BANDWIDTH if is_stiff else BANDWIDTH
+        self._target = limits.clamp(position)
+        self._integral = 0.0  # [1/s²], an acceleration
+        self.speed = math.inf
+        """Largest speed below the limits, as a goal may say [rad/s | m/s]."""
+
+    def acceleration(
+        self, command: float, position: float, velocity: float, dt: float
+    ) -> float:
+        """Return the acceleration for ``command`` [rad/s² | m/s²]."""
+        previous = self._target
+        lag = previous - position
+        is_stopped = self._is_stiff and abs(lag) > STOPPED
+        if is_stopped and (command - position) * lag < 0.0:
+            previous = position  # to let go, it need not come back first
+        slowest, fastest = velocity_window(previous, self._limits, self._soft)
+        slowest, fastest = max(slowest, -self.speed), min(fastest, self.speed)
+        step = min(max(command - previous, slowest * dt), fastest * dt)
+        self._target = target = self._limits.clamp(previous + step)
+        error = target - position
+        stiffness = self._bandwidth**2
+        if is_stopped:
+            self._integral = 0.0  # an obstacle is no load
+        else:
+            self._integral += stiffness * INTEGRAL_RATE * error * dt
+        speed_error = (target - previous) / dt - velocity
+        return (
+            stiffness * error
+            + 2.0 * DAMPING_RATIO * self._bandwidth * speed_error
+            + self._integral
+        )
+
+
+@final
+class VelocityServo:
+    """Drives one joint at a velocity."""
+
+    def __init__(
+        self, limits: JointLimits, soft: SafetyController | None = None
+    ) -> None:
+        self._limits = limits
+        self._soft = soft
+        self._integral = 0.0  # [rad/s² | m/s²]
+
+    def acceleration(
+        self, command: float, position: float, velocity: float, dt: float
+    ) -> float:
+        slowest, fastest = velocity_window(position, self._limits, self._soft)
+        error = min(max(command, slowest), fastest) - velocity
+        gain = 2.0 * DAMPING_RATIO * BANDWIDTH
+        self._integral += gain * INTEGRAL_RATE * error * dt
+        return gain * error + self._integral
+
+
+@final
+class Brake:
+    """Slows one joint to rest and then keeps it where it came to rest."""
+
+    def __init__(self) -> None:
+        # With an integral: a payload must not keep the joint creeping.
+        self._slow = VelocityServo(JointLimits())
+        self._hold: tuple[PositionServo, float] | None = None
+
+    def acceleration(
+        self, command: float, position: float, velocity: float, dt: float
+    ) -> float:
+        """Return the braking acceleration [rad/s² | m/s²]; ``command`` is not read."""
+        if self._hold is None:
+            if abs(velocity) > STANDSTILL:
+                return self._slow.acceleration(0.0, position, velocity, dt)
+            self._hold = PositionServo(position, JointLimits()), position
+        servo, held_at = self._hold
+        return servo.acceleration(held_at, position, velocity, dt)
+
+
+Servo = PositionServo | VelocityServo | Brake

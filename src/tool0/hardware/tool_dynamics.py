@@ -20,18 +20,17 @@ import numpy as np
 from tool0.description.model import JointType, RobotModel
 from tool0.description.transform import Vector3
 from tool0.hardware.bodies import (
+    STANDARD_GRAVITY,
     BodyInertia,
+    JointDynamics,
     Matrix,
     MovingBody,
     fixed_to_world,
     moving_bodies,
-)
-from tool0.hardware.engine import Contact
-from tool0.hardware.joint_dynamics import (
-    STANDARD_GRAVITY,
-    JointDynamics,
+    total_inertia,
     turn_z_to,
 )
+from tool0.hardware.engine import Contact
 
 Frame = tuple[float, ...]
 """Axes x, y, z and origin, 12 floats."""
@@ -91,12 +90,10 @@ class ToolDynamics:
         self._parts = [
             _as_part(i, inertia, turns[i])
             for i, body in enumerate(bodies)
-            if (inertia := self._inertia(model, body)).mass > 0.0
+            if (inertia := self._inertia(model, body.links)).mass > 0.0
         ]
         if self._carrier < 0:
-            still = BodyInertia.total(
-                _inertias(model, fixed_to_world(model), self.links)
-            )
+            still = self._inertia(model, fixed_to_world(model))
             self._parts.append(_as_part(-1, still, turns[-1]))
 
     def wrench(
@@ -146,8 +143,11 @@ class ToolDynamics:
         force, torque = (fx, fy, fz), (tx, ty, tz)
         return (*_rotate_back(flange, force), *_rotate_back(flange, torque))
 
-    def _inertia(self, model: RobotModel, body: MovingBody) -> BodyInertia:
-        return BodyInertia.total(_inertias(model, body.links, self.links))
+    def _inertia(
+        self, model: RobotModel, links: Iterable[tuple[str, Matrix]]
+    ) -> BodyInertia:
+        """Return the inertia of those of ``links`` that are beyond the flange."""
+        return total_inertia(model, [link for link in links if link[0] in self.links])
 
     def _motions(
         self,
@@ -255,17 +255,6 @@ def _find_body(
             if name == link:
                 return i, frame
     return -1, dict(fixed_to_world(model))[link]
-
-
-def _inertias(
-    model: RobotModel, links: Iterable[tuple[str, Matrix]], wanted: frozenset[str]
-) -> list[BodyInertia]:
-    return [
-        BodyInertia.of(inertial, frame)
-        for name, frame in links
-        if name in wanted
-        and (inertial := model.link_by_name[name].inertial) is not None
-    ]
 
 
 def _as_part(body: int, inertia: BodyInertia, turn: Matrix) -> _Part:

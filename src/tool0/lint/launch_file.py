@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import final
 from xml.parsers import expat
 
-from tool0.control.config import ControllerConfig
-from tool0.control.controller_types import TYPES, parameters_of
+from tool0.control.config import TYPES, ControllerConfig, parameters_of
 from tool0.control.parameters import joint_entries
 from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.yaml_tree import Tree

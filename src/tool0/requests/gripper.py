@@ -11,7 +11,7 @@ from msgspec import Meta
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError, ModelError
-from tool0.hardware.drive_limits import DriveLimits
+from tool0.hardware.limits import DriveLimits
 from tool0.requests.motion import GoalStarted, follow, started
 from tool0.requests.table import Name, Request, handles
 from tool0.runtime.gripper_motion import opening_motion

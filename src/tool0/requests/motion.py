@@ -6,8 +6,7 @@ from typing import Annotated, Generic
 
 from msgspec import Meta, Struct, field
 
-from tool0.control.config import ControllerConfig
-from tool0.control.controller_types import ControllerSpec
+from tool0.control.config import ControllerConfig, ControllerSpec
 from tool0.control.goal import Goal, GoalStatus, ToleranceOverride
 from tool0.control.manager import ControllerStatus, Strictness
 from tool0.control.trajectory import (
@@ -17,7 +16,7 @@ from tool0.control.trajectory import (
     TrajectoryState,
 )
 from tool0.errors import ControlError
-from tool0.hardware.drive_limits import DriveLimits
+from tool0.hardware.limits import DriveLimits
 from tool0.requests.table import (
     JointPositions,
     Name,

@@ -103,7 +103,7 @@ def start_simulation(
         spawn_z=simulation.spawn_z,
         cameras=cameras,
         ground=engine.world.ground,
-        warnings=lint(config, model),
+        warnings=lint(config, [joint.name for joint in model.movable_joints]),
     )
 
 
@@ -165,7 +165,7 @@ def _hardware(
 ) -> tuple[RobotHardware, ControllerManager]:
     """Return the robot's hardware and its controllers, with the limits of the YAML."""
     overrides = {
-        name: limits.over(model.joint(name).limits)
+        name: replace(model.joint(name).limits, **limits)
         for name, limits in config.joint_limits().items()
     }
     hardware = RobotHardware(

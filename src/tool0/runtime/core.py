@@ -16,14 +16,13 @@ from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, did_you_mean
-from tool0.hardware.drive_limits import DriveLimits
-from tool0.hardware.engine import Engine
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import Engine, JointState
+from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.joint_motion import joints_by_controller, planned_motion
 from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
-from tool0.sensing.grasp_assist import GraspAssist
+from tool0.sensing.grasp import GraspAssist
 
 C = TypeVar("C")
 
@@ -128,7 +127,7 @@ class Core:
         for name, targets in moves.items():
             self._note_command(name, targets)
         return tuple(
-            self._started(trajectory.follow_plan(plan, self.time))
+            self._started(trajectory.follow(plan, self.time))
             for trajectory, plan in planned
         )
 
@@ -171,7 +170,7 @@ class Core:
         """Replace a controller's motion by a smooth one, without a goal."""
         trajectory = self._drivable(controller, JointTrajectoryController)
         plan = planned_motion(trajectory, positions, speed=speed, now=self.time)
-        trajectory.command_plan(plan, self.time)
+        trajectory.command(plan, self.time)
         self._note_command(controller, positions)
 
     def command_gripper(

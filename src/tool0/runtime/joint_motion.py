@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from tool0.control.goal_check import ROUNDING, check_position
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
-from tool0.control.segment import Motion, MotionPlan, shortest_turn
+from tool0.control.spline import Motion, MotionPlan, shortest_turn
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
 from tool0.errors import ControlError, GoalRejectedError, did_you_mean

@@ -22,7 +22,7 @@ from tool0.control.goal import Goal
 from tool0.errors import ControlError, EngineError
 from tool0.runtime.bus import Bus, Faulted, GoalFinished, Overran, WasReset
 from tool0.runtime.core import Core
-from tool0.sensing.grasp_assist import GraspAssist
+from tool0.sensing.grasp import GraspAssist
 from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 logger = logging.getLogger(__name__)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 import threading
 from collections import deque
@@ -14,8 +13,7 @@ from tool0.description.catalogue import RobotDescription
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.transform import Vector3
 from tool0.errors import ControlError
-from tool0.hardware.engine import Contact, Engine
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import Contact, Engine, JointState
 from tool0.hardware.tool_dynamics import ToolDynamics
 
 Contacts = Callable[[], tuple[Contact, ...]]
@@ -117,21 +115,23 @@ class ForceTorqueSensor:
         engine: Engine,
         *,
         ticks: int,
-        low_pass: Callable[[], LowPass],
+        rate: float,
+        cutoff: float,
     ) -> None:
         """Measure at ``link`` every few ``ticks``; it and all beyond it are the tool.
 
-        ``low_pass`` makes the filter, at the start and after a reset.
+        ``rate`` [Hz] is that of the samples, ``cutoff`` [Hz] that of the filter.
         """
         self.link = link
+        self.rate = rate
         self._dynamics = ToolDynamics(model, link, engine.world.gravity)
         names = engine.joint_names
         self._to_model = [names.index(joint.name) for joint in model.movable_joints]
         self._dt = engine.dt
         self._ticks = ticks
         self._left = ticks
-        self._low_pass = low_pass
-        self._filter = low_pass()
+        self._cutoff = cutoff
+        self._filter = LowPass(cutoff, rate)
         self._changed = threading.Condition()
         self._offset = [0.0] * 6
         self._last = (0.0, [0.0] * 6, [0.0] * 6)  # time, raw and filtered, unzeroed
@@ -150,7 +150,7 @@ class ForceTorqueSensor:
     ) -> None:
         """Sample at once with a new filter: at the start, and after a reset."""
         self._left = self._ticks
-        self._filter = self._low_pass()
+        self._filter = LowPass(self._cutoff, self.rate)
         self._sample(before, after, contacts())
 
     def zero(self) -> None:
@@ -235,7 +235,6 @@ class ForceTorqueSensors:
         self._stop_sampling = stop
         self._lock = threading.Lock()
         self._sensors: dict[str, ForceTorqueSensor] = {}
-        self._rates: dict[str, float] = {}
 
     def link(self, name: str | None) -> str:
         """Return the link to measure at: ``name``, or the robot's only ``tool0``.
@@ -258,7 +257,8 @@ class ForceTorqueSensors:
 
     def rate(self, link: str) -> float:
         """Return the samples per simulated second [Hz]; 0 while it is not started."""
-        return self._rates.get(link, 0.0)
+        sensor = self._sensors.get(link)
+        return 0.0 if sensor is None else sensor.rate
 
     def sensor(self, link: str) -> ForceTorqueSensor:
         """Return the sensor at ``link``, started with the defaults if need be."""
@@ -268,41 +268,35 @@ class ForceTorqueSensors:
     def start(self, link: str, rate: float | None, cutoff: float) -> float:
         """Start to sample without tare, again if it is running; return the rate [Hz].
 
-        Args:
-            link: The link that carries the tool.
-            rate: Samples per simulated second [Hz], 50 … 1000 and a divisor of the
-                control rate; None for 125 or the next divisor below.
-            cutoff: Of the low-pass filter [Hz].
+        A ``rate`` of None [Hz] is 125, or the next divisor of the control rate below.
 
         Raises:
             ControlError: If either is out of range.
         """
         with self._lock:
-            self._start(link, rate, cutoff)
-            return self._rates[link]
+            return self._start(link, rate, cutoff).rate
 
     def stop(self, link: str) -> None:
         """Stop to sample and forget the tare; stopping twice is allowed."""
         with self._lock:
             sensor = self._sensors.pop(link, None)
-            self._rates.pop(link, None)
             if sensor is not None:
                 self._stop_sampling(sensor)
 
     def _start(self, link: str, rate: float | None, cutoff: float) -> ForceTorqueSensor:
         ticks = _ticks_between_samples(rate, self._control_period)
-        exact = 1.0 / (ticks * self._control_period)
         sensor = ForceTorqueSensor(
             self._model,
             link,
             self._engine,
             ticks=ticks,
-            low_pass=functools.partial(LowPass, cutoff, exact),
+            rate=1.0 / (ticks * self._control_period),
+            cutoff=cutoff,
         )
         if link in self._sensors:
             self._stop_sampling(self._sensors[link])
         self._start_sampling(sensor)
-        self._sensors[link], self._rates[link] = sensor, exact
+        self._sensors[link] = sensor
         return sensor
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, final
 
 from tool0.control.manager import ControllerStatus
-from tool0.control.setpoint import Setpoint
+from tool0.control.trajectory import Setpoint
 from tool0.description.scene import SceneObject
 from tool0.hardware.engine import ObjectState
 

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -6,12 +7,16 @@ from raises_naming import raises_naming
 from toy_robot import ARM, JOINTS
 from ur5_rig import ARM_JOINTS, POST, POST_GRIPPER
 
-from tool0.control.config import ControllerConfig, joint_limit_parameters
-from tool0.control.controller_types import TYPES, parameters_of, readers_of
+from tool0.control.config import (
+    TYPES,
+    ControllerConfig,
+    joint_limit_parameters,
+    parameters_of,
+    readers_of,
+)
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_trajectory import JointTrajectorySpec
-from tool0.control.parameters import RobotJoints
-from tool0.control.pid import Gains
+from tool0.control.parameters import Gains, RobotJoints
 from tool0.description.catalogue import assemble
 from tool0.description.model import Interface, JointLimits
 from tool0.errors import ConfigError, SourceLocation
@@ -176,11 +181,11 @@ joint_limits:
 """
     ).joint_limits()
     urdf = JointLimits(lower=-6.0, upper=6.0, velocity=3.0, effort=50.0)
-    assert limits["hip"].over(urdf) == JointLimits(
+    assert replace(urdf, **limits["hip"]) == JointLimits(
         lower=-6.0, upper=6.0, velocity=2.0, effort=50.0
     )
-    assert limits["slide"].over(urdf).lower == -1.0
-    assert limits["wheel"].over(urdf).effort == math.inf
+    assert limits["slide"]["lower"] == -1.0
+    assert limits["wheel"]["effort"] == math.inf
     assert from_text("").joint_limits() == {}
     assert from_text("").names == ()
 

@@ -8,13 +8,14 @@ from tool0.description.catalogue import assemble
 from tool0.description.model import RobotModel
 
 TOY = RobotModel(name="toy", root="x", links=(), joints=tuple(JOINTS.values()))
-UR5 = assemble().model
+UR5 = [joint.name for joint in assemble().model.movable_joints]
 Found = dict[str, tuple[str, str]]
 
 
 def found(text: str, robot: RobotModel | None = TOY) -> Found:
     """Return rule and remedy of each finding, by key."""
-    findings = lint(ControllerConfig.from_text(text), robot)
+    joints = None if robot is None else [j.name for j in robot.movable_joints]
+    findings = lint(ControllerConfig.from_text(text), joints)
     return {item.key: (item.rule, item.remedy) for item in findings}
 
 

@@ -7,7 +7,7 @@ from toy_robot import DT, ToyRobot
 from tool0.control.goal import GoalStatus
 from tool0.description.model import Interface, ParallelGripper
 from tool0.errors import GoalRejectedError
-from tool0.hardware.drive_limits import DriveLimits
+from tool0.hardware.limits import DriveLimits
 
 GRIPPER = """
 hand:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from toy_robot import ARM, ToyRobot
 
 from tool0.control import spline as spline_module
-from tool0.control.segment import Motion, Segment
+from tool0.control.spline import Motion, Segment
 from tool0.control.trajectory import BLOCK, MANY, TrajectoryGoal, TrajectoryPoint
 from tool0.errors import GoalRejectedError
 

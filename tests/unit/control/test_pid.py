@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tool0.control.pid import Gains, Pid
+from tool0.control.parameters import Gains, Pid
 from tool0.errors import ConfigError
 
 numbers = st.floats(-100.0, 100.0)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tool0.control.segment import (
+from tool0.control.spline import (
     Motion,
     Sample,
     Segment,

@@ -5,8 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tool0.control.sampler import TrajectorySampler
-from tool0.control.segment import Motion, Sample
-from tool0.control.spline import JointSpline, Knots, hold, stop
+from tool0.control.spline import JointSpline, Knots, Motion, Sample, hold, stop
 from tool0.errors import ControlError
 
 values = st.floats(-3.0, 3.0)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from tool0.control.config import ControllerConfig
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.model import Interface, Joint, JointLimits, JointType
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import JointState
 
 DT = 0.001
 

@@ -4,7 +4,7 @@ import pytest
 from machine import make_machine
 from promised import require_gl
 
-from tool0.engines.mujoco.probes import cameras
+from tool0.engines.mujoco.gl import cameras
 
 
 def test_whether_cameras_draw_is_tried(

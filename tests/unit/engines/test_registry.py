@@ -24,8 +24,7 @@ from tool0.engines.registry import (
     register_engine,
 )
 from tool0.errors import ConfigError, EngineError, EngineUnavailableError
-from tool0.hardware.engine import Contact, Engine, ObjectState
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import Contact, Engine, JointState, ObjectState
 
 
 @final

@@ -6,7 +6,7 @@ import pytest
 
 from tool0.description.model import RobotModel
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.hardware.joint_dynamics import JointDynamics
+from tool0.hardware.bodies import JointDynamics
 
 MASTERS = np.array(
     [[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0], [0, -0.5, 0]]

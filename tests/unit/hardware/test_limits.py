@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from tool0.description.catalogue import assemble
 from tool0.description.model import JointLimits, SafetyController
-from tool0.hardware.drive_limits import DriveLimits
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import JointState
 from tool0.hardware.limits import (
     STOP_TOLERANCE,
+    DriveLimits,
     EffortLimiter,
     EffortLimits,
     velocity_window,

@@ -7,8 +7,7 @@ from skew_robot import build_model
 from tool0.description.model import Interface, JointLimits, RobotModel
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import ModelError
-from tool0.hardware.engine import Engine
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import Engine, JointState
 from tool0.hardware.robot_hardware import RobotHardware
 
 POSES = [[0.0, 0.0, 0.0, 0.2], [1.5, -1.0, 0.1, 0.7], [-2.0, 2.0, -0.15, -0.8]]

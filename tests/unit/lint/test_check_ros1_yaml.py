@@ -6,7 +6,7 @@ import pytest
 import yaml
 from check_files import DATA, of_yaml, summary
 
-from tool0.control.controller_types import TYPES
+from tool0.control.config import TYPES
 from tool0.description.catalogue import assemble
 from tool0.description.xml_source import parse_text
 from tool0.lint.robot.elements import Tag

@@ -16,7 +16,7 @@ from tool0.errors import (
     ControlError,
     LimitsError,
 )
-from tool0.hardware.drive_limits import DriveLimits
+from tool0.hardware.limits import DriveLimits
 from tool0.runtime.core import Core
 
 

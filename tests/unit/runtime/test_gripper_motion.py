@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 import tool0
-from tool0.control.segment import Motion, Segment
+from tool0.control.spline import Motion, Segment
 from tool0.description.catalogue import assemble
 from tool0.runtime.gripper_motion import RAMP, opening_motion
 

@@ -7,8 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from tool0.control.segment import Motion, MotionPlan
-from tool0.control.spline import JointSpline, Knots, point_to_point
+from tool0.control.spline import JointSpline, Knots, Motion, MotionPlan, point_to_point
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import (
     DEFAULT_SLIDE_VELOCITY,

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from arm_rig import calibration, ur5
 
-from tool0.control.segment import Motion
-from tool0.control.spline import Knots, hold
+from tool0.control.spline import Knots, Motion, hold
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.transform import Pose, as_matrix
 from tool0.errors import ControlError, UnreachableError

@@ -18,7 +18,7 @@ from tool0.cli.pick_demo.monitor import GraspMonitor
 from tool0.control.goal import GoalStatus
 from tool0.description.transform import Transform, Vector3
 from tool0.errors import ControlError, ModelError, Tool0Error
-from tool0.hardware.drive_limits import DriveLimits
+from tool0.hardware.limits import DriveLimits
 from tool0.runtime.joint_motion import require_speed
 from tool0.sensing.grasp import grasp_frame
 from tool0.sensing.snapshot import Snapshot

@@ -12,7 +12,6 @@ from typing import final
 from tool0.description.catalogue import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.transform import Pose, pose_matrix
-from tool0.engines.checks import check_dt, effort_divergence
 from tool0.engines.gazebo.connection import (
     RequestKind,
     pack_floats,
@@ -28,14 +27,14 @@ from tool0.engines.gazebo.server import GazeboServer
 from tool0.engines.gazebo.world import GazeboServerWorld
 from tool0.errors import DivergenceError
 from tool0.hardware.bodies import check_masses, moving_bodies
-from tool0.hardware.joint_state import JointState
+from tool0.hardware.engine import JointState, check_dt, effort_divergence
 from tool0.installation.gazebo.installation import find_installation
 from tool0.installation.gazebo.plugin import bridge_libraries
 
 
 @final
 class GazeboEngine:
-    """One robot and its scene in a gzserver of its own, in lock step with the loop."""
+    """An ``Engine``: a gzserver of its own, in lock step with the loop."""
 
     name = "gazebo"
 
@@ -51,13 +50,7 @@ class GazeboEngine:
     ) -> None:
         """Start gzserver, and spawn the robot and its scene.
 
-        Args:
-            description: The robot.
-            dt: Length of a step [s].
-            spawn_z: Height of the robot's root above the world's origin [m].
-            scene: The objects around it.
-            world: A world file; an empty one with the ground at z = 0 if left out.
-            gui: Whether to open gzclient.
+        For the arguments see ``EngineSettings`` and ``GazeboEngineOptions``.
 
         Raises:
             EngineUnavailableError: If there is no Gazebo, or it does not start.
@@ -107,7 +100,6 @@ class GazeboEngine:
             failed.pop_all()
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Put joints at ``position`` [rad | m] and objects where they began."""
         self._finish_step()
         self._steps = round(time / self.dt)
         poses = body_poses(self._bodies, list(position))
@@ -121,7 +113,6 @@ class GazeboEngine:
         self._effort = [0.0] * len(self.joint_names)
 
     def read(self) -> JointState:
-        """Return the measured state, or raise DivergenceError."""
         if self._is_stepping:
             self._finish_step()
         values, n = self._state, len(self.joint_names)
@@ -132,7 +123,6 @@ class GazeboEngine:
         return JointState(time, list(values[:n]), list(values[n:]), self._effort)
 
     def write(self, effort: Sequence[float]) -> None:
-        """Hold ``effort`` [N·m | N] until the next call, or raise DivergenceError."""
         held = list(effort)
         if not math.isfinite(sum(held)):
             raise effort_divergence(self.joint_names, held, self._steps * self.dt)

@@ -12,16 +12,20 @@ import numpy as np
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
-from tool0.engines.checks import check_dt, effort_divergence
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.world import MujocoWorld
 from tool0.errors import ConfigError, DivergenceError, ModelError
-from tool0.hardware.joint_state import JointState, joint_selector
+from tool0.hardware.engine import (
+    JointState,
+    check_dt,
+    effort_divergence,
+    joint_selector,
+)
 
 
 @final
 class MujocoEngine:
-    """One robot and its scene in MuJoCo, on the ground, with explicit Euler steps."""
+    """An ``Engine``: MuJoCo with explicit Euler steps."""
 
     name = "mujoco"
 
@@ -61,13 +65,11 @@ class MujocoEngine:
         )
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Put joints at ``position`` [rad | m] and objects where they began."""
         self.world.reset(position, time)
         self._effort = [0.0] * len(self.joint_names)
         self._steps = round(time / self.dt)
 
     def read(self) -> JointState:
-        """Return the measured state, or raise DivergenceError."""
         position, velocity = self._position.tolist(), self._velocity.tolist()
         time = self._steps * self.dt
         if not math.isfinite(sum(velocity)):  # it makes the position infinite, too
@@ -77,7 +79,6 @@ class MujocoEngine:
         return JointState(time, position, velocity, self._effort)
 
     def write(self, effort: Sequence[float]) -> None:
-        """Hold ``effort`` [N·m | N] until the next call, or raise DivergenceError."""
         held = list(effort)
         if not math.isfinite(sum(held)):  # MuJoCo would go limp, and only log it
             raise effort_divergence(self.joint_names, held, self._steps * self.dt)
@@ -85,7 +86,6 @@ class MujocoEngine:
         self._pack(self._ctrl, 0, *self._motors(held))
 
     def step(self) -> None:
-        """Advance simulated time by ``dt``."""
         mujoco.mj_step(self.model, self.data)
         self._steps += 1
 

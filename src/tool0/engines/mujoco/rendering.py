@@ -76,15 +76,8 @@ class Renderer:
     ) -> Picture:
         """Return colours, depth, and the camera's optical frame in the robot's root.
 
-        Args:
-            camera: One of the robot's or any other.
-            position: Of every movable joint, by name [rad | m].
-            objects: The scene.
-            states: Those of the objects, in their order.
-
-        Returns:
-            Colours (height, width, 3) from 0 to 255, and depth (height, width): the
-            distance along the camera's z [m]; infinite where nothing is.
+        ``CameraImage`` describes the first two.  ``position`` [rad | m] is that of
+        every movable joint; ``states`` are those of the ``objects``, in their order.
 
         Raises:
             ModelError: If MuJoCo does not support an object.

@@ -1,35 +1,34 @@
-"""The objects around the robot in MuJoCo: states, spawning, attachments, contacts."""
+"""The world around the robot in MuJoCo: objects, attachments and contact forces."""
 
 from __future__ import annotations
 
 import itertools
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, final
 
 import mujoco
+import numpy as np
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
-from tool0.description.transform import Vector3
-from tool0.engines.checks import (
+from tool0.description.transform import Quaternion, Vector3
+from tool0.engines.mujoco.model import MIMIC_SOLIMP, MIMIC_SOLREF
+from tool0.engines.mujoco.objects import (
+    ObjectStates,
+    compile_with_scene,
+    free_joint_name,
+)
+from tool0.errors import EngineError
+from tool0.hardware.engine import (
+    Contact,
+    ObjectState,
     check_attachable,
     check_new_name,
     check_placement,
     find_object,
 )
-from tool0.engines.mujoco.contacts import (
-    Attachment,
-    add_attachments,
-    attachment_now,
-    attachment_points,
-    contact_points,
-    geom_owners,
-    merge_by_pair,
-)
-from tool0.engines.mujoco.objects import ObjectStates, compile_with_scene
-from tool0.errors import EngineError
-from tool0.hardware.engine import Contact, ObjectState
 
 logger = logging.getLogger(__name__)
 
@@ -39,7 +38,7 @@ OVERLAP_WARNING = 0.002
 
 @final
 class MujocoWorld:
-    """Owns the compiled model of robot and scene, and its data.
+    """A ``World`` that owns the compiled model of robot and scene, and its data.
 
     Objects and attachments are part of the model.  When one comes or goes the model is
     compiled again, which takes about 2 ms, and the state is transferred.
@@ -87,11 +86,9 @@ class MujocoWorld:
         self._warn_of_overlaps()
 
     def object_states(self) -> tuple[ObjectState, ...]:
-        """Return the current state of each object."""
         return self._states.read()
 
     def spawn(self, item: SceneObject) -> None:
-        """Add an object, or raise ModelError or EngineError."""
         check_new_name(self._objects, item.name)
         scene = Scene((*self._scene.objects, item), self._scene.locations)
         self._recompile(scene, self._attached)
@@ -99,19 +96,16 @@ class MujocoWorld:
         self._warn_of_overlaps(of=item.name)
 
     def delete(self, name: str) -> None:
-        """Remove an object, or raise EngineError."""
         find_object(self._objects, name)
         left = tuple(item for item in self._scene.objects if item.name != name)
         self._recompile(Scene(left, self._scene.locations), self._attached_but(name))
 
     def place(self, state: ObjectState) -> None:
-        """Set an object's pose and velocity, or raise EngineError."""
         self.detach(state.name)
         check_placement(self._objects, state)
         self._states.place(state)
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Return the contacts of the last step, one item for each pair."""
         model, data = self._model, self._data
         if self._contacts[0] != data.time:
             points = itertools.chain(
@@ -122,7 +116,6 @@ class MujocoWorld:
         return self._contacts[1]
 
     def attach(self, name: str, link: str) -> None:
-        """Fix a movable object to a link, or raise ModelError or EngineError."""
         self._robot.link(link)
         check_attachable(self._objects, name)
         if name in self._attached:
@@ -134,7 +127,6 @@ class MujocoWorld:
         self._recompile(self._scene, {**self._attached, name: attachment})
 
     def detach(self, name: str) -> None:
-        """Release an object; one that is not attached is left alone."""
         if name in self._attached:
             self._recompile(self._scene, self._attached_but(name))
 
@@ -213,3 +205,156 @@ def _joint_names(model: Any) -> set[str]:
 
 def _body_names(model: Any) -> set[str]:
     return {model.body(i).name for i in range(model.nbody)}
+
+
+ContactPoint = tuple[Vector3, float, Vector3, Vector3]
+"""Its position, its weight in the mean, and the force and the torque there."""
+MIN_WEIGHT = 1e-12
+"""Keeps the mean point defined if the force is zero [N]."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Attachment:
+    """The pose of an object that is fixed to a link."""
+
+    link: str
+    body: str
+    """MuJoCo's body that the link is part of."""
+    position: Vector3
+    """Of the object, in the body [m]."""
+    quat_wxyz: Quaternion
+
+
+def attachment_now(model: Any, data: Any, name: str, link: str) -> Attachment:
+    """Return the attachment of object ``name`` to ``link`` at its current pose."""
+    mujoco.mj_kinematics(model, data)  # the frames are those before the last step
+    body = int(model.site(link).bodyid[0])
+    item = data.body(name)
+    inverse, inverse_quat = np.zeros(3), np.zeros(4)
+    mujoco.mju_negPose(inverse, inverse_quat, data.xpos[body], data.xquat[body])
+    position, quat = np.zeros(3), np.zeros(4)
+    mujoco.mju_mulPose(position, quat, inverse, inverse_quat, item.xpos, item.xquat)
+    x, y, z = position.tolist()
+    qw, qx, qy, qz = quat.tolist()
+    return Attachment(link, model.body(body).name, (x, y, z), (qw, qx, qy, qz))
+
+
+def add_attachments(spec: Any, attachments: Mapping[str, Attachment]) -> None:
+    """Add a weld for each attached object, by name, as stiff as mimic joints are."""
+    for name, attachment in attachments.items():
+        weld = spec.add_equality(
+            name=_weld_name(name),
+            type=mujoco.mjtEq.mjEQ_WELD,
+            objtype=mujoco.mjtObj.mjOBJ_BODY,
+            name1=attachment.body,
+            name2=name,
+            solref=MIMIC_SOLREF,
+            solimp=MIMIC_SOLIMP,
+        )
+        # Anchor in the object; pose of the object in the body; weight of rotation [m].
+        data = np.zeros_like(weld.data)
+        data[3:11] = *attachment.position, *attachment.quat_wxyz, 1.0
+        weld.data = data
+
+
+def attachment_points(
+    model: Any, data: Any, attachments: Mapping[str, Attachment]
+) -> Iterator[tuple[tuple[str, str], ContactPoint]]:
+    """Yield what each link exerted on its object in the last step, at its origin.
+
+    The weld acts on the object's free joint only, whose coordinates are a force in the
+    world's axes and a torque in the object's.
+    """
+    for name, attachment in attachments.items():
+        rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        rows &= data.efc_id == model.equality(_weld_name(name)).id
+        effort = np.zeros(model.nv)
+        mujoco.mj_mulJacTVec(model, data, effort, np.where(rows, data.efc_force, 0.0))
+        start = int(model.joint(free_joint_name(name)).dofadr[0])
+        force, torque = effort[start : start + 3], effort[start + 3 : start + 6]
+        item = data.body(name)
+        weight = max(float(np.linalg.norm(force)), MIN_WEIGHT)
+        torque = item.xmat.reshape(3, 3) @ torque
+        yield (
+            (attachment.link, name),
+            (_vector(item.xpos), weight, _vector(force), _vector(torque)),
+        )
+
+
+def _weld_name(name: str) -> str:
+    return f"{name}/attachment"  # no object's name has a slash
+
+
+def geom_owners(model: Any) -> tuple[str, ...]:
+    """Return the link or object that each geom belongs to, by the geom's number."""
+    return tuple(model.geom(i).name.partition("/")[0] for i in range(model.ngeom))
+
+
+def contact_points(
+    model: Any, data: Any, owners: Sequence[str]
+) -> Iterator[tuple[tuple[str, str], ContactPoint]]:
+    """Yield pairs in contact, and what the first exerts on the second at a point.
+
+    After ``mj_step``, ``data`` still has the contacts and forces of that step: only
+    position and velocity are newer.  Plain floats are the fastest here; a force-torque
+    sensor reads up to 1000 times a second.  ``owners`` has the name for each geom.
+    """
+    contacts = data.contact
+    wrench = np.zeros(6)
+    for i, ((one, two), frame, (x, y, z)) in enumerate(
+        zip(
+            contacts.geom.tolist(),
+            contacts.frame.tolist(),
+            contacts.pos.tolist(),
+            strict=True,
+        )
+    ):
+        mujoco.mj_contactForce(model, data, i, wrench)
+        # In the contact's frame, whose x points from the first shape to the second:
+        # a positive force pushes the second away.
+        fx, fy, fz, tx, ty, tz = wrench.tolist()
+        if fx:
+            force, torque = _rotated(frame, fx, fy, fz), _rotated(frame, tx, ty, tz)
+            yield (owners[one], owners[two]), ((x, y, z), fx, force, torque)
+
+
+def merge_by_pair(
+    points: Iterable[tuple[tuple[str, str], ContactPoint]],
+) -> tuple[Contact, ...]:
+    """Return each pair's points as one contact, whichever of the two came first."""
+    found: dict[tuple[str, str], list[ContactPoint]] = {}
+    for pair, point in points:
+        if pair[::-1] in found:
+            position, weight, (fx, fy, fz), (tx, ty, tz) = point
+            reversed_ = position, weight, (-fx, -fy, -fz), (-tx, -ty, -tz)
+            found[pair[::-1]].append(reversed_)
+        else:
+            found.setdefault(pair, []).append(point)
+    return tuple(_resultant(*pair, merged) for pair, merged in found.items())
+
+
+def _resultant(first: str, second: str, points: list[ContactPoint]) -> Contact:
+    total = sum(weight for _, weight, _, _ in points)
+    px = sum(weight * x for (x, _, _), weight, _, _ in points) / total
+    py = sum(weight * y for (_, y, _), weight, _, _ in points) / total
+    pz = sum(weight * z for (_, _, z), weight, _, _ in points) / total
+    fx = fy = fz = tx = ty = tz = 0.0
+    for (x, y, z), _, (ax, ay, az), (bx, by, bz) in points:
+        rx, ry, rz = x - px, y - py, z - pz
+        fx, fy, fz = fx + ax, fy + ay, fz + az
+        tx += bx + ry * az - rz * ay
+        ty += by + rz * ax - rx * az
+        tz += bz + rx * ay - ry * ax
+    return Contact(first, second, (px, py, pz), (fx, fy, fz), (tx, ty, tz))
+
+
+def _rotated(frame: list[float], x: float, y: float, z: float) -> Vector3:
+    """Return a vector in the axes of ``frame``, its rows, in those of the world."""
+    a, b, c, d, e, f, g, h, i = frame
+    return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
+
+
+def _vector(values: Any) -> Vector3:
+    x, y, z = values.tolist()
+    return x, y, z

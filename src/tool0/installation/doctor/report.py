@@ -32,7 +32,7 @@ PROBES: Final = {
     "panel": "tool0.interfaces.panel.probes",
     "browser": "tool0.interfaces.panel.probes",
     "gpu": "tool0.installation.doctor.probes",
-    "cameras": "tool0.engines.mujoco.probes",
+    "cameras": "tool0.engines.mujoco.gl",
     "gazebo": "tool0.installation.doctor.probes",
     "ros1": "tool0.installation.doctor.probes",
     "ros2": "tool0.installation.doctor.probes",

@@ -11,8 +11,7 @@ import yaml
 from controller_manager_msgs import msg, srv
 
 from tool0.api.robot import Robot
-from tool0.control.config import ControllerConfig
-from tool0.control.controller_types import ControllerSpec
+from tool0.control.config import ControllerConfig, ControllerSpec
 from tool0.control.forward_command import ForwardCommandSpec
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_state import JointStateSpec

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Final, final
 
-from tool0.control.config import ControllerConfig
-from tool0.control.controller_types import TYPES, parameters_of
-from tool0.control.lint import OF_TOOL0, lint_joints
+from tool0.control.config import TYPES, ControllerConfig, parameters_of
+from tool0.control.lint import OF_TOOL0, lint
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     RobotJoints,
@@ -57,7 +56,7 @@ def controller_findings(
     joints = None if robot is None else robot.movable_joints
     linted = [
         finding
-        for finding in lint_joints(config, joints)
+        for finding in lint(config, joints)
         if finding.rule not in OF_TOOL0 and _is_controller(finding, config)
     ]
     yield from linted

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import final
 
-from tool0.control.controller_types import TYPES as TYPES_OF_ROS1
-from tool0.control.controller_types import siblings
+from tool0.control.config import TYPES as TYPES_OF_ROS1
+from tool0.control.config import siblings
 from tool0.description.finding import Finding, Severity, error_at
 from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import nearest_name

@@ -8,8 +8,12 @@ from dataclasses import dataclass
 from functools import cache
 from typing import final
 
-from tool0.control.config import ControllerConfig, joint_limit_parameters
-from tool0.control.controller_types import TYPES, parameters_of
+from tool0.control.config import (
+    TYPES,
+    ControllerConfig,
+    joint_limit_parameters,
+    parameters_of,
+)
 from tool0.control.lint import gain_parameters
 from tool0.description.finding import Finding, error_at
 from tool0.description.yaml_tree import Tree
