@@ -36,6 +36,7 @@ from tool0.errors import (
     DescriptionError,
     EngineError,
     EngineUnavailableError,
+    ModelError,
     SourceLocation,
     did_you_mean,
 )
@@ -144,7 +145,10 @@ class GazeboServerWorld:
     def spawn(self, item: SceneObject) -> None:
         check_new_name(self._objects, item.name)
         file = self._server.folder / f"{item.name}.sdf"
-        file.write_text(object_sdf(item))
+        try:
+            file.write_text(object_sdf(item))
+        except ModelError as error:
+            raise ModelError(f"object '{item.name}': {error}") from None
         self._spawn(
             item.name, file, self._root @ pose_matrix(item.pose), is_object=True
         )
