@@ -114,7 +114,8 @@ class Server(contextlib.AbstractContextManager["Server"]):
         """Close every connection and end; closing twice is allowed."""
         if self._waker.fileno() < 0:
             return
-        self._waker.send(b"x")
+        with contextlib.suppress(OSError):  # the server has failed
+            self._waker.send(b"x")
         self._thread.join(_CLOSES_WITHIN)
         self._waker.close()
 
