@@ -176,11 +176,11 @@ def checked(request: RequestType) -> RequestType:
     return kind(**values)
 
 
-def plain(value: Any) -> Any:
+def plain(value: Any, key: object = None) -> Any:
     """Return ``value`` made of Python's own numbers and sequences, all finite.
 
     Raises:
-        ValueError: If a number is NaN or infinite.
+        ValueError: If a number is NaN or infinite; with its ``key`` in a mapping.
     """
     match value:
         case None | bool() | str() | msgspec.Struct():
@@ -189,12 +189,13 @@ def plain(value: Any) -> Any:
             return int(value)
         case Real():
             if not math.isfinite(value):
-                raise ValueError(f"must be finite, got {value}")
+                of = "" if key is None else f"'{key}' "
+                raise ValueError(f"{of}must be finite, got {value}")
             return float(value)
         case Mapping():
-            return {key: plain(item) for key, item in value.items()}
+            return {key: plain(item, key) for key, item in value.items()}
         case Sequence():
-            return [plain(item) for item in value]
+            return [plain(item, key) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value
 
 

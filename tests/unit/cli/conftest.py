@@ -10,7 +10,7 @@ import tool0
 from tool0.cli import FAILED, main
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def served_robot(runtime_folder: Path) -> Iterator[tool0.Robot]:
     with tool0.bringup(speed=10.0) as robot, serving(robot):
         yield robot
