@@ -80,7 +80,7 @@ def test_closing_ends_a_child_and_its_children_at_once(pids: Path) -> None:
 def test_a_child_with_grace_is_interrupted_first(tmp_path: Path) -> None:
     ready = tmp_path / "ready"
     os.mkfifo(ready)
-    script = f"trap 'exit 5' INT; echo > {ready}; while :; do sleep 0.05; done"
+    script = f"trap 'exit 5' INT; sleep 1000 & echo > {ready}; wait"
     child = ChildProcess(["sh", "-c", script], grace=TIMEOUT)
     ready.read_text()
     child.close()
