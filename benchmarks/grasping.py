@@ -60,7 +60,7 @@ def hold_and_shake(
     *,
     force: float = FORCE,
     shake: float = SHAKE,
-    description: tool0.DescriptionConfig = tool0.DescriptionConfig(),  # noqa: B008
+    description: tool0.DescriptionConfig = tool0.DescriptionConfig(),
 ) -> Held:
     """Lift something from the table, hold it still, and shake it.
 

@@ -32,9 +32,9 @@ def bringup(
     realtime: bool | None = None,
     speed: float | None = None,
     paused: bool | None = None,
-    description: DescriptionConfig = DescriptionConfig(),  # noqa: B008  # frozen
-    control: ControlConfig = ControlConfig(),  # noqa: B008  # frozen
-    simulation: SimulationConfig = SimulationConfig(),  # noqa: B008  # frozen
+    description: DescriptionConfig = DescriptionConfig(),
+    control: ControlConfig = ControlConfig(),
+    simulation: SimulationConfig = SimulationConfig(),
 ) -> Robot:
     """Bring up a robot: its description, physics, drives and controllers.
 

@@ -77,7 +77,7 @@ class PickArguments:
 
 def pick(
     arguments: Annotated[PickArguments, tyro.conf.arg(name="")] = PickArguments(),
-    panel: PanelOptions = PanelOptions(),  # noqa: B008  # frozen
+    panel: PanelOptions = PanelOptions(),
 ) -> int:
     """Pick a cube from the table and place it in a bin; status 1 if that fails.
 

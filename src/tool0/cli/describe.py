@@ -21,7 +21,7 @@ Form = Literal["tree", "table", "urdf", "mjcf"]
 
 def describe(
     form: Annotated[Form, tyro.conf.Positional],
-    description: DescriptionConfig = DescriptionConfig(),  # noqa: B008  # frozen
+    description: DescriptionConfig = DescriptionConfig(),
     output: Path | None = None,
 ) -> None:
     """Write the robot as a tree, a table of joints, URDF or MJCF.

@@ -69,9 +69,9 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
 
 
 def view(
-    description: DescriptionConfig = DescriptionConfig(),  # noqa: B008  # frozen
+    description: DescriptionConfig = DescriptionConfig(),
     spawn_z: float = SimulationConfig().spawn_z,  # frozen
-    panel: PanelOptions = PanelOptions(),  # noqa: B008  # frozen
+    panel: PanelOptions = PanelOptions(),
 ) -> None:
     """Show a robot in a web page, without physics, and pose its joints there.
 
