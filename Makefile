@@ -2,6 +2,7 @@
 # make test   every test          make check   format, lint, types, layers, unit tests
 # make bench  the measurements    make clean   remove what was made
 # make web    the panel's page    make web-dev the page from its sources, beside a bringup
+# make docs   the documentation, as a site in build/docs
 
 VENV ?= .venv
 ARGS ?=
@@ -24,7 +25,7 @@ STURDY  := tests/unit tests/conformance
 
 .DEFAULT_GOAL := help
 .PHONY: help run setup dev check lint lint-python lint-web format unit unit-python unit-web
-.PHONY: test bench web web-dev clean
+.PHONY: test bench docs web web-dev clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -49,6 +50,10 @@ lint-python: $(DEV)
 
 lint-web: $(DEV)
 	$(WEB) run check:static
+
+# A warning is an error: a broken link, a page in no table of contents, a bad docstring.
+docs: $(DEV)
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
 
 format: $(DEV)
 	$(BIN)/ruff check --fix .

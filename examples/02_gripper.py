@@ -1,4 +1,4 @@
-"""The gripper by its opening in metres: 0.085 is open, 0 is closed."""
+"""Command the gripper by its opening [m]: 0.085 is open, 0 is closed."""
 
 import tool0
 from tool0.scene import Box
@@ -19,13 +19,13 @@ with tool0.bringup(initial_pose="ready", realtime=False) as robot:
 
     # Speed and force are settings of the drive, as on the real gripper.
     shape = Box(size=(0.045, 0.045, 0.045))
-    robot.scene.add("cube", shape, xyz=(0.5487, 0.1091, 0.003))  # stands still
+    robot.scene.add("cube", shape, xyz=(0.5487, 0.1091, 0.003))  # fixed
     gripper.move(opening=0.0, speed=0.05, force=60.0)
     state = gripper.wait(timeout=10.0)
     print(
         f"{state.motion}: {1000 * (state.width or 0.0):.1f} mm wide, gOBJ {state.gobj}"
     )
     robot.scene.remove("cube")
-    robot.run(0.1)  # until the fingers move on
+    robot.run(0.1)  # the fingers move again
     state = gripper.wait(timeout=10.0)
     print(f"{state.motion}: open {1000 * state.opening:.1f} mm, gOBJ {state.gobj}")

@@ -1,4 +1,4 @@
-"""Controllers from a file of your own: the gripper as a GripperActionController."""
+"""Use your own controllers: the gripper as a GripperActionController."""
 
 from pathlib import Path
 
@@ -15,12 +15,12 @@ with tool0.bringup(control=control, realtime=False) as robot:
     for warning in robot.warnings:  # unused keys of the file
         print(f"{warning.file}:{warning.line}: {warning.message}")
 
-    # Nobody claims the arm yet: its brakes hold it.
+    # No controller claims the arm yet: its brakes hold it.
     robot.switch(start=["arm_controller"])
     for status in robot.controllers():
         print(f"{status.name:24} {status.state:12} {status.type}")
 
-    # A goal in the joint's own units, as ROS's action has it ...
+    # A goal in joint units, as in ROS's action ...
     goal = robot.controller("gripper_controller").command_gripper(0.5, max_effort=10.0)
     print(goal.wait(timeout=5.0))
     # ... or by the opening, whichever controller drives the gripper.

@@ -1,4 +1,4 @@
-"""A robot of your own: a xacro with two arms, and its controllers."""
+"""Use your own robot: a xacro with two arms, and its controllers."""
 
 from pathlib import Path
 

@@ -16,11 +16,13 @@ with tool0.bringup(realtime=False) as robot:
     ]
     print("there and back:", arm.follow(way).wait(timeout=10.0))
 
-    # A joint that strays too far aborts the goal, and the arm stops.
-    goal = arm.follow(way, path_tolerance={"elbow_joint": 0.005})
+    # A joint that strays too far aborts the goal, and the arm stops.  Without
+    # velocities the motion starts with a jerk, which no joint can follow.
+    jerk = [tool0.TrajectoryPoint(LEFT, time_from_start=0.6)]
+    goal = arm.follow(jerk, path_tolerance={"shoulder_pan_joint": 0.005})
     print("too strict:", goal.wait(timeout=10.0))
 
-    # A new goal takes over from where the old one is at that moment.
+    # A new goal starts from the current setpoint of the old one.
     first = arm.follow(way)
     robot.run(1.0)
     wanted = arm.query_state(robot.time).positions[0]

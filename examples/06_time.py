@@ -1,4 +1,4 @@
-"""Time is yours: pause, single steps, reset, emergency stop, real time."""
+"""Control time: pause, single steps, reset, emergency stop, real time."""
 
 import tool0
 
@@ -23,11 +23,11 @@ with tool0.bringup(realtime=False) as robot:
         print("refused:", error)
     robot.emergency_stop(engaged=False)
 
-    robot.reset({"elbow_joint": 1.0})  # time zero, the initial pose but for the elbow
+    robot.reset({"elbow_joint": 1.0})  # time zero, initial pose except the elbow
     elbow = robot.joint_state.position["elbow_joint"]
     print(f"reset: {robot.time} s, elbow {elbow} rad")
 
-# In real time the simulation goes on by itself, here at ten times the speed.
+# In real time the simulation runs by itself, here at ten times the speed.
 with tool0.bringup(realtime=True, speed=10.0) as robot:
     arm = robot.controller("eff_joint_traj_controller")
     goal = arm.follow([tool0.TrajectoryPoint(LEFT, time_from_start=1.0)])

@@ -1,4 +1,4 @@
-"""The panel: the robot in a web page, and a program that drives it as the page does."""
+"""The panel: a web page, and a program that uses the same connection."""
 
 import json
 import logging
@@ -7,7 +7,6 @@ from urllib.parse import urlsplit
 from websockets.sync.client import ClientConnection, connect
 
 import tool0
-from tool0.interfaces.panel.server import Panel
 
 
 def drive(socket: ClientConnection) -> None:
@@ -18,14 +17,14 @@ def drive(socket: ClientConnection) -> None:
     # A request: its reply has the same id, and an error if it failed.
     grip = {"id": 1, "method": "grip", "params": {"opening": 0.04, "force": 60.0}}
     socket.send(json.dumps(grip))
-    # A setpoint of a stream has no id: send it as often as you like, the newest counts.
+    # A setpoint of a stream has no id; only the newest one is executed.
     params = {
         "controller": "eff_joint_traj_controller",
         "positions": {"elbow_joint": 1.4},
         "speed": 1.0,
     }
     socket.send(json.dumps({"method": "steer_joints", "params": params}))
-    # What the page shows comes after this.
+    # The view, which the page shows, follows.
     socket.send(json.dumps({"id": 2, "method": "subscribe_view"}))
 
     joints: list[str] = []
@@ -43,8 +42,8 @@ def drive(socket: ClientConnection) -> None:
 
 
 logging.disable(logging.WARNING)  # a late tick does not matter here
-with tool0.bringup() as robot, Panel(robot) as panel:
-    print(f"open {panel.url} in a browser to watch")  # here the program ends too soon
+with tool0.bringup() as robot, tool0.Panel(robot) as panel:
+    print(f"open {panel.url} in a browser to watch")  # this program ends at once
     address = urlsplit(panel.url)
     with connect(f"ws://{address.netloc}/ws?{address.query}") as socket:
         drive(socket)

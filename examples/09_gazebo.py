@@ -1,7 +1,6 @@
 """The same motion in MuJoCo and in real Gazebo: how far apart are the joints?"""
 
 import tool0
-from tool0.errors import EngineUnavailableError
 
 AWAY = [0.5, -1.1708, 1.0708, -0.9708, -1.0708, 1.0]  # [rad]
 
@@ -21,7 +20,8 @@ def move(engine: str) -> list[tuple[float, ...]]:
 
 try:
     pairs = zip(move("mujoco"), move("gazebo"), strict=True)
-except EngineUnavailableError as error:  # "there is no Gazebo 11 here; install one: …"
+except tool0.EngineUnavailableError as error:
+    # "there is no Gazebo 11 here; install one: …"
     print("nothing to compare with:", error)
 else:
     apart = max(

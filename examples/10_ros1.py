@@ -1,15 +1,12 @@
 """A robot in ROS 1, moved by an actionlib client."""
 
 import tool0
-from tool0.errors import RosUnavailableError
-from tool0.interfaces.ros1.bridge import Ros1Bridge
-from tool0.interfaces.ros1.options import Ros1Options
 
 GOAL = {"shoulder_lift_joint": -1.2, "elbow_joint": 1.4}  # [rad]
 
 
 def move() -> None:
-    """Send a goal, with nothing but rospy."""
+    """Send a goal with plain rospy."""
     import actionlib
     import rospy
     from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
@@ -39,8 +36,8 @@ def move() -> None:
 
 with tool0.bringup() as robot:
     try:
-        # rospy allows one node in a process: here it is robot and client at once.
-        with Ros1Bridge(robot, Ros1Options(roscore=True)):
+        # rospy allows one node per process: here it is both robot and client.
+        with tool0.Ros1Bridge(robot, tool0.Ros1Options(roscore=True)):
             move()
-    except RosUnavailableError as error:  # "… `tool0 ros1 install` installs it …"
+    except tool0.RosUnavailableError as error:  # "… `tool0 ros1 install` installs it …"
         print("ROS 1 is not available:", error)

@@ -1,9 +1,9 @@
-"""What is wrong with a YAML of controllers, found before anything is run."""
+"""Find mistakes in a controller YAML without starting a simulation."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tool0.lint.check import check
+import tool0
 
 YAML = """\
 gripper_controller:
@@ -17,7 +17,7 @@ gripper_controller:
 with TemporaryDirectory() as folder:
     file = Path(folder, "controllers.yaml")
     file.write_text(YAML, encoding="utf-8")
-    report = check([file])
+    report = tool0.check([file])
 for finding in report.findings:
     print(f"line {finding.location.line}, {finding.severity}: {finding.text}")
 print(f"{report.n_errors} errors, {report.n_warnings} warnings")

@@ -1,13 +1,12 @@
-"""The arm by poses: inverse kinematics, the fastest way, a straight line."""
+"""Command the arm by poses: inverse kinematics, joint motions, straight lines."""
 
 import math
 
 import tool0
 from tool0 import Branch
-from tool0.errors import UnreachableError
 from tool0.scene import Pose
 
-DOWN = (math.pi, 0.0, 0.0)  # tool0's z, along which the gripper points, to the ground
+DOWN = (math.pi, 0.0, 0.0)  # tool0's z axis, along the gripper, points down
 ABOVE = Pose(xyz=(0.45, 0.2, 0.35), rpy=DOWN)
 PADS = Pose(xyz=(0.0, 0.0, 0.15))  # a point between the gripper's pads, in tool0
 START = {"shoulder_lift_joint": -1.57, "elbow_joint": 1.57, "wrist_1_joint": -1.57}
@@ -18,7 +17,7 @@ with tool0.bringup(
     arm = robot.arm
     print("it stands", arm.branch, "with tool0 at", arm.pose())
 
-    # Up to eight postures reach a pose; the nearest is the first.
+    # Up to eight solutions reach a pose; the nearest is the first.
     for solution in arm.inverse_kinematics(ABOVE):
         elbow = solution.positions["elbow_joint"]
         print(
@@ -28,7 +27,7 @@ with tool0.bringup(
     # All joints at once, within their velocities and accelerations.
     print("there:", arm.move_to(ABOVE, speed=1.0).wait(timeout=10.0))
 
-    # Straight, here by the point between the pads: 0.1 m down, at 0.1 m/s.
+    # A straight line of the point between the pads: 0.1 m down, at 0.1 m/s.
     x, y, z = arm.pose(tool=PADS).position
     below = Pose(xyz=(x, y, z - 0.1), rpy=DOWN)
     print("down:", arm.move_linear(below, tool=PADS, speed=0.1).wait(timeout=10.0))
@@ -38,11 +37,11 @@ with tool0.bringup(
     arm.move_linear(back, relative_to="tool0").wait(timeout=10.0)
     print("now at", arm.pose())
 
-    # Another branch: the same pose, but the wrist turned over.
+    # Another branch: the same pose with the wrist flipped.
     goal = arm.move_to(ABOVE, branch=Branch(wrist="flip"), speed=1.0)
     print("flipped:", goal.wait(timeout=10.0), arm.branch)
 
     try:
         arm.move_linear(Pose(xyz=(1.5, 0.2, 0.35), rpy=DOWN))
-    except UnreachableError as error:
+    except tool0.UnreachableError as error:
         print("refused:", error)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,6 +27,13 @@ if TYPE_CHECKING:
 
 
 pytest_plugins = ["side_by_side"]
+
+# In a shell's background and under nohup, signals are ignored, also by all children.
+# A handler is not inherited: children of a process that has one hear the signal.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, lambda number, frame: None)
 
 settings.register_profile(  # a busy machine is slow, and no test fails for it
     "tests", deadline=None, suppress_health_check=[HealthCheck.too_slow]

@@ -18,7 +18,93 @@ _LATE = re.compile(r"\d+ ticks began late in the last second")
 """What an example in real time says on a busy machine."""
 
 
-def run(example: Path, folder: Path) -> str:
+SUCCEEDED = r"GoalResult\(status=SUCCEEDED, error_code=0, error_string=''\)"
+PRINTED = {
+    "01_hello_arm": [SUCCEEDED, r"3\.\d+ 1\.[34]\d* Transform\(.*"],
+    "02_gripper": [
+        r"opening 8\d\.\d mm",
+        r"SUCCEEDED after .* s: (39|40)\.\d mm, finger_joint .* rad",
+        r"SUCCEEDED after .* s: (9|10)\.\d mm, finger_joint .* rad",
+        r"SUCCEEDED after .* s: 8[45]\.\d mm, finger_joint .* rad",
+        r"holding_inside: 4[45]\.\d mm wide, gOBJ 2",
+        r"at_target: open [01]\.\d mm, gOBJ 3",
+    ],
+    "03_own_controllers": [
+        r"gripper_controller +running +effort_controllers/GripperActionController",
+        r"arm_controller +running +effort_controllers/JointTrajectoryController",
+        r"(Goal|Gripper)Result\(status=SUCCEEDED, .*",
+        r"GripperResult\(status=SUCCEEDED, .* reached_goal=True\)",
+    ],
+    "04_own_robot": [
+        *(
+            rf"{side}_{part} (GoalStatus\.)?SUCCEEDED"
+            for part in ("arm", "gripper")
+            for side in ("left", "right")
+        ),
+        r"left tool seen from the right one: Transform\(.*",
+    ],
+    "05_trajectories": [
+        f"there and back: {SUCCEEDED}",
+        r"too strict: GoalResult\(status=ABORTED, error_code=-4, "
+        r"error_string='shoulder_pan_joint path error .*",
+        r"replaced at .* rad: GoalResult\(status=PREEMPTED, .*",
+        f"the new one: {SUCCEEDED}",
+        r"cancelled: GoalResult\(status=PREEMPTED, .*, speed now 0\.00\d\d rad/s",
+        r"rejected: -1 .* 5 positions for 6 joints\.",
+    ],
+    "06_time": [
+        r"paused at 0\.5\d\d s, the goal is ACTIVE",
+        "stopped: PREEMPTED",
+        r"refused: the emergency stop is engaged; .*",
+        r"reset: 0\.0 s, elbow 1\.0 rad",
+        rf"{SUCCEEDED} after 1\.\d simulated seconds",
+    ],
+    "07_scene": [
+        "around it: table, red cube, .*",
+        r"the gripper stands at (4\d|3\d) mm",
+        r"the red cube is lifted to 0\.[23]\d m",
+        r"the blue cube is still at .* m",
+        r"the die came to lie at 0\.0\d m",
+        r"after a reset the red cube lies at 0\.00 m",
+    ],
+    "08_panel": [
+        r"connected to tool0 .*",
+        *("accepted 1", "accepted 2"),
+        r"t = .* s: the elbow is there",
+    ],
+    "09_gazebo": [r"never more than \d+\.\d\d mrad apart|nothing to compare with: .*"],
+    "10_ros1": [r"error_code: 0|ROS 1 is not available: .*"],
+    "11_check": [
+        r"line 4, error: .*'finger_joint'.*",
+        r"line 5, error: .*did you mean 'finger_joint'\?",
+        r"3 errors, 0 warnings",
+    ],
+    "12_camera": [
+        r"seen at +([+-]\d\.\d{3} ?){3} m",
+        r"its middle: ([+-]\d\.\d{3} ?){3} m",
+        r"a video of \d\d+ pictures",
+    ],
+    "13_move_to": [
+        f"there: {SUCCEEDED}",
+        f"down: {SUCCEEDED}",
+        rf"flipped: {SUCCEEDED} .*",
+        "refused: .*",
+    ],
+    "15_record": [
+        r"\d+ samples, 0 missed: \(\d+, 12\)",
+        r"largest error: 1\d\.\d mrad, with p = 500: 5\d\.\d mrad",
+    ],
+    "14_pick": [r"holding_inside, gOBJ 2", r"the cube weighs (9\d|10\d) g, .*"],
+}
+"""Example → what some of its lines are, in this order."""
+WITHOUT_VIDEO = """
+import runpy, sys
+sys.modules["av"] = None
+runpy.run_path(sys.argv[1], run_name="__main__")
+"""
+
+
+def run(example: Path, folder: Path, *before: str) -> str:
     """Run it elsewhere, with warnings as errors, and return what it printed."""
     environment = {k: v for k, v in os.environ.items() if k != "DISPLAY"}
     warnings = ["-W", "error"]
@@ -27,7 +113,7 @@ def run(example: Path, folder: Path) -> str:
         environment["ROS_HOME"] = environment["ROS_LOG_DIR"] = str(folder.parent)
         warnings = []  # rospy has its own
     done = subprocess.run(
-        [sys.executable, *warnings, str(example)],
+        [sys.executable, *warnings, *before, str(example)],
         cwd=folder,
         env=environment,
         capture_output=True,
@@ -54,8 +140,18 @@ def test_an_example_runs_and_is_short(example: Path, tmp_path: Path) -> None:
     text = example.read_text()
     assert len(text.splitlines()) < 60
     ast.parse(text, feature_version=(3, 10))
-    assert run(example, tmp_path).strip()
+    lines = iter(run(example, tmp_path).splitlines())
+    for pattern in PRINTED[example.stem]:
+        assert any(re.fullmatch(pattern, line) for line in lines), pattern
     assert not list(tmp_path.iterdir())  # it leaves nothing behind
+
+
+def test_the_video_of_an_example_needs_an_extra_and_says_so(tmp_path: Path) -> None:
+    require_gl()
+    (camera,) = (path for path in EXAMPLES if path.stem.endswith("_camera"))
+    assert "tool0[video]" in (ast.get_docstring(ast.parse(camera.read_text())) or "")
+    printed = run(camera, tmp_path, "-c", WITHOUT_VIDEO)
+    assert re.search(r"^no video: .*pip install 'tool0\[video\]'", printed, re.M)
 
 
 def test_the_first_one_succeeds_as_the_readme_says(tmp_path: Path) -> None:

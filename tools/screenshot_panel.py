@@ -50,10 +50,12 @@ def main() -> None:
         if options.plots:
             page.get_by_test_id("plots-toggle").click()
             page.get_by_test_id("plots-chart").wait_for()
+            page.get_by_test_id("plots-window-60").click()
         for goal in robot.go_to_pose("ready"):
             goal.wait(60.0)
         robot.gripper.move(opening=0.05).wait(60.0)
         _wait_for_frames(page, 4)
+        _wait_for_real_time(page)
         page.screenshot(path=options.output)
         browser.close()
 
@@ -66,6 +68,15 @@ def _wait_for_frames(page: Page, count: int) -> None:
     page.wait_for_function(
         f"([last, end]) => {frames} >= last || performance.now() > end",
         arg=[start + count, end],
+    )
+
+
+def _wait_for_real_time(page: Page) -> None:
+    """Wait until drawing no longer slows the simulation down, on most machines."""
+    factor = "parseFloat(document.querySelector('[data-testid=sim-rtf]').textContent)"
+    end = page.evaluate("performance.now()") + 30_000
+    page.wait_for_function(
+        f"end => {factor} >= 0.99 || performance.now() > end", arg=end
     )
 
 

@@ -1,3 +1,4 @@
+import { readFileSync } from "node:fs";
 import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
 
@@ -14,14 +15,33 @@ const withoutCollada: Plugin = {
   },
 };
 
+const LICENSES = "licenses.md";
+const APACHE = "## The Apache License 2.0, as of the packages above that name it\n";
+
+/** urdf-loader names the licence of this project, without its text. */
+const withApacheText: Plugin = {
+  name: "licenses-with-apache-text",
+  apply: "build",
+  generateBundle: {
+    order: "post",
+    handler(_, bundle) {
+      const notices = bundle[LICENSES];
+      if (notices?.type !== "asset") throw new Error(`there is no ${LICENSES}`);
+      const text = readFileSync(new URL("../LICENSE", import.meta.url), "utf8");
+      notices.source = `${String(notices.source)}\n${APACHE}\n${text}`;
+    },
+  },
+};
+
 export default defineConfig({
-  plugins: [withoutCollada],
+  plugins: [withoutCollada, withApacheText],
   // bundled beforehand, it would bring the reader along again
   optimizeDeps: { exclude: ["urdf-loader"] },
   base: "./",
   build: {
     outDir: "../src/tool0/interfaces/panel/static",
     emptyOutDir: true,
+    license: { fileName: LICENSES },
     target: "es2022",
     chunkSizeWarningLimit: 900,
   },

@@ -6,49 +6,232 @@ loaded when they are first used.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+TYPE_CHECKING = False  # typing takes longer to import than this module
 if TYPE_CHECKING:
+    from tool0.api.arm import Arm
     from tool0.api.bringup import bringup
     from tool0.api.connect import connect
-    from tool0.api.robot import Robot
-    from tool0.control.goal import GoalResult, GoalStatus, GripperResult
-    from tool0.control.trajectory import TrajectoryPoint
+    from tool0.api.controller import ControllerHandle, GoalHandle
+    from tool0.api.gripper import Gripper
+    from tool0.api.recording import Recording
+    from tool0.api.robot import JointValues, Robot
+    from tool0.api.scene import SceneHandle
+    from tool0.api.sensors import CameraHandle, ForceTorque
+    from tool0.cli.pick_demo.grasps import Bin, find_bin
+    from tool0.cli.pick_demo.picker import PickOptions, PickReport, pick_and_place
+    from tool0.control.config import ControllerConfig
+    from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Tolerance
+    from tool0.control.manager import ControllerStatus
+    from tool0.control.parameters import Gains
+    from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
+    from tool0.description.catalogue import RobotDescription
     from tool0.description.config import DescriptionConfig
-    from tool0.errors import GoalRejectedError, Tool0Error
-    from tool0.kinematics.inverse import Branch
+    from tool0.description.finding import Finding
+    from tool0.description.model import JointLimits, ParallelGripper, RobotModel
+    from tool0.description.transform import Pose, Transform
+    from tool0.errors import (
+        ClaimError,
+        ConfigError,
+        ControlError,
+        DescriptionError,
+        DivergenceError,
+        EngineError,
+        EngineUnavailableError,
+        GoalRejectedError,
+        GoalTimeoutError,
+        LimitsError,
+        ModelError,
+        RenderError,
+        RequestError,
+        RosUnavailableError,
+        SourceLocation,
+        Tool0Error,
+        TransportError,
+        UnreachableError,
+    )
+    from tool0.hardware.engine import Contact, ObjectState
+    from tool0.interfaces.panel.server import Panel
+    from tool0.interfaces.ros1.bridge import Ros1Bridge
+    from tool0.interfaces.ros1.options import Ros1Options
+    from tool0.kinematics.chain import ArmChain
+    from tool0.kinematics.inverse import Branch, InverseKinematics, Solution
+    from tool0.lint.check import CheckReport, check
+    from tool0.requests.state import SimulationInfo
+    from tool0.runtime.bus import Faulted, GoalFinished, Overran, Subscription, WasReset
     from tool0.runtime.config import ControlConfig, SimulationConfig
+    from tool0.runtime.poses import NamedPose
+    from tool0.sensing.cameras import CameraImage, encode_depth, encode_png
+    from tool0.sensing.force_torque import WrenchReading
+    from tool0.sensing.grasp import GraspState
+    from tool0.sensing.snapshot import JointSetpoint, Snapshot
+    from tool0.sensing.video import VideoWriter
 
 __all__ = [
+    "Arm",
+    "ArmChain",
+    "Bin",
     "Branch",
+    "CameraHandle",
+    "CameraImage",
+    "CheckReport",
+    "ClaimError",
+    "ConfigError",
+    "Contact",
     "ControlConfig",
+    "ControlError",
+    "ControllerConfig",
+    "ControllerHandle",
+    "ControllerStatus",
     "DescriptionConfig",
+    "DescriptionError",
+    "DivergenceError",
+    "EngineError",
+    "EngineUnavailableError",
+    "Faulted",
+    "Finding",
+    "ForceTorque",
+    "Gains",
+    "GoalFinished",
+    "GoalHandle",
     "GoalRejectedError",
     "GoalResult",
     "GoalStatus",
+    "GoalTimeoutError",
+    "GraspState",
+    "Gripper",
     "GripperResult",
+    "InverseKinematics",
+    "JointLimits",
+    "JointSetpoint",
+    "JointValues",
+    "JointsMotion",
+    "LimitsError",
+    "ModelError",
+    "NamedPose",
+    "ObjectState",
+    "Overran",
+    "Panel",
+    "ParallelGripper",
+    "PickOptions",
+    "PickReport",
+    "Pose",
+    "Recording",
+    "RenderError",
+    "RequestError",
     "Robot",
+    "RobotDescription",
+    "RobotModel",
+    "Ros1Bridge",
+    "Ros1Options",
+    "RosUnavailableError",
+    "SceneHandle",
     "SimulationConfig",
+    "SimulationInfo",
+    "Snapshot",
+    "Solution",
+    "SourceLocation",
+    "Subscription",
+    "Tolerance",
     "Tool0Error",
     "TrajectoryPoint",
+    "TrajectoryState",
+    "Transform",
+    "TransportError",
+    "UnreachableError",
+    "VideoWriter",
+    "WasReset",
+    "WrenchReading",
     "bringup",
+    "check",
     "connect",
+    "encode_depth",
+    "encode_png",
+    "find_bin",
+    "pick_and_place",
 ]
 
 _HOMES = {
+    "Arm": "tool0.api.arm",
+    "ArmChain": "tool0.kinematics.chain",
+    "Bin": "tool0.cli.pick_demo.grasps",
     "Branch": "tool0.kinematics.inverse",
+    "CameraHandle": "tool0.api.sensors",
+    "CameraImage": "tool0.sensing.cameras",
+    "CheckReport": "tool0.lint.check",
+    "ClaimError": "tool0.errors",
+    "ConfigError": "tool0.errors",
+    "Contact": "tool0.hardware.engine",
     "ControlConfig": "tool0.runtime.config",
+    "ControlError": "tool0.errors",
+    "ControllerConfig": "tool0.control.config",
+    "ControllerHandle": "tool0.api.controller",
+    "ControllerStatus": "tool0.control.manager",
     "DescriptionConfig": "tool0.description.config",
+    "DescriptionError": "tool0.errors",
+    "DivergenceError": "tool0.errors",
+    "EngineError": "tool0.errors",
+    "EngineUnavailableError": "tool0.errors",
+    "Faulted": "tool0.runtime.bus",
+    "Finding": "tool0.description.finding",
+    "ForceTorque": "tool0.api.sensors",
+    "Gains": "tool0.control.parameters",
+    "GoalFinished": "tool0.runtime.bus",
+    "GoalHandle": "tool0.api.controller",
     "GoalRejectedError": "tool0.errors",
     "GoalResult": "tool0.control.goal",
     "GoalStatus": "tool0.control.goal",
+    "GoalTimeoutError": "tool0.errors",
+    "GraspState": "tool0.sensing.grasp",
+    "Gripper": "tool0.api.gripper",
     "GripperResult": "tool0.control.goal",
+    "InverseKinematics": "tool0.kinematics.inverse",
+    "JointLimits": "tool0.description.model",
+    "JointSetpoint": "tool0.sensing.snapshot",
+    "JointValues": "tool0.api.robot",
+    "JointsMotion": "tool0.control.trajectory",
+    "LimitsError": "tool0.errors",
+    "ModelError": "tool0.errors",
+    "NamedPose": "tool0.runtime.poses",
+    "ObjectState": "tool0.hardware.engine",
+    "Overran": "tool0.runtime.bus",
+    "Panel": "tool0.interfaces.panel.server",
+    "ParallelGripper": "tool0.description.model",
+    "PickOptions": "tool0.cli.pick_demo.picker",
+    "PickReport": "tool0.cli.pick_demo.picker",
+    "Pose": "tool0.description.transform",
+    "Recording": "tool0.api.recording",
+    "RenderError": "tool0.errors",
+    "RequestError": "tool0.errors",
     "Robot": "tool0.api.robot",
+    "RobotDescription": "tool0.description.catalogue",
+    "RobotModel": "tool0.description.model",
+    "Ros1Bridge": "tool0.interfaces.ros1.bridge",
+    "Ros1Options": "tool0.interfaces.ros1.options",
+    "RosUnavailableError": "tool0.errors",
+    "SceneHandle": "tool0.api.scene",
     "SimulationConfig": "tool0.runtime.config",
+    "SimulationInfo": "tool0.requests.state",
+    "Snapshot": "tool0.sensing.snapshot",
+    "Solution": "tool0.kinematics.inverse",
+    "SourceLocation": "tool0.errors",
+    "Subscription": "tool0.runtime.bus",
+    "Tolerance": "tool0.control.goal",
     "Tool0Error": "tool0.errors",
     "TrajectoryPoint": "tool0.control.trajectory",
+    "TrajectoryState": "tool0.control.trajectory",
+    "Transform": "tool0.description.transform",
+    "TransportError": "tool0.errors",
+    "UnreachableError": "tool0.errors",
+    "VideoWriter": "tool0.sensing.video",
+    "WasReset": "tool0.runtime.bus",
+    "WrenchReading": "tool0.sensing.force_torque",
     "bringup": "tool0.api.bringup",
+    "check": "tool0.lint.check",
     "connect": "tool0.api.connect",
+    "encode_depth": "tool0.sensing.cameras",
+    "encode_png": "tool0.sensing.cameras",
+    "find_bin": "tool0.cli.pick_demo.grasps",
+    "pick_and_place": "tool0.cli.pick_demo.picker",
 }
 
 

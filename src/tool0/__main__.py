@@ -1,8 +1,19 @@
-"""``python -m tool0`` is ``tool0``."""
+"""The process of ``tool0``, and of ``python -m tool0``."""
 
+import signal
 import sys
 
-from tool0.cli import main
+
+def main() -> int:
+    """Run the command line of this process and return its exit status."""
+    # In an import, or while the interpreter ends, a KeyboardInterrupt has a traceback.
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from tool0.cli import edge, main
+
+    edge.open_standard_streams()
+    return main()
+
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -8,7 +8,7 @@ Tool0Error
 ├── ConfigError                 key unknown, missing or out of range
 ├── EngineError
 │   ├── EngineUnavailableError  simulator not installed, or not answering
-│   └── DivergenceError         the physics state is not finite
+│   └── DivergenceError         the physics state is not finite, or absurdly fast
 ├── ControlError
 │   ├── ClaimError              two controllers want one joint
 │   ├── GoalRejectedError       carries a reason; edges map it to ROS codes
@@ -33,7 +33,7 @@ _LONGEST_NAME = 100
 @final
 @dataclass(frozen=True, slots=True)
 class SourceLocation:
-    """Where in a person's file something stands."""
+    """A location in a user's file."""
 
     file: Path | None
     """The file; None for text that did not come from a file."""
@@ -92,15 +92,15 @@ class RosUnavailableError(Tool0Error):
 
 
 class DivergenceError(EngineError):
-    """The physics state, or what drives it, is no longer finite."""
+    """The physics state, or what drives it, is not finite or grows without bound."""
 
     def __init__(
         self, joint: str, time: float, quantity: str = "state", kind: str = "joint"
     ) -> None:
-        """Say which joint (or ``kind`` of thing) diverged, and when [s]."""
+        """Report which joint (or ``kind`` of thing) diverged, and when [s]."""
         super().__init__(
-            f"the {quantity} of {kind} '{joint}' is not finite at t = {time:.3f} s; "
-            "reset the simulation, and look for efforts or contacts without bound"
+            f"the {quantity} of {kind} '{joint}' diverged at t = {time:.3f} s; reset "
+            "the simulation, and look for overlapping bodies and unbounded efforts"
         )
         self.joint = joint
         self.time = time
@@ -115,7 +115,7 @@ class ClaimError(ControlError):
 
 
 class GoalRejectedError(ControlError):
-    """A goal that a controller refuses; what ran before is untouched.
+    """A goal that a controller refuses; the motion in progress continues.
 
     ``code`` is the one of control_msgs/FollowJointTrajectoryResult:
     -1 INVALID_GOAL, -2 INVALID_JOINTS, -3 OLD_HEADER_TIMESTAMP.
@@ -148,7 +148,7 @@ class RenderError(Tool0Error):
 
 
 class TransportError(Tool0Error):
-    """A peer misbehaved, is not there, or an address is taken."""
+    """A peer misbehaved or is missing, or an address is in use."""
 
 
 def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str | None:
@@ -173,6 +173,24 @@ def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str 
         return prefixed[0]
     close = difflib.get_close_matches(name, names, n=1, cutoff=cutoff)
     return close[0] if close else None
+
+
+def is_typo(written: str, meant: str | None) -> bool:
+    """Return whether at most two characters differ, fewer for short names.
+
+    Upper and lower case count as equal.
+    """
+    import difflib
+
+    if meant is None or max(len(written), len(meant)) > _LONGEST_NAME:
+        return False
+    pair = difflib.SequenceMatcher(None, written.lower(), meant.lower(), autojunk=False)
+    edits = sum(
+        max(i2 - i1, j2 - j1)
+        for tag, i1, i2, j1, j2 in pair.get_opcodes()
+        if tag != "equal"
+    )
+    return edits <= min(2, len(meant) // 3)
 
 
 def did_you_mean(name: str, valid: Collection[str]) -> str:

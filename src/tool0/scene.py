@@ -12,12 +12,13 @@ from __future__ import annotations
 from tool0.description.camera import Camera, looking
 from tool0.description.scene import Scene, SceneObject, bin_walls
 from tool0.description.scene_file import load_scene, shipped_scenes
-from tool0.description.shapes import Box, Cylinder, Mesh, Sphere, mesh
+from tool0.description.shapes import Box, Compound, Cylinder, Mesh, Sphere, mesh
 from tool0.description.transform import Pose
 
 __all__ = [
     "Box",
     "Camera",
+    "Compound",
     "Cylinder",
     "Mesh",
     "Pose",

@@ -24,7 +24,22 @@ def cache_folder() -> Path:
 def _home(variable: str, default: str) -> Path:
     """By the XDG Base Directory Specification: a relative path is ignored."""
     folder = Path(os.environ.get(variable, ""))
-    return folder if folder.is_absolute() else Path.home() / default
+    return folder if folder.is_absolute() else expanded(Path("~", default))
+
+
+def expanded(path: str | Path) -> Path:
+    """Return ``path`` with ``~`` replaced by the home folder.
+
+    Raises:
+        ConfigError: If that folder is unknown.
+    """
+    try:
+        return Path(path).expanduser()
+    except RuntimeError:
+        raise ConfigError(
+            f"{path}: the home folder is not known; set the environment variable HOME, "
+            "or write the whole path"
+        ) from None
 
 
 @contextmanager

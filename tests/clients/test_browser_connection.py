@@ -2,6 +2,7 @@
 
 import http.server
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -75,6 +76,42 @@ def test_a_page_comes_back_after_the_server_restarts(open_tab: OpenTab) -> None:
             other.wait_for_joint("elbow_joint", 1.4, NEAR)
         tab.shows_joint("elbow_joint", 1.4, NEAR)
         tab.close()
+
+
+def test_a_page_tells_that_the_server_is_silent(open_tab: OpenTab) -> None:
+    port = free_port()
+    with bringup_at(port) as process:
+        tab = open_tab(f"http://127.0.0.1:{port}/?token=secret")
+        tab.see(READY)
+        process.send_signal(signal.SIGSTOP)
+        try:
+            tab.text("connection", "no data for")
+            tab.get("estop").click()
+            tab.text("stop-requested", "Stop requested")
+        finally:
+            process.send_signal(signal.SIGCONT)
+        tab.get("estop-banner").wait_for()
+        tab.see(CONNECTED)
+        tab.close()
+
+
+def test_a_paused_simulation_is_not_silent(
+    panel: Panel, open_tab: OpenTab, robot: tool0.Robot
+) -> None:
+    robot.pause()
+    tab = open_tab(panel.url)
+    tab.see(READY)
+    tab.see(CONNECTED)
+    tab.page.evaluate(
+        """() => {
+            window.states = [];
+            const badge = document.querySelector("[data-testid=connection]");
+            new MutationObserver(() => states.push(badge.dataset.state))
+                .observe(badge, {attributes: true});
+        }"""
+    )
+    tab.page.wait_for_timeout(2000.0)
+    assert tab.page.evaluate("states") == []
 
 
 def test_a_page_without_the_token_is_told_so(

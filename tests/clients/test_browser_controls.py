@@ -31,9 +31,7 @@ def test_a_controller_is_stopped_and_started(tab: Tab, robot: tool0.Robot) -> No
     tab.see(row(ARM, "stopped"))
     assert state(robot, ARM) == "stopped"
     tab.get("tab-motion").click()
-    toggle = tab.get("enable-toggle")
-    assert toggle.is_disabled()
-    assert not toggle.is_checked()
+    tab.see("[data-testid=joint-slider-elbow_joint][disabled]")
     tab.get("tab-controllers").click()
     tab.get(f"controller-start-{ARM}").click()
     tab.see(row(ARM, "running"))
@@ -43,6 +41,7 @@ def test_a_controller_is_stopped_and_started(tab: Tab, robot: tool0.Robot) -> No
 def test_a_refused_start_says_why_and_offers_the_switch(
     tab: Tab, robot: tool0.Robot
 ) -> None:
+    tab.drive()
     tab.get("tab-controllers").click()
     tab.get(f"controller-start-{GROUP}").click()
     tab.text(f"controller-refusal-{GROUP}", ARM)
@@ -58,6 +57,7 @@ def test_a_refused_start_says_why_and_offers_the_switch(
 def test_the_emergency_stop_stops_a_moving_arm(
     tab: Tab, robot: tool0.Robot, by: str
 ) -> None:
+    tab.drive()
     tab.get("speed-scale").press("Home")
     for _ in range(2):
         tab.get("speed-scale").press("PageUp")
@@ -77,14 +77,53 @@ def test_the_emergency_stop_stops_a_moving_arm(
     assert robot.joint_state.position["elbow_joint"] > 0.1  # short of the pose zero
     assert tab.get("enable-toggle").is_disabled()
 
-    # Escape never releases; the button does, and nothing moves on its own then
-    tab.page.keyboard.press("Escape")
     held = robot.joint_state.position["elbow_joint"]
-    tab.see("[data-testid=estop][data-engaged=true]").click()
+    hold(tab, 1.5)
     tab.get("estop-banner").wait_for(state="hidden")
     assert not robot.snapshot.is_stopped
-    time_passes(robot, 0.5)
+    time_passes(robot, 0.5)  # nothing moves on its own
     assert robot.joint_state.position["elbow_joint"] == pytest.approx(held, abs=0.02)
+
+
+def hold(tab: Tab, duration: float) -> None:
+    """Press the release of the emergency stop for ``duration`` [s]."""
+    release = tab.get("estop-release")
+    release.hover()
+    tab.page.mouse.down()
+    tab.page.wait_for_timeout(1000.0 * duration)
+    tab.page.mouse.up()
+
+
+@pytest.mark.parametrize("interval", [80, 250])
+def test_a_double_click_engages_the_emergency_stop(
+    tab: Tab, robot: tool0.Robot, interval: int
+) -> None:
+    for _ in range(2):
+        tab.get("estop").dblclick(delay=interval // 2)
+    tab.get("estop-banner").wait_for()
+    hold(tab, 0.3)  # too short
+    assert robot.snapshot.is_stopped
+    assert tab.get("estop-banner").is_visible()
+
+
+def test_a_held_key_engages_the_emergency_stop(tab: Tab, robot: tool0.Robot) -> None:
+    tab.get("estop").focus()
+    for _ in range(10):  # without a release: the later ones are repetitions
+        tab.page.keyboard.down("Enter")
+    tab.get("estop-banner").wait_for()
+    tab.page.keyboard.up("Enter")
+    for key in ("Escape", "Enter"):
+        tab.page.keyboard.press(key)
+    assert robot.snapshot.is_stopped
+
+    # the release has its own control, held by a key here
+    tab.get("estop-release").focus()
+    tab.page.keyboard.press("Enter")
+    assert robot.snapshot.is_stopped
+    tab.page.keyboard.down("Enter")
+    tab.get("estop-banner").wait_for(state="hidden")
+    tab.page.keyboard.up("Enter")
+    assert not robot.snapshot.is_stopped
 
 
 def shown(time: float) -> str:
@@ -112,11 +151,13 @@ def test_time_is_paused_stepped_resumed_and_reset(tab: Tab, robot: tool0.Robot) 
     eventually(lambda: robot.time > stepped + 0.2, "time passes again")
     before = robot.time
     tab.get("sim-reset").click()
+    tab.confirm()
     eventually(lambda: robot.time < before, "time begins again")
 
 
 def test_a_reset_ends_driving_and_says_so(tab: Tab, robot: tool0.Robot) -> None:
     tab.drive()
     tab.get("sim-reset").click()
+    tab.confirm()
     tab.text("driving-state", "reset")
     assert not tab.get("enable-toggle").is_checked()

@@ -2,8 +2,10 @@
 
 import pytest
 from browser import Tab, comes_to_rest, eventually
+from playwright.sync_api import Browser
 
 import tool0
+from tool0.interfaces.panel.server import Panel
 
 MONITOR = "[data-testid=joint-slider-elbow_joint][disabled]"
 NEAR = 0.03
@@ -59,6 +61,47 @@ def test_a_slider_is_dragged_with_the_mouse(tab: Tab, robot: tool0.Robot) -> Non
     arrives(robot, "shoulder_pan_joint", goal)
 
 
+def swipe(tab: Tab, start: tuple[float, float], by: tuple[float, float]) -> None:
+    """Move a finger over the page."""
+    touch = tab.context.new_cdp_session(tab.page)
+    steps = 20
+    for step in range(steps + 1):
+        x, y = (a + d * step / steps for a, d in zip(start, by, strict=True))
+        kind = "touchMove" if step else "touchStart"
+        points = [{"x": x, "y": y}]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+
+def test_a_swipe_scrolls_and_only_a_sideways_one_drives(
+    browser: Browser, panel: Panel, robot: tool0.Robot
+) -> None:
+    tab = Tab(browser, panel.url, width=390, height=844, has_touch=True)
+    tab.drive()
+    slider = tab.get("joint-slider-elbow_joint")
+    slider.scroll_into_view_if_needed()
+    before = float(slider.input_value())
+    box = slider.bounding_box()
+    assert box is not None
+    at = (box["x"] + 0.1 * box["width"], box["y"] + box["height"] / 2)
+    scrolled = tab.page.evaluate("window.scrollY")
+    swipe(tab, at, (20.0, -200.0))
+    tab.page.wait_for_function("before => window.scrollY > before + 50", arg=scrolled)
+    assert float(slider.input_value()) == before
+
+    slider.scroll_into_view_if_needed()
+    box = slider.bounding_box()
+    assert box is not None
+    at = (box["x"] + 0.1 * box["width"], box["y"] + box["height"] / 2)
+    tab.page.touchscreen.tap(*at)
+    assert float(slider.input_value()) == before
+    swipe(tab, at, (0.2 * box["width"], 3.0))
+    goal = float(slider.input_value())
+    assert 0.3 < goal - before < 1.5
+    arrives(robot, "elbow_joint", goal)
+    tab.close()
+
+
 def test_sliders_follow_until_driving_is_enabled(tab: Tab, robot: tool0.Robot) -> None:
     tab.see(MONITOR)
     robot.move_joints({"elbow_joint": 0.9}, speed=1.0)
@@ -94,6 +137,7 @@ def test_enabling_moves_nothing(tab: Tab, robot: tool0.Robot) -> None:
 def test_a_pose_is_gone_to_and_the_present_one_saved(
     tab: Tab, robot: tool0.Robot
 ) -> None:
+    tab.drive()
     tab.get("speed-scale").press("End")
     tab.get("pose-go-zero").click()
     arrives(robot, "elbow_joint", 0.0)
@@ -110,6 +154,8 @@ def test_a_pose_is_gone_to_and_the_present_one_saved(
 
 
 def test_the_gripper_closes_and_opens(tab: Tab, robot: tool0.Robot) -> None:
+    assert tab.get("gripper-close").is_disabled()
+    tab.drive()
     tab.get("gripper-close").click()
     eventually(lambda: robot.gripper.opening < 1e-3, "the gripper closes")
     tab.text("gripper-state", "target")
@@ -118,6 +164,7 @@ def test_the_gripper_closes_and_opens(tab: Tab, robot: tool0.Robot) -> None:
 
 
 def test_the_gripper_goes_at_the_chosen_speed(tab: Tab, robot: tool0.Robot) -> None:
+    tab.drive()
     slider = tab.get("gripper-speed")
     assert (slider.get_attribute("min"), slider.get_attribute("max")) == ("20", "150")
     slider.press("Home")

@@ -12,7 +12,7 @@ from playwright.sync_api import ViewportSize
 import tool0
 from conftest import OpenTab
 from tool0.description.scene import SceneObject
-from tool0.description.shapes import Box, Cylinder, Geometry, Mesh
+from tool0.description.shapes import Box, Compound, Cylinder, Mesh, Solid
 from tool0.description.transform import Pose
 from tool0.interfaces.panel.server import Panel
 
@@ -56,7 +56,7 @@ def shows(tab: Tab, magenta: bool, green: bool) -> None:
 
 
 def thing(
-    name: str, geometry: Geometry, y: float, rgba: tuple[float, float, float, float]
+    name: str, geometry: Solid, y: float, rgba: tuple[float, float, float, float]
 ) -> SceneObject:
     pose = Pose(xyz=(0.5, y, 0.1))
     return SceneObject(name=name, geometry=geometry, pose=pose, rgba=rgba)
@@ -92,7 +92,10 @@ def test_every_page_shows_what_is_there_now(
     for tab in (old, new):
         shows(tab, magenta=False, green=True)
     robot.pause()  # what comes then is seen, too
-    robot.scene.add(thing("box", Box(size=(0.1, 0.1, 0.4)), 0.5, MAGENTA))
+    half = Box(size=(0.1, 0.1, 0.2))
+    ends = (Pose(xyz=(0.0, 0.0, -0.1)), Pose(xyz=(0.0, 0.0, 0.1)))
+    post = Compound(parts=tuple((half, end) for end in ends))
+    robot.scene.add(thing("post", post, 0.5, MAGENTA))
     robot.scene.remove("part")
     for tab in (old, new):
         shows(tab, magenta=True, green=False)
@@ -137,5 +140,6 @@ def test_a_person_adds_moves_and_removes_objects(tab: Tab, robot: tool0.Robot) -
     tab.get("object-add").click()
     tab.text("object-add-refusal", "post")
     tab.get("object-remove-post").click()
+    tab.confirm()
     tab.get("object-row-post").wait_for(state="detached")
     assert "post" not in robot.scene

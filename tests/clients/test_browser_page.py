@@ -1,10 +1,12 @@
 """The page itself: how big it is, when it paints, in which language, in which mode."""
 
 import gzip
+import json
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
-from browser import Tab
+from browser import TIMEOUT, Tab
 from playwright.sync_api import Browser
 
 import tool0
@@ -14,6 +16,7 @@ from tool0.interfaces.panel.robot_info import RobotFiles
 from tool0.interfaces.panel.server import STATIC, Panel
 from tool0.interfaces.panel.view import RobotView
 
+WEB = Path(__file__).parents[2] / "web"
 READY = "[data-testid=scene][data-ready=true]"
 SEEN_READY_AT = """
 new MutationObserver((_, watch) => {
@@ -63,6 +66,15 @@ def test_the_scene_and_the_plots_draw(tab: Tab) -> None:
     )
     tab.get("plots-toggle").click()
     tab.see("[data-testid=plots-chart] canvas")
+
+
+def test_the_server_learns_when_the_robot_is_drawn(
+    panel: Panel, open_tab: OpenTab
+) -> None:
+    assert not panel.await_page(0.0)
+    tab = open_tab(panel.url)
+    assert panel.await_page(TIMEOUT)
+    assert tab.page.locator(READY).count() == 1
 
 
 def test_every_tab_opens(tab: Tab) -> None:
@@ -158,3 +170,18 @@ def test_the_page_and_the_meshes_are_small() -> None:
     assert 0 < page <= 300_000
     assert 0 < sum(meshes.values()) <= 2_000_000
     assert not list(STATIC.rglob("*.map"))
+
+
+@pytest.mark.usefixtures("browser")
+def test_every_bundled_package_is_named_with_its_licence(tab: Tab) -> None:
+    names = json.loads((WEB / "package.json").read_text("utf-8"))["dependencies"]
+    notices = (STATIC / "licenses.md").read_text("utf-8")
+    assert {"three", "preact", "uplot", "urdf-loader"} <= set(names)
+    for name in names:
+        assert f"## {name} - " in notices
+    for text in ("The MIT License", "Apache License", "Copyright"):
+        assert text in notices
+    with tab.context.expect_page() as opened:
+        tab.get("licenses").click()
+    shown = opened.value.locator("body")
+    assert shown.inner_text().split() == notices.split()

@@ -155,7 +155,7 @@ def test_a_refusal_has_a_type_and_names_its_cause(
 def test_a_scene_has_a_largest_number_of_objects(
     panel: Panel, robot: tool0.Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tool0.requests.objects.MOST_OBJECTS", 1)
+    monkeypatch.setattr("tool0.requests.objects.MOST_SHAPES", 1)
     with page_at(panel.url) as page:
         assert page.request("add_object", **BOX, xyz=[3, 0, 2]) is None
         error = page.request("add_object", **{**BOX, "name": "b"})
@@ -281,7 +281,7 @@ def test_a_gripper_shows_its_state(panel: Panel) -> None:
 def test_a_refused_setpoint_is_answered_and_noted_once(panel: Panel) -> None:
     with page_at(panel.url) as page, page_at(panel.url) as other:
         for k in range(3):
-            goal = {"elbow_joint": 9.0 + k}
+            goal = {"elbow_joint": 10.0 + k}
             page.send("steer_joints", controller=ARM, positions=goal)
             reply = page.next("reply")
             assert reply["id"] is None
@@ -293,17 +293,15 @@ def test_a_refused_setpoint_is_answered_and_noted_once(panel: Panel) -> None:
         assert len(kept) == 1
 
 
-def test_the_emergency_stop_overtakes_a_hundred_requests(
+def test_the_emergency_stop_waits_for_no_step_however_long(
     panel: Panel, robot: tool0.Robot
 ) -> None:
     with page_at(panel.url) as page:
         page.request("pause")
-        steps = [page.start("step", ticks=100) for _ in range(100)]
+        for _ in range(100):
+            page.start("step", ticks=1_000_000)
         stop = page.start("emergency_stop")
-        order: list[int] = []
-        while stop not in order:
-            order.append(page.next("reply")["id"])
-        assert len(order) <= len(steps) // 2
+        assert page.next("reply")["id"] == stop
         assert robot.snapshot.is_stopped
         notice = page.next("notice", lambda n: n["code"] == "emergency_stop")
         assert notice["severity"] == "warning"
@@ -327,15 +325,18 @@ def test_an_aborted_goal_names_controller_and_joint(
         assert "elbow_joint" in notice["text"]
 
 
-def test_nothing_is_sent_while_nothing_changes(
+def test_only_the_last_frame_is_repeated_while_nothing_changes(
     panel: Panel, robot: tool0.Robot
 ) -> None:
     with page_at(panel.url) as page:
         page.request("pause")
         page.wait_for("status", lambda status: status["paused"])
-        page.wait_for("frame", lambda frame: frame["time"] == round(robot.time, 6))
-        with pytest.raises(TimeoutError):
-            page.receive(time.monotonic() + 0.5)
+        at = round(robot.time, 6)
+        last = page.wait_for("frame", lambda frame: frame["time"] == at)
+        start = time.monotonic()
+        repeated = [page.receive(start + 30.0) for _ in range(4)]
+        assert repeated == [last] * 4
+        assert time.monotonic() - start > 0.5  # five a second, not sixty
 
 
 def steer(controller: str = ARM, **positions: float) -> str:
@@ -441,7 +442,7 @@ def test_a_flooding_page_is_slowed_down_and_others_are_not(panel: Panel) -> None
         start = time.monotonic()
         for _ in range(20):
             assert page.request("command_trajectory", controller=ARM) is None
-        assert time.monotonic() - start < 2.0
+        assert time.monotonic() - start < TIMEOUT
     is_over.set()
     panel.close()
     thread.join(TIMEOUT)

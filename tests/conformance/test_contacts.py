@@ -9,7 +9,7 @@ from ur5_rig import ARM_JOINTS
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
-from tool0.description.shapes import Box
+from tool0.description.shapes import Box, Sphere
 from tool0.description.transform import Pose
 from tool0.hardware.engine import Contact
 
@@ -119,3 +119,26 @@ def test_a_robot_that_touches_nothing_tells_of_nothing(bring_up: BringUp) -> Non
     for _ in range(5):
         robot.run(0.1)
         assert robot.contacts() == ()
+
+
+@pytest.mark.parametrize("spawn_z", [0.1, 0.6])
+def test_the_pedestal_stands_on_the_ground_and_bumps(
+    bring_up: BringUp, spawn_z: float
+) -> None:
+    ball = SceneObject(
+        name="ball",
+        geometry=Sphere(radius=0.04),
+        pose=Pose(xyz=(-0.3, 0.0, 0.041 - spawn_z)),
+        mass=0.1,
+    )
+    robot = bring_up(scene=Scene((ball,)), spawn_z=spawn_z)
+    assert robot.contacts() == ()
+    robot.run(0.1)
+    assert [{c.first, c.second} for c in robot.contacts()] == [{"ground", "ball"}]
+    robot.scene.place("ball", (-0.2, 0.0, 0.06 - spawn_z), linear=(1.0, 0.0, 0.0))
+    met = set()
+    for _ in range(100):
+        robot.run(0.002)
+        met |= {name for c in robot.contacts() for name in (c.first, c.second)}
+    assert met - {"ground"} == {"ball", "pedestal"}
+    assert robot.scene.pose("ball").position[0] < -0.11

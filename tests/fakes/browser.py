@@ -67,10 +67,18 @@ class Tab:
     """One visitor: a browser context of its own, with one page."""
 
     def __init__(
-        self, browser: Browser, url: str = "", *, width: int = 1440, height: int = 900
+        self,
+        browser: Browser,
+        url: str = "",
+        *,
+        width: int = 1440,
+        height: int = 900,
+        has_touch: bool = False,
     ) -> None:
         self.context = browser.new_context(
-            viewport={"width": width, "height": height}, locale="en-US"
+            viewport={"width": width, "height": height},
+            locale="en-US",
+            has_touch=has_touch,
         )
         self.context.set_default_timeout(TIMEOUT * 1000)
         self.page = self.context.new_page()
@@ -109,9 +117,14 @@ class Tab:
         self.get(test_id).filter(has_text=expected).wait_for()
 
     def drive(self) -> None:
-        """Switch *Enable* on."""
+        """Switch *Drive* on."""
         self.get("enable-toggle").click()
         self.see("[data-testid=joint-slider-elbow_joint]:not([disabled])")
+
+    def confirm(self) -> None:
+        """Answer yes to what the page asks."""
+        self.get("confirmation-act").click()
+        self.get("confirmation").wait_for(state="hidden")
 
     def send_joint(self, joint: str, position: float) -> None:
         """Type where a joint is to go, in the unit that the page shows."""

@@ -8,12 +8,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-_INTERRUPTIBLE = """\
-import signal
-signal.signal(signal.SIGINT, signal.default_int_handler)
-"""
-"""Who is started in a shell's background is deaf to Ctrl-C, and so are its children."""
-
 
 @contextmanager
 def start(
@@ -21,7 +15,7 @@ def start(
 ) -> Iterator[subprocess.Popen[str]]:
     """Run a program, in which warnings are errors too; in the end it is ended."""
     with subprocess.Popen(
-        [sys.executable, "-W", "error", "-c", _INTERRUPTIBLE + program, *arguments],
+        [sys.executable, "-W", "error", "-c", program, *arguments],
         env=os.environ | variables,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
-from tool0.description.shapes import Box, Geometry
+from tool0.description.shapes import Box, Solid
 from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.hardware.engine import ObjectState
@@ -17,7 +17,7 @@ EDGE = 0.04  # [m]
 
 def item(
     name: str,
-    geometry: Geometry,
+    geometry: Solid,
     z: float,
     *,
     x: float = FAR,

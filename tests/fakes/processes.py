@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import select
 import time
@@ -59,7 +60,10 @@ def descendants(pid: int) -> list[int]:
 
 def listening(pid: int) -> dict[str, set[str]]:
     """Return where the process can be reached: protocol → hexadecimal addresses."""
-    links = [str(link.readlink()) for link in Path(f"/proc/{pid}/fd").iterdir()]
+    links = []
+    for link in Path(f"/proc/{pid}/fd").iterdir():
+        with contextlib.suppress(FileNotFoundError):  # closed meanwhile
+            links.append(str(link.readlink()))
     inodes = {link[8:-1] for link in links if link.startswith("socket:[")}
     found: dict[str, set[str]] = {}
     for protocol in ("tcp", "tcp6", "udp", "udp6"):

@@ -164,6 +164,34 @@ class Ros:
                     process.kill()
         return subprocess.CompletedProcess(command, process.returncode, out, error)
 
+    def wait_for_rate(self, topic: str, rate: float, window: int = 250) -> None:
+        """Wait until ``rostopic hz`` measures ``rate`` [Hz] over ``window`` messages.
+
+        An arrival that is a tick late or early makes 0.5 Hz of 250 messages; a busy
+        machine is late for longer now and then.
+        """
+        with subprocess.Popen(
+            ["rostopic", "hz", topic, "-w", str(window)],
+            env={**self.tools, "PYTHONUNBUFFERED": "1"},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        ) as process:
+            assert process.stdout is not None
+            printed: list[str] = []
+            try:
+                for line in process.stdout:
+                    printed.append(line)
+                    if not line.rstrip().endswith(f"window: {window}"):
+                        continue
+                    measured = float(printed[-2].removeprefix("average rate: "))
+                    if abs(measured - rate) < 1.0:
+                        return
+            finally:
+                process.kill()
+        raise AssertionError("".join(printed))
+
     def python(self, program: str, *arguments: str, timeout: float = TIMEOUT) -> str:
         """Run a script of rospy in the system's Python."""
         return self.run(system_python(), "-c", program, *arguments, timeout=timeout)

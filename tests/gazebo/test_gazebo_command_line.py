@@ -86,9 +86,10 @@ def test_it_is_driven_from_another_terminal(running: Bringup, capsys: Capture) -
     assert "the emergency stop is engaged" in capsys.readouterr().err
 
 
-def test_ctrl_c_ends_both(running: Bringup) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])
+def test_a_signal_ends_both(running: Bringup, number: signal.Signals) -> None:
     watch = Watch([running.server])
-    running.process.send_signal(signal.SIGINT)
+    running.process.send_signal(number)
     status, out, error = running.end()
     assert status == OK
     assert "s simulated in" in out

@@ -38,6 +38,32 @@ TABLE = """<sdf version="1.6"><model name="table"><static>true</static>
 <geometry><box><size>0.2 0.2 0.4</size></box></geometry></collision></link>
 </model></sdf>
 """
+BRACKET = """<sdf version="1.6"><model name="bracket"><static>true</static>
+<link name="body"><collision name="post"><pose>0 0.3 0.2 0 0 0</pose>
+<geometry><box><size>0.1 0.1 0.4</size></box></geometry></collision>
+<collision name="slab"><pose>0 0 0.39 0 0 0</pose>
+<geometry><box><size>0.2 0.6 0.02</size></box></geometry></collision></link>
+</model></sdf>
+"""
+CUP = """<robot name="cup">
+  <link name="foot">
+    <inertial><mass value="0.1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+    <collision>
+      <origin xyz="0 0 0.005"/><geometry><box size="0.08 0.08 0.01"/></geometry>
+    </collision>
+  </link>
+  <link name="wall">
+    <inertial><mass value="0.1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+    <collision>
+      <origin xyz="0.035 0 0.05"/><geometry><box size="0.01 0.08 0.08"/></geometry>
+    </collision>
+    <collision>
+      <origin xyz="-0.035 0 0.05"/><geometry><box size="0.01 0.08 0.08"/></geometry>
+    </collision>
+  </link>
+  <joint name="glue" type="fixed"><parent link="foot"/><child link="wall"/></joint>
+</robot>
+"""
 TYPES = {
     "pause_physics": "std_srvs/Empty",
     "unpause_physics": "std_srvs/Empty",
@@ -54,6 +80,8 @@ TYPES = {
     "spawn_urdf_model": "gazebo_msgs/SpawnModel",
     "spawn_sdf_model": "gazebo_msgs/SpawnModel",
     "delete_model": "gazebo_msgs/DeleteModel",
+    "apply_body_wrench": "gazebo_msgs/ApplyBodyWrench",
+    "clear_body_wrenches": "gazebo_msgs/BodyRequest",
 }
 
 
@@ -96,6 +124,23 @@ class Gazebo:
             initial_pose=pose,
             reference_frame=frame,
         )
+
+    def push(self, body: str, frame: str = "", at: Any = None, **wrench: Any) -> Any:
+        """Apply a wrench without an end."""
+        from geometry_msgs.msg import Point, Wrench
+        from rospy import Duration
+
+        return self.call(
+            "apply_body_wrench",
+            body_name=body,
+            reference_frame=frame,
+            reference_point=at or Point(),
+            wrench=Wrench(**wrench),
+            duration=Duration(-1),
+        )
+
+    def twist(self, name: str) -> Message:
+        return self.expect("get_model_state", model_name=name).twist
 
     def place(self, name: str, pose: Message, frame: str = "", **more: Any) -> Message:
         from gazebo_msgs.msg import ModelState
@@ -141,7 +186,7 @@ def test_a_model_is_spawned_falls_and_is_deleted(
 ) -> None:
     from gazebo_msgs.msg import LinkStates, ModelStates
 
-    rospy.wait_for_service("/gazebo/spawn_urdf_model", timeout=10.0)
+    rospy.wait_for_service("/gazebo/spawn_urdf_model", timeout=60.0)
     with listening("/gazebo/model_states", ModelStates) as models:
         assert models.messages[0].name == ["ground_plane", "robot"]
         table = gazebo.spawn("table", TABLE, at(0.5, -0.4, 0.0))
@@ -167,6 +212,21 @@ def test_a_model_is_spawned_falls_and_is_deleted(
     again = gazebo.call("delete_model", model_name="cube")
     assert not again.success
     assert again.status_message.startswith("DeleteModel: ")
+
+
+def test_several_shapes_are_one_body(gazebo: Gazebo, rospy: ModuleType) -> None:
+    """A cup of URDF, on its foot; a bracket of SDF, which carries it."""
+    assert gazebo.spawn("bracket", BRACKET, at(0.5, -0.4, 0.0)).success
+    assert gazebo.spawn("cup", CUP, at(0.5, -0.4, 0.45)).success
+    until(
+        lambda: gazebo.position("cup") == pytest.approx((0.5, -0.4, 0.4), abs=1e-3),
+        "the cup on the bracket's upper shape",
+    )
+    bracket = gazebo.expect("get_model_properties", model_name="bracket")
+    assert (bracket.body_names, bracket.geom_names) == (["body"], ["post", "slab"])
+    cup = gazebo.expect("get_model_properties", model_name="cup")
+    assert cup.body_names == ["foot"]
+    assert cup.geom_names == ["foot_collision", "wall_collision", "wall_collision_1"]
 
 
 def test_a_name_is_given_once(gazebo: Gazebo) -> None:
@@ -312,6 +372,75 @@ def joint_positions(gazebo: Gazebo) -> dict[str, float]:
         name: gazebo.expect("get_joint_properties", joint_name=name).position[0]
         for name in joints
     }
+
+
+def test_a_body_is_pushed_until_it_is_cleared(gazebo: Gazebo) -> None:
+    """Without a frame, a force acts at the centre of mass, above the link's origin."""
+    from geometry_msgs.msg import Vector3
+
+    assert gazebo.spawn("cube", CUBE, at(1.5, 0, 0.2)).success
+    gazebo.call_empty("pause_physics")
+    gazebo.place("cube", at(1.5, 0, 30))  # it falls for a while
+    start = gazebo.time
+    assert gazebo.push("cube::cube_link", force=Vector3(0.5, 0, 0)).success
+    gazebo.call_empty("unpause_physics")
+    until(lambda: gazebo.time > start + 0.2, "0.2 s")
+    gazebo.call("clear_body_wrenches", body_name="cube::cube_link")
+    gazebo.call_empty("pause_physics")
+    pushed = gazebo.twist("cube")
+    assert 5.0 * 0.2 < pushed.linear.x <= 5.0 * (gazebo.time - start)
+    assert abs(pushed.angular.y) < 1e-6
+    gazebo.call_empty("unpause_physics")
+    until(lambda: gazebo.time > start + 0.6, "another 0.2 s")
+    gazebo.call_empty("pause_physics")
+    assert gazebo.twist("cube").linear.x < 5.0 * 0.6
+
+
+def test_a_wrench_is_given_in_a_frame_and_at_a_point(gazebo: Gazebo) -> None:
+    from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+
+    assert gazebo.spawn("table", TABLE, at(5, 5, 0)).success
+    turned = Pose(position=Point(1.5, 0, 30))
+    turned.orientation = Quaternion(0, 0, math.sqrt(0.5), math.sqrt(0.5))
+    assert gazebo.spawn("cube", CUBE, at(1.5, 0, 0.2)).success
+    gazebo.call_empty("pause_physics")
+    gazebo.place("cube", turned)
+    start = gazebo.time
+    body, middle = "cube::cube_link", Point(0.01, 0, EDGE / 2)
+    # Along the cube's x, which is the world's y; at its y = 0 and 1 cm along its x.
+    gazebo.push(body, frame=body, at=middle, force=Vector3(0.1, 0, 0))
+    gazebo.push(body, frame=body, at=middle, force=Vector3(0, 0.001, 0))
+    gazebo.call_empty("unpause_physics")
+    until(lambda: gazebo.time > start + 0.05, "0.05 s")
+    gazebo.call_empty("pause_physics")
+    twist = gazebo.twist("cube")
+    duration = twist.linear.y / 1.0  # [s], of 0.1 N on 0.1 kg
+    assert duration > 0.05
+    assert twist.linear.x == pytest.approx(-0.01 * duration, rel=0.05)
+    inertia = 0.1 * EDGE**2 / 6.0
+    expected = 0.01 * 0.001 / inertia * duration
+    assert twist.angular.z == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("body", "frame", "says"),
+    [
+        ("cube::link", "", "there is no body 'cube::link'"),
+        ("nobody", "", "there is no body 'nobody'"),
+        ("cube::cube_link", "nowhere", "'nowhere' not found"),
+        ("robot::base_link", "", "stands still"),
+        ("ground_plane::link", "", "there is no body"),
+    ],
+)
+def test_a_wrench_on_what_cannot_be_pushed_is_refused(
+    gazebo: Gazebo, body: str, frame: str, says: str
+) -> None:
+    from geometry_msgs.msg import Vector3
+
+    assert gazebo.spawn("cube", CUBE, at(1.5, 0, 0)).success
+    answer = gazebo.push(body, frame=frame, force=Vector3(1, 0, 0))
+    assert not answer.success
+    assert says in answer.status_message
 
 
 def test_invalid_requests_change_nothing(gazebo: Gazebo) -> None:

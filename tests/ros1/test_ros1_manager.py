@@ -81,6 +81,12 @@ def test_all_six_services_by_rosservice(
 ) -> None:
     listed = rosservice(ros, "list_controllers")["controller"]
     assert [one["name"] for one in listed] == LOADED
+    assert listed[0]["claimed_resources"] == [
+        {
+            "hardware_interface": "hardware_interface::JointStateInterface",
+            "resources": [],
+        }
+    ]
     assert listed[1]["claimed_resources"][0]["hardware_interface"] == (
         "hardware_interface::EffortJointInterface"
     )
@@ -230,9 +236,10 @@ def test_the_spawner_starts_controllers_and_stops_them_at_ctrl_c(
             assert spawner.stdout is not None
             assert any("Started controllers" in line for line in spawner.stdout)
             assert states()[GRIPPER] == "running"
-        finally:
             spawner.send_signal(signal.SIGINT)
-        spawner.communicate(timeout=TIMEOUT)
+            spawner.communicate(timeout=TIMEOUT)
+        finally:
+            spawner.kill()
     assert spawner.returncode == 0
     assert states() == before
     assert load(GRIPPER)

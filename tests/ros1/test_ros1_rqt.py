@@ -5,11 +5,12 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Mapping
+from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
 
 import numpy as np
-from ros import Bringup, Ros, until
+from ros import Bringup, Ros, system_python, until
 from ros_client import Topic, at, listening, publishing, trajectory
 from ur5_rig import ARM, ARM_JOINTS, HOME
 
@@ -61,6 +62,46 @@ def test_it_finds_the_controller_and_the_limits_of_its_joints(
             assert lower < upper
             assert speed > 0.0
     assert listed[ARM].claimed_resources[0].resources == sorted(ARM_JOINTS)
+
+
+def test_it_finds_managers_and_controllers_through_the_utils_module(
+    ros: Ros, rospy: ModuleType, bringup: Bringup
+) -> None:
+    from controller_manager_msgs import utils
+
+    list_managers = utils.ControllerManagerLister()
+    assert [list_managers(), list_managers()] == [["/controller_manager"]] * 2
+    assert utils.get_controller_managers("/elsewhere") == []
+    assert not utils.is_controller_manager("/gazebo")
+    list_controllers = utils.ControllerLister("/controller_manager")
+    loaded = list_controllers()
+    assert ARM in [one.name for one in loaded]
+    assert [one.name for one in list_controllers()] == [one.name for one in loaded]
+    assert utils.ControllerLister("/nowhere")() == []
+    running = utils.filter_by_state(loaded, "running")
+    trajectory = utils.filter_by_type(running, "JointTrajectory", match_substring=True)
+    assert [one.name for one in trajectory] == [ARM, "gripper_controller"]
+    states = "hardware_interface::JointStateInterface"
+    (reader,) = utils.filter_by_hardware_interface(loaded, states)
+    assert utils.filter_by_name(loaded, reader.name) == [reader]
+    both = ["elbow_joint", "finger_joint"]
+    assert utils.filter_by_resources(running, both) == []
+    assert utils.filter_by_resources(running, both, match_any=True) == trajectory
+    defined = utils.get_rosparam_controller_names("/")
+    assert {one.name for one in loaded} <= set(defined)
+    assert "gazebo" not in defined
+    assert utils.get_rosparam_controller_names("/elsewhere") == []
+
+
+def test_catkin_accepts_the_generated_packages(ros: Ros, bringup: Bringup) -> None:
+    """Rqt reads every package.xml on its path, and reports those that do not parse."""
+    from controller_manager_msgs import utils
+
+    manifests = Path(utils.__file__).parents[1].glob("*/package.xml")
+    program = "import sys; from catkin_pkg.package import parse_package\n"
+    program += "for file in sys.argv[1:]: print(parse_package(file).name)"
+    parsed = ros.run(system_python(), "-c", program, *map(str, manifests)).split()
+    assert "controller_manager_msgs" in parsed
 
 
 def limits_of(ros: Ros) -> dict[str, tuple[float, ...]]:

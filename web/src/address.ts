@@ -1,4 +1,4 @@
-/** Where the server is: where this page came from, with the token of the page's address. */
+/** The address of the server: the origin of this page, with the token of its address. */
 
 function withToken(url: URL): URL {
   const token = new URLSearchParams(window.location.search).get("token");

@@ -3,7 +3,9 @@ import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { t } from "./i18n";
 import { Banners } from "./panels/banners";
+import { Confirmation } from "./panels/confirmation";
 import { ControllersPanel } from "./panels/controllers";
+import { DriveBar } from "./panels/drive-bar";
 import { engageOnEscape } from "./panels/estop";
 import { LogPanel } from "./panels/log";
 import { MotionPanel } from "./panels/motion";
@@ -19,7 +21,7 @@ import { recall, remember } from "./ui/memory";
 
 const TABS = ["motion", "objects", "controllers", "tree", "log"] as const;
 type Tab = (typeof TABS)[number];
-/** Those that a view without physics has not. */
+/** Tabs that a view without physics lacks. */
 const SIMULATED: readonly Tab[] = ["objects", "controllers"];
 
 const PANELS = {
@@ -44,7 +46,7 @@ export function App() {
     };
   }, []);
   useEffect(() => {
-    // the plots' recording goes on while their drawer is closed; the scene goes first
+    // the plots keep recording while their drawer is closed; the scene comes first
     void loadScene().then(() => import("./plots/state"));
   }, []);
   useEffect(() => {
@@ -59,6 +61,7 @@ export function App() {
       </a>
       <TopBar />
       <Banners />
+      <Confirmation />
       <main class="work">
         <section class="stage" aria-label={t("app.scene")}>
           <div class="scene">
@@ -108,6 +111,7 @@ function Column() {
   const Panel = PANELS[shown];
   return (
     <aside class="column" id="controls" tabIndex={-1} aria-label={t("app.controls")}>
+      <DriveBar />
       <Tabs
         label={t("app.controls")}
         value={shown}
@@ -131,6 +135,11 @@ function Column() {
         ) : (
           <p class="placeholder">{t(`connection.${connectionState.value}`)}</p>
         )}
+        <footer class="about">
+          <a href="./licenses.md" target="_blank" rel="noopener" data-testid="licenses">
+            {t("app.licenses")}
+          </a>
+        </footer>
       </div>
     </aside>
   );

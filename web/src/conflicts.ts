@@ -1,4 +1,4 @@
-/** Which running controllers stand in the way of one that is to start. */
+/** Running controllers that conflict with one to be started. */
 import type { ControllerInfo } from "./protocol";
 
 /** Return the names of running controllers that claim a joint which `wanted` claims too. */

@@ -1,4 +1,5 @@
 /** The one WebSocket: it fills the store, carries requests, and reconnects by itself. */
+import { signal } from "@preact/signals";
 import { socketUrl, serverUrl } from "./address";
 import { frames } from "./frames";
 import { t } from "./i18n";
@@ -16,6 +17,9 @@ const MAX_BUFFERED = 16_384;
 const ANSWER_TIMEOUT_MS = 15_000;
 /** Close codes with which a server refuses this page. */
 const REFUSALS: readonly number[] = [1008, 4401, 4403];
+
+/** How many streamed setpoints the server has refused. */
+export const refusals = signal(0);
 
 interface StreamedSetpoint<M extends StreamMethod = StreamMethod> {
   readonly method: M;
@@ -166,8 +170,12 @@ export class Connection {
     const waiting =
       typeof reply.id === "number" ? this.waiting.get(reply.id) : undefined;
     if (typeof reply.id === "number") this.waiting.delete(reply.id);
-    if (waiting) waiting(reply.error ?? null);
-    else if (reply.error) report("error", reply.error.message);
+    if (waiting) {
+      waiting(reply.error ?? null);
+    } else if (reply.error) {
+      report("error", reply.error.message);
+      refusals.value += 1;
+    }
   }
 
   private ended(code: number): void {

@@ -1,13 +1,13 @@
-/** Driving a trajectory controller by sliders: which one, to where, and when it ends. */
-import { effect, signal } from "@preact/signals";
+/** Driving: whether this page may move the robot, the controller of the sliders, and the targets. */
+import { computed, effect, signal } from "@preact/signals";
 import type { Signal } from "@preact/signals";
-import { connection } from "./connection";
+import { connection, refusals } from "./connection";
 import { frames } from "./frames";
 import type { ControllerInfo, ErrorInfo, Status } from "./protocol";
-import { connectionState, jointIndex, status } from "./store";
+import { connectionState, jointIndex, status, view } from "./store";
 
 /** Why driving ended by itself. */
-export type EndReason = "stopped" | "controller" | "reset" | "lost" | "elsewhere";
+export type EndReason = "stopped" | "reset" | "lost" | "elsewhere";
 
 /** Another page's target must differ for so long, since messages cross. */
 const ELSEWHERE_AFTER_MS = 500;
@@ -18,18 +18,22 @@ const SAME_TARGET = 2e-3;
 
 /** Part of each joint's largest velocity. */
 export const speedScale = signal(0.5);
-/** The controller that a person chose, if it is still there. */
+/** The controller that the user chose, if it still exists. */
 export const chosenController = signal<string | null>(null);
-/** Joint → what the person wants, while driving; null while the sliders only follow. */
+/** Whether the user switched *Drive* on: a page opens read-only. */
+export const isDriving = signal(false);
+/** Whether controls that move the robot are enabled; without physics they always are. */
+export const mayMove = computed(() => isDriving.value || view.value?.mode === "view");
+/** Joint → commanded position while driving; null while the sliders only follow. */
 export const goals = signal<ReadonlyMap<string, Signal<number>> | null>(null);
 export const endReason = signal<EndReason | null>(null);
 
-/** So long the server may head for what this page wanted before: slow messages are its own. */
+/** Time for which the server may still follow earlier setpoints of this page. */
 const REMEMBERED_MS = 5000;
 
-/** Joint → what the server should be heading for; it is somebody else's doing if it is not. */
+/** Joint → the server's expected target; another client moves the robot if it differs. */
 let expected: ReadonlyMap<string, number> = new Map();
-/** What it should have been heading for lately, and until when. */
+/** Recent expected targets, and until when they are valid. */
 let before: { targets: ReadonlyMap<string, number>; until: number }[] = [];
 let differsSince: number | null = null;
 let settlesUntil = -Infinity;
@@ -49,13 +53,32 @@ export function controllerOf(now: Status | null): ControllerInfo | undefined {
   );
 }
 
-/** Begin to drive from the present setpoints, so that nothing moves. */
+/** Start driving; nothing moves until a control is used. */
 export function enable(): void {
-  const now = status.value;
-  const controller = controllerOf(now);
-  if (!now || !controller || !canDrive(controller) || now.stopped) return;
-  chosenController.value = controller.name;
+  if (status.value === null || status.value.stopped) return;
+  isDriving.value = true;
   endReason.value = null;
+  review(status.value, performance.now());
+}
+
+/** Make the page read-only again; the robot still completes its last command. */
+export function disable(reason: EndReason | null = null): void {
+  if (!isDriving.value) return;
+  isDriving.value = false;
+  endReason.value = reason;
+  release();
+}
+
+/** Drive another controller. */
+export function choose(controller: string): void {
+  release();
+  chosenController.value = controller;
+  review(status.value, performance.now());
+}
+
+/** Start the sliders at the present setpoints, so that nothing moves. */
+function take(controller: ControllerInfo, now: Status): void {
+  chosenController.value = controller.name;
   expect(now.targets);
   before = [];
   goals.value = new Map(
@@ -63,15 +86,13 @@ export function enable(): void {
   );
 }
 
-/** Let the sliders follow the robot again; it still completes its last command. */
-export function disable(reason: EndReason | null = null): void {
-  if (goals.value === null) return;
+/** Let the sliders follow the robot. */
+function release(): void {
   connection.dropStreams();
   goals.value = null;
-  endReason.value = reason;
 }
 
-/** Want a joint somewhere [rad | m]. */
+/** Set the target of a joint [rad | m]. */
 export function drive(joint: string, position: number): void {
   const goal = goals.value?.get(joint);
   if (goal === undefined) return;
@@ -124,7 +145,7 @@ function expect(targets: Readonly<Record<string, number>>): void {
   differsSince = null;
 }
 
-/** Return whether the robot is heading where this page did not send it. */
+/** Return whether the robot moves to a target that this page did not send. */
 function isElsewhere(now: Status, wallTimeMs: number): boolean {
   const late = before.filter(({ until }) => wallTimeMs - until < REMEMBERED_MS);
   return ![{ targets: expected }, ...late].some(({ targets }) =>
@@ -140,7 +161,7 @@ function isHeadingFor(mine: ReadonlyMap<string, number>, now: Status): boolean {
   });
 }
 
-/** Put the sliders where the robot is going by itself. */
+/** Set the sliders to the robot's own target. */
 function takeTargets({ targets }: Status): void {
   for (const [joint, goal] of goals.value ?? []) {
     goal.value = targets[joint] ?? goal.value;
@@ -150,18 +171,18 @@ function takeTargets({ targets }: Status): void {
   differsSince = null;
 }
 
-/** End driving if what the server says leaves no other way. */
+/** Choose a drivable controller, and end driving if the server's state requires it. */
 export function review(now: Status | null, wallTimeMs: number): void {
-  if (goals.value === null) return;
-  const controller = now?.controllers.find(
-    ({ name }) => name === chosenController.value,
-  );
+  if (!isDriving.value) return;
+  const controller = controllerOf(now);
   if (now === null) {
     disable("lost");
   } else if (now.stopped) {
     disable("stopped");
   } else if (controller === undefined || !canDrive(controller)) {
-    disable("controller");
+    if (goals.value !== null) release();
+  } else if (goals.value === null) {
+    take(controller, now);
   } else if (wallTimeMs < settlesUntil) {
     takeTargets(now);
   } else if (now.paused || !isElsewhere(now, wallTimeMs)) {
@@ -172,12 +193,17 @@ export function review(now: Status | null, wallTimeMs: number): void {
   }
 }
 
-/** Watch for what ends driving; the answer ends the watch. */
+/** Watch for events that end driving; call the result to end the watch. */
 export function watchDriving(): () => void {
   const ends = [
     effect(() => {
       const now = connectionState.value === "open" ? status.value : null;
       review(now, performance.now());
+    }),
+    effect(() => {
+      // the sliders do not stay at targets that the robot will not reach
+      const now = status.peek();
+      if (refusals.value > 0 && now !== null) takeTargets(now);
     }),
     frames.listen((frame) => {
       if (frame.time < lastTime - 1e-9) disable("reset");

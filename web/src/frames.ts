@@ -7,8 +7,8 @@ export interface TimedFrame {
 }
 
 /**
- * The newest frames.  They come sixty times a second, so they are no signal: who draws
- * looks here at the display's rate, who plots listens.
+ * The newest frames.  They arrive sixty times a second, so they are no signal: the scene
+ * reads them at the display's rate, the plots listen.
  */
 class FrameBuffer {
   private readonly recent: TimedFrame[] = [];
@@ -29,7 +29,7 @@ class FrameBuffer {
     for (const listener of this.listeners) listener(frame);
   }
 
-  /** Call `listener` with every frame; the answer ends it. */
+  /** Call `listener` with every frame; call the result to end it. */
   listen(listener: (frame: Frame) => void): () => void {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);

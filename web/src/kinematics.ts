@@ -1,4 +1,4 @@
-/** Forward kinematics: where links are in the root, from where the joints are. */
+/** Forward kinematics: poses of the links in the root from the joint positions. */
 import type { UrdfJoint, UrdfModel, Vector } from "./urdf";
 
 /** Rotation, row by row. */

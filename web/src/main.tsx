@@ -3,6 +3,7 @@ import { App } from "./app";
 import { connection } from "./connection";
 import { watchDriving } from "./driving";
 import { watchModel } from "./model";
+import { watchSilence } from "./silence";
 import "./styles/tokens.css";
 import "./styles/base.css";
 import "./styles/controls.css";
@@ -11,6 +12,7 @@ import "./styles/panels.css";
 
 watchDriving();
 watchModel();
+watchSilence();
 connection.open();
 
 const app = document.getElementById("app");

@@ -6,7 +6,7 @@ import { parseUrdf } from "./urdf";
 import type { UrdfModel } from "./urdf";
 
 export const model = signal<UrdfModel | null>(null);
-/** What `model` was read from; it is set just before. */
+/** The source of `model`; it is set just before. */
 export const urdfText = signal("");
 /** Why there is no model. */
 export const modelFailure = signal<string | null>(null);
@@ -26,7 +26,7 @@ async function load(path: string, aborted: AbortSignal): Promise<void> {
   }
 }
 
-/** Read the URDF after every view, since the robot may be another; the answer ends it. */
+/** Read the URDF after every view, since the robot may have changed; call the result to end it. */
 export function watchModel(): () => void {
   return effect(() => {
     const path = view.value?.robot.urdf;

@@ -1,10 +1,10 @@
-/** The object that a person is about to move, and where to: one at a time. */
+/** The object that the user is moving, and its new pose: one at a time. */
 import { signal } from "@preact/signals";
 import { connection } from "./connection";
 import type { ErrorInfo } from "./protocol";
 import type { Vector } from "./urdf";
 
-/** A pose as requests have it: [m], and [rad] about fixed axes. */
+/** A pose in the form of requests: [m], and [rad] about fixed axes. */
 export interface Target {
   readonly position: Vector;
   readonly rpy: Vector;
@@ -20,12 +20,12 @@ export interface Move {
 /** By numbers in its row, or by the arrows in the scene; null while nothing is moved. */
 export const moving = signal<Move | null>(null);
 
-/** Begin to move an object from where it is, or end that with null. */
+/** Start moving an object from its present pose, or end that with null. */
 export function begin(name: string, target: Target | null): void {
   moving.value = target && { name, target, problem: null };
 }
 
-/** Change where it is to go; nothing is sent yet. */
+/** Change its target; nothing is sent yet. */
 export function aimAt(target: Target): void {
   const now = moving.peek();
   if (now) moving.value = { ...now, target };

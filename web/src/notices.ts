@@ -1,4 +1,4 @@
-/** What happened: all of it in the log, the important part as toasts. */
+/** Notices: all of them in the log, the important ones as toasts. */
 import { signal } from "@preact/signals";
 import { t } from "./i18n";
 import type { Notice } from "./protocol";
@@ -18,7 +18,7 @@ export interface Toast {
   readonly key: number;
   readonly severity: Severity;
   readonly text: string;
-  /** How often it was said. */
+  /** Number of repetitions. */
   readonly count: number;
 }
 
@@ -91,6 +91,7 @@ const QUIET: readonly Notice["code"][] = [
   "emergency_stop",
   "fault",
   "overrun",
+  "stall",
   "refused",
 ];
 

@@ -1,14 +1,14 @@
-/** What the server said, and how this person wants to see it.  Components only read. */
+/** The server's state, and the user's display settings.  Components only read. */
 import { computed, signal } from "@preact/signals";
 import type { ViewInfo, JointInfo, Notice, ViewScene, Status } from "./protocol";
 
 export type ConnectionState = "connecting" | "open" | "lost" | "refused" | "outdated";
 
-// ---- said by the server; only connection.ts writes these ----------------------------
+// ---- state from the server; only connection.ts writes these -------------------------
 
 export const connectionState = signal<ConnectionState>("connecting");
 export const view = signal<ViewInfo | null>(null);
-/** What is around the robot now. */
+/** The objects around the robot. */
 export const scene = signal<ViewScene | null>(null);
 export const status = signal<Status | null>(null);
 /** Oldest first, the last few hundred. */
@@ -22,7 +22,7 @@ export const jointIndex = computed<ReadonlyMap<string, number>>(
   () => new Map(joints.value.map((joint, index) => [joint.name, index])),
 );
 
-// ---- how this person wants to see it ------------------------------------------------
+// ---- the user's display settings ----------------------------------------------------
 
 /** The link that the pointer is over, in the tree or in the scene. */
 export const hoveredLink = signal<string | null>(null);

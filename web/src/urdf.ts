@@ -36,9 +36,9 @@ export interface UrdfJoint {
 export interface UrdfModel {
   readonly root: string;
   readonly links: ReadonlyMap<string, UrdfLink>;
-  /** Link → the joint that it hangs on. */
+  /** Link → its parent joint. */
   readonly parentJoint: ReadonlyMap<string, UrdfJoint>;
-  /** Link → the joints that hang on it, in the order of the file. */
+  /** Link → its child joints, in the order of the file. */
   readonly childJoints: ReadonlyMap<string, readonly UrdfJoint[]>;
 }
 
@@ -90,7 +90,7 @@ function jointOf(element: Element): UrdfJoint {
   };
 }
 
-/** Return the tree in a URDF document.  Throws an Error that says what is wrong with it. */
+/** Return the tree in a URDF document.  Throws an Error with the reason if it is invalid. */
 export function parseUrdf(text: string): UrdfModel {
   const robot = new DOMParser().parseFromString(
     text,

@@ -1,6 +1,7 @@
 import { act, fireEvent, render, screen } from "@testing-library/preact";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { conflicting } from "../src/conflicts";
+import { disable, enable } from "../src/driving";
 import { ControllersPanel } from "../src/panels/controllers";
 import { controller, FakeSocket, view, status } from "./fixtures";
 import { useFakeServer } from "./setup";
@@ -27,7 +28,19 @@ describe("the table of controllers", () => {
   beforeEach(() => {
     FakeSocket.newest.say(view());
     FakeSocket.newest.say(status({ controllers: [arm, efforts] }));
+    enable();
     render(<ControllersPanel />);
+  });
+
+  it("starts nothing while the page is read-only", async () => {
+    await act(() => {
+      disable();
+    });
+    const start = screen.getByTestId<HTMLButtonElement>("controller-start-efforts");
+    expect(start.disabled).toBe(true);
+    expect(screen.getByTestId<HTMLButtonElement>("controller-stop-arm").disabled).toBe(
+      false,
+    );
   });
 
   it("shows why the server refused, and offers to switch at once", async () => {

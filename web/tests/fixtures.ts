@@ -64,11 +64,12 @@ export function status(changes: Partial<Status> = {}): Status {
     fault: null,
     speed: 1,
     real_time_factor: 1,
-    overruns: 0,
+    late_ticks: 0,
     clients: 1,
     controllers: [controller()],
     grippers: [],
     poses: [],
+    stalls: [],
     targets: { pan: 0.5, lift: -1 },
     ...changes,
   };

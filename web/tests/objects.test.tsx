@@ -2,6 +2,7 @@ import { act, fireEvent, render, screen } from "@testing-library/preact";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { fromQuaternion, toRpy } from "../src/kinematics";
 import { moving } from "../src/moving";
+import { Confirmation } from "../src/panels/confirmation";
 import { describeObject, grouped, ObjectsPanel } from "../src/panels/objects";
 import { TopBar } from "../src/panels/top-bar";
 import type { ViewObject } from "../src/protocol";
@@ -31,6 +32,15 @@ const settle = () =>
     await vi.advanceTimersByTimeAsync(50);
   });
 
+/** Confirm what was asked. */
+async function confirmed(): Promise<void> {
+  await act(async () => {
+    await vi.advanceTimersByTimeAsync(500);
+  });
+  press("confirmation-act");
+  await settle();
+}
+
 function type(id: string, text: string): void {
   const field = screen.getByTestId(id);
   fireEvent.input(field, { target: { value: text } });
@@ -48,7 +58,12 @@ describe("the objects", () => {
   useFakeServer();
   beforeEach(async () => {
     server().say(view());
-    render(<ObjectsPanel />);
+    render(
+      <>
+        <ObjectsPanel />
+        <Confirmation />
+      </>,
+    );
     await act(async () => {
       server().say({ type: "scene", number: 3, objects: [TABLE, CUBE] });
       server().say(
@@ -93,8 +108,17 @@ describe("the objects", () => {
     );
   });
 
-  it("are removed", () => {
+  it("are removed once that is confirmed, but not by a double click", async () => {
     press("object-remove-cube");
+    await settle();
+    expect(screen.getByTestId("confirmation").textContent).toContain("Remove cube?");
+    press("confirmation-act"); // too soon
+    await settle();
+    press("confirmation-cancel");
+    await settle();
+    expect(screen.queryByTestId("confirmation")).toBeNull();
+    press("object-remove-cube");
+    await confirmed();
     expect(server().sentOf("remove_object")).toMatchObject([{ name: "cube" }]);
   });
 
@@ -104,6 +128,7 @@ describe("the objects", () => {
       server().say({ type: "scene", number: 4, objects: [...parts, CUBE] });
     });
     press("object-remove-bin");
+    await confirmed();
     expect(server().sentOf("remove_object")).toMatchObject([
       { name: "bin.floor" },
       { name: "bin.left" },
@@ -176,6 +201,7 @@ describe("an object in words", () => {
       [{ kind: "cylinder", radius: 0.03, length: 0.1 }, "Cylinder ⌀ 60 × 100 mm, 1 kg"],
       [{ kind: "sphere", radius: 0.0125 }, "Sphere ⌀ 25 mm, 1 kg"],
       [{ kind: "mesh", size: [1, 1, 1], url: "/a.stl" }, "Mesh, 1 kg"],
+      [{ kind: "compound", parts: [] }, "Several shapes, 1 kg"],
     ];
     for (const [shape, words] of shapes) {
       expect(describeObject({ ...CUBE, shape, mass: 1 })).toBe(words);

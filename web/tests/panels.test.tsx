@@ -1,6 +1,9 @@
 import { act, fireEvent, render, screen } from "@testing-library/preact";
 import { beforeEach, describe, expect, it, vi } from "vitest";
+import { disable, enable } from "../src/driving";
+import { toasts } from "../src/notices";
 import { Banners } from "../src/panels/banners";
+import { Confirmation } from "../src/panels/confirmation";
 import { EmergencyStop, engageOnEscape } from "../src/panels/estop";
 import { MotionPanel } from "../src/panels/motion";
 import { Simulation } from "../src/panels/simulation";
@@ -26,6 +29,13 @@ async function pass(milliseconds: number): Promise<void> {
   });
 }
 
+/** Confirm what was asked. */
+async function confirmed(): Promise<void> {
+  await pass(500);
+  press("confirmation-act");
+  await pass(10);
+}
+
 describe("the emergency stop", () => {
   useFakeServer();
   beforeEach(() => {
@@ -39,19 +49,72 @@ describe("the emergency stop", () => {
     );
   });
 
-  it("is engaged by the button, and released by it", async () => {
-    press("estop");
-    await act(() => {
+  const engagements = () =>
+    server()
+      .sentOf("emergency_stop")
+      .map(({ engaged }) => engaged);
+  const stop = () =>
+    act(() => {
       server().say(status({ stopped: true }));
     });
-    expect(screen.getByTestId("estop-banner").textContent).toContain("braked");
-    expect(screen.getByTestId("estop").textContent).toBe("Release");
+
+  it("is engaged by the button, however often it is pressed", async () => {
     press("estop");
-    expect(
-      server()
-        .sentOf("emergency_stop")
-        .map(({ engaged }) => engaged),
-    ).toEqual([true, false]);
+    await stop();
+    expect(screen.getByTestId("estop-banner").textContent).toContain("braked");
+    press("estop");
+    expect(engagements()).toEqual([true, true]);
+  });
+
+  it("has a name that begins with what it shows", () => {
+    const button = screen.getByTestId("estop");
+    expect(button.getAttribute("aria-label")).toContain(button.textContent);
+  });
+
+  it("is pressed once by a key that is held", () => {
+    const held = { key: "Enter", repeat: true };
+    // not done by default means: the browser does not click
+    expect(fireEvent.keyDown(screen.getByTestId("estop"), held)).toBe(false);
+  });
+
+  it("says at once that it was requested, until the robot's state says more", async () => {
+    press("estop");
+    await pass(10);
+    expect(screen.getByTestId("stop-requested").textContent).toContain("requested");
+    await pass(5000);
+    expect(screen.queryByTestId("stop-requested")).not.toBeNull();
+    await stop();
+    expect(screen.queryByTestId("stop-requested")).toBeNull();
+  });
+
+  const holds = [
+    ["the pointer", "pointerDown", "pointerUp", { button: 0 }],
+    ["Enter", "keyDown", "keyUp", { key: "Enter" }],
+    ["the space bar", "keyDown", "keyUp", { key: " " }],
+  ] as const;
+  it.each(holds)("is released by %s, held for a second", async (_, down, up, event) => {
+    await stop();
+    const release = screen.getByTestId("estop-release");
+    for (let click = 0; click < 5; click++) {
+      fireEvent[down](release, event);
+      await pass(250);
+      fireEvent[up](release, event);
+      await pass(100);
+    }
+    fireEvent.click(release);
+    await pass(1000);
+    expect(engagements()).toEqual([]);
+    fireEvent[down](release, event);
+    await pass(1000);
+    expect(engagements()).toEqual([false]);
+  });
+
+  it("is not released by a key that was held before", async () => {
+    await stop();
+    const release = screen.getByTestId("estop-release");
+    fireEvent.keyDown(release, { key: "Enter", repeat: true });
+    await pass(1500);
+    expect(engagements()).toEqual([]);
   });
 
   it("is engaged by Escape, and never released by it", () => {
@@ -78,6 +141,8 @@ describe("the gripper", () => {
   useFakeServer();
   beforeEach(() => {
     server().say(view({ robot: { ...view().robot, grippers: [GRIPPER] } }));
+    server().say(status({ poses: [{ name: "home", saved: false, positions: {} }] }));
+    enable();
     render(<MotionPanel />);
   });
 
@@ -116,6 +181,56 @@ describe("the gripper", () => {
     expect(server().sentOf("grip")).toMatchObject([{ opening: 0.04 }]);
   });
 
+  it("and the poses move nothing while the page is read-only", async () => {
+    await act(() => {
+      disable();
+    });
+    for (const id of [
+      "gripper-open",
+      "gripper-close",
+      "gripper-opening",
+      "gripper-opening-field",
+      "pose-go-home",
+    ]) {
+      expect(screen.getByTestId<HTMLButtonElement>(id).disabled).toBe(true);
+    }
+    expect(screen.getByTestId<HTMLButtonElement>("hold-still").disabled).toBe(false);
+  });
+
+  it("stands beside poses, whose refusal is a notice", async () => {
+    press("pose-go-home");
+    await act(async () => {
+      server().refuse("go_to_pose", "a duration of at least 0.9 s");
+      await vi.advanceTimersByTimeAsync(10);
+    });
+    expect(toasts.value.map(({ text }) => text)).toEqual([
+      "a duration of at least 0.9 s",
+    ]);
+  });
+
+  it("stands beside poses that are overwritten and deleted once that is confirmed", async () => {
+    const pose = { name: "mine", saved: true, positions: {} };
+    render(<Confirmation />);
+    await act(() => {
+      server().say(status({ poses: [pose] }));
+    });
+    const name = screen.getByTestId("pose-name");
+    for (const text of ["new", "mine"]) {
+      fireEvent.input(name, { target: { value: text } });
+      await pass(10);
+      press("pose-save");
+      await pass(10);
+    }
+    expect(server().sentOf("save_pose")).toEqual([{ name: "new" }]);
+    await confirmed();
+    expect(server().sentOf("save_pose")).toEqual([{ name: "new" }, { name: "mine" }]);
+    press("pose-delete-mine");
+    await pass(10);
+    expect(server().sentOf("delete_pose")).toEqual([]);
+    await confirmed();
+    expect(server().sentOf("delete_pose")).toEqual([{ name: "mine" }]);
+  });
+
   it("says what it does, and why it refused", async () => {
     await say("holding_inside", 0.0401);
     expect(screen.getByTestId("gripper-state").textContent).toBe(
@@ -132,13 +247,51 @@ describe("the gripper", () => {
   });
 });
 
+describe("a joint that pushes and does not move", () => {
+  useFakeServer();
+
+  it.each([
+    [
+      [["forearm_link", "table"]] as [string, string][],
+      "lift pushes with 150 N·m against table (contact: forearm_link – table).",
+    ],
+    [[], "lift pushes with 150 N·m and does not move."],
+  ])("is told with what it touches, %j", (contacts, text) => {
+    server().say(view());
+    server().say(status({ stalls: [{ joint: "lift", effort: -150, contacts }] }));
+    render(<Banners />);
+    expect(screen.getByTestId("stall-banner").textContent).toContain(text);
+  });
+});
+
+describe("the simulation's readings", () => {
+  useFakeServer();
+
+  it.each([
+    [1, 0.99, ""],
+    [1, 0.8, "warning"],
+    [10, 0.8, "warning"],
+  ])("say at %fx and %fx real time how it keeps up", (speed, factor, tone) => {
+    server().say(view());
+    server().say(status({ speed, real_time_factor: factor, late_ticks: 12 }));
+    render(<Simulation />);
+    expect(screen.getByTestId("sim-rtf").parentElement?.className).toBe(tone);
+    expect(screen.getByTestId("sim-late").textContent).toBe("12/s");
+  });
+});
+
 describe("the simulation's buttons", () => {
   useFakeServer();
 
   it("step only what is paused", async () => {
     server().say(view());
     server().say(status());
-    render(<Simulation />);
+    render(
+      <>
+        <Simulation />
+        <Confirmation />
+      </>,
+    );
     expect(screen.getByTestId<HTMLButtonElement>("sim-step").disabled).toBe(true);
     press("sim-pause");
     await act(() => {
@@ -147,6 +300,7 @@ describe("the simulation's buttons", () => {
     press("sim-step");
     press("sim-resume");
     press("sim-reset");
+    await confirmed();
     const methods = server().sent.map((request) => request.method);
     expect(methods).toEqual(["pause", "step", "resume", "reset"]);
   });

@@ -1,4 +1,4 @@
-import type { Object3D } from "three";
+import { type Object3D, Quaternion, Vector3 } from "three";
 import { describe, expect, test } from "vitest";
 import type { ViewObject, ViewScene } from "../src/protocol";
 import { Materials } from "../src/scene/materials";
@@ -58,6 +58,38 @@ describe("objects of the scene", () => {
     expect(objects.root.children).toEqual([two]);
     objects.pose(row(1, 1), 0);
     expect(seen(objects)).toEqual({ two: 1 });
+  });
+
+  test("may have several shapes, each at its pose in the object", async () => {
+    const objects = empty();
+    const angle: ViewObject = {
+      ...box("angle"),
+      shape: {
+        kind: "compound",
+        parts: [
+          { shape: { kind: "sphere", radius: 0.1 }, xyz: [0, 0, 0], rpy: [0, 0, 0] },
+          {
+            shape: { kind: "box", size: [1, 1, 1] },
+            xyz: [1, 2, 3],
+            rpy: [Math.PI / 2, 0, Math.PI / 2],
+          },
+        ],
+      },
+    };
+    await objects.show(scene(0, angle));
+    expect(objects.failures).toEqual([]);
+    const drawn = named(objects, "angle");
+    expect(drawn?.children.map((part) => part.position.toArray())).toEqual([
+      [0, 0, 0],
+      [1, 2, 3],
+    ]);
+    const second = drawn?.children[1];
+    expect(second?.children[0]?.userData.object).toBe("angle");
+    // about x first: the part's y goes to z and stays there
+    const y = new Vector3(0, 1, 0).applyQuaternion(
+      second?.quaternion ?? new Quaternion(),
+    );
+    expect(y.distanceTo(new Vector3(0, 0, 1))).toBeLessThan(1e-9);
   });
 
   test("are not put where a frame of another scene has others", async () => {

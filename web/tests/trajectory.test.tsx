@@ -1,10 +1,19 @@
 import { act, fireEvent, render, screen } from "@testing-library/preact";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { adopt, endReason, goals, holdStill, watchDriving } from "../src/driving";
+import {
+  adopt,
+  endReason,
+  goals,
+  holdStill,
+  isDriving,
+  watchDriving,
+} from "../src/driving";
+import { toasts } from "../src/notices";
+import { DriveBar } from "../src/panels/drive-bar";
 import { TrajectoryPanel } from "../src/panels/trajectory";
 import type { Status } from "../src/protocol";
 import { angleUnit } from "../src/units";
-import { controller, FakeSocket, frame, view, status } from "./fixtures";
+import { controller, FakeSocket, frame, joint, view, status } from "./fixtures";
 import { useFakeServer } from "./setup";
 
 const server = () => FakeSocket.newest;
@@ -40,7 +49,12 @@ describe("the trajectory panel", () => {
     server().say(view());
     server().say(status());
     server().say(frame());
-    render(<TrajectoryPanel />);
+    render(
+      <>
+        <DriveBar />
+        <TrajectoryPanel />
+      </>,
+    );
     await pass(50);
     return end;
   });
@@ -77,22 +91,82 @@ describe("the trajectory panel", () => {
     });
   });
 
-  it("takes degrees and keeps within the limits", async () => {
+  const type = async (text: string, key = "Enter") => {
+    const field = input("joint-field-pan");
+    fireEvent.input(field, { target: { value: text } });
+    fireEvent.keyDown(field, { key });
+    await pass(50);
+    return field;
+  };
+  const wanted = () =>
+    server()
+      .sentOf("steer_joints")
+      .map(({ positions }) => (positions as { pan: number }).pan);
+
+  it("takes the unit that is shown, and any other that is typed", async () => {
     angleUnit.value = "deg";
     await pass(50);
     enable();
-    const field = input("joint-field-pan");
-    fireEvent.input(field, { target: { value: "90" } });
-    fireEvent.keyDown(field, { key: "Enter" });
     await pass(50);
-    fireEvent.input(field, { target: { value: "400" } });
-    fireEvent.blur(field);
+    await type("90");
+    await type("1.2rad");
+    angleUnit.value = "rad";
     await pass(50);
-    const [first, second] = server().sentOf("steer_joints") as {
-      positions: { pan: number };
-    }[];
-    expect(first?.positions.pan).toBeCloseTo(Math.PI / 2);
-    expect(second?.positions.pan).toBe(3);
+    await type("45 deg");
+    const expected = [Math.PI / 2, 1.2, Math.PI / 4];
+    expect(wanted()).toHaveLength(3);
+    wanted().forEach((pan, index) => {
+      expect(pan).toBeCloseTo(expected[index] ?? NaN);
+    });
+  });
+
+  it.each(["99", "-3.1", "180 deg", "12x"])(
+    "moves nothing for %s, and says what would be right",
+    async (text) => {
+      enable();
+      await pass(50);
+      const field = await type(text);
+      fireEvent.blur(field);
+      await pass(50);
+      expect(wanted()).toEqual([]);
+      expect(field.value).toBe(text);
+      expect(field.getAttribute("aria-invalid")).toBe("true");
+      const problem = document.getElementById(
+        field.getAttribute("aria-errormessage") ?? "",
+      );
+      expect(problem?.textContent).toMatch(/from -3.000 to 3.000 rad|a number of rad/);
+      await type(text, "ArrowUp"); // from where it is
+      expect(wanted()[0]).toBeCloseTo(0.51);
+      expect(field.getAttribute("aria-invalid")).toBe("false");
+    },
+  );
+
+  it("says why a motion was refused, and returns to where the robot goes", async () => {
+    enable();
+    drag("pan", 2);
+    await pass(100);
+    expect(input("joint-slider-pan").valueAsNumber).toBe(2);
+    const message = "needs 56 rad/s, limit 3.14 rad/s";
+    await act(() => {
+      const error = { type: "ControlError", message };
+      server().say({ type: "reply", id: null, error });
+    });
+    await pass(50);
+    expect(toasts.value.map(({ severity, text }) => [severity, text])).toEqual([
+      ["error", message],
+    ]);
+    expect(input("joint-slider-pan").valueAsNumber).toBe(0.5);
+    expect(isDriving.value).toBe(true);
+  });
+
+  it("takes a limit as it is shown", async () => {
+    const long = joint("pan", { upper: 3.14159265 });
+    server().say(view({ robot: { ...view().robot, joints: [long, joint("lift")] } }));
+    await say({});
+    enable();
+    await pass(50);
+    await type("3.142");
+    expect(wanted()).toEqual([3.14159265]);
   });
 
   it("steps by keys, ten times as far with Shift", async () => {
@@ -113,17 +187,24 @@ describe("the trajectory panel", () => {
     expect(input("joint-slider-pan").getAttribute("aria-valuetext")).toBe("0.500 rad");
   });
 
-  const stopped = [controller({ state: "stopped" })];
-  const ends: [string, Partial<Status>, string][] = [
-    ["the emergency stop", { stopped: true }, "stopped"],
-    ["a controller that stops", { controllers: stopped }, "controller"],
-  ];
-  it.each(ends)("ends driving for %s, and says so", async (_, changes, reason) => {
+  it("ends driving for the emergency stop, and says so", async () => {
     enable();
-    await say(changes);
+    await say({ stopped: true });
     expect(goals.value).toBeNull();
-    expect(endReason.value).toBe(reason);
+    expect(endReason.value).toBe("stopped");
     expect(screen.getByTestId("driving-state").textContent).toContain("Driving ended");
+  });
+
+  it("leaves the sliders of a controller that stops, and takes them from there again", async () => {
+    enable();
+    drag("pan", 1);
+    await say({ controllers: [controller({ state: "stopped" })] });
+    expect(input("joint-slider-pan").disabled).toBe(true);
+    server().sent.length = 0;
+    await say({}, 1.1);
+    await pass(100);
+    expect(input("joint-slider-pan").valueAsNumber).toBeCloseTo(0.5);
+    expect(server().sent).toEqual([]);
   });
 
   it("ends driving when time begins anew", async () => {

@@ -1,7 +1,14 @@
 import { describe, expect, it } from "vitest";
-import { fixed, parseNumber } from "../src/ui/number-field";
+import { fixed } from "../src/ui/number-field";
 import { share, stepped } from "../src/ui/slider";
-import { DEGREES, MILLIMETRES, RADIANS, spanOf, unitOf } from "../src/units";
+import {
+  DEGREES,
+  MILLIMETRES,
+  parseQuantity,
+  RADIANS,
+  spanOf,
+  unitOf,
+} from "../src/units";
 import { joint } from "./fixtures";
 
 describe("units", () => {
@@ -24,12 +31,29 @@ describe("units", () => {
     [".5", 0.5],
     ["1e-3", 0.001],
   ])("reads %s", (text, value) => {
-    expect(parseNumber(text)).toBe(value);
+    expect(parseQuantity(text, "rad")).toBe(value);
   });
 
-  it.each(["", "-", "1.2.3", "1m", "NaN", "Infinity", "0x10"])("refuses %j", (text) => {
-    expect(parseNumber(text)).toBeUndefined();
+  it.each([
+    ["90deg", "rad", Math.PI / 2],
+    ["90 °", "rad", Math.PI / 2],
+    ["1.5 rad", "°", 85.943669],
+    ["45", "°", 45],
+    ["4cm", "mm", 40],
+    ["0.04m", "mm", 40],
+    ["1e-1 m/s", "mm/s", 100],
+    ["250 g", "kg", 0.25],
+    ["60N", "N", 60],
+  ])("reads %s as %s", (text, unit, value) => {
+    expect(parseQuantity(text, unit)).toBeCloseTo(value, 5);
   });
+
+  it.each(["", "-", "1.2.3", "1m", "1 2", "deg", "NaN", "Infinity", "0x10"])(
+    "refuses %j",
+    (text) => {
+      expect(parseQuantity(text, "rad")).toBeUndefined();
+    },
+  );
 
   it("writes no negative zero", () => {
     expect(fixed(-0.0001, 2)).toBe("0.00");

@@ -1,1 +1,1 @@
-"""What a Python program holds: a robot and its parts, here or in another process."""
+"""The Python API: handles on a robot and its parts, in this process or another one."""

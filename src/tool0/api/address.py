@@ -1,4 +1,4 @@
-"""Where a running bringup is reached: one socket file per name."""
+"""The address of a running bringup: one socket file per name."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import re
 import socket
 import stat
+import struct
 from pathlib import Path
 from typing import IO, final
 
@@ -58,29 +59,67 @@ def socket_path(folder: Path, name: str) -> Path:
 
 
 def running_names() -> tuple[str, ...]:
-    """Return the names whose socket file exists; one may be of a dead process."""
-    found = {path.stem for folder in folders() for path in folder.glob("*.sock")}
+    """Return the names whose socket file exists; its process may be dead."""
+    found = {
+        path.stem
+        for folder in folders()
+        if folder.exists() and insecurity(folder) is None
+        for path in folder.glob("*.sock")
+    }
     return tuple(sorted(found))
+
+
+def insecurity(folder: Path) -> str | None:
+    """Return why other users could place a socket in ``folder``; None if they cannot.
+
+    Raises:
+        OSError: If there is no such folder.
+    """
+    status = folder.lstat()
+    if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid():
+        return f"{folder} is not a folder of this user; remove it"
+    if status.st_mode & 0o077:
+        return f"{folder} is open to other users; run: chmod 700 {folder}"
+    return None
+
+
+def is_foreign(peer: socket.socket) -> bool:
+    """Return whether the process at the other end is known to be another user's."""
+    if not hasattr(socket, "SO_PEERCRED"):
+        return False
+    credentials = struct.Struct("3i")
+    data = peer.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, credentials.size)
+    _, user, _ = credentials.unpack(data)
+    return bool(user != os.getuid())
 
 
 @final
 class Claim:
     """A name that this process holds alone, until it closes or dies.
 
-    The kernel drops the lock with the process, however it ends: what a dead process
-    left behind is never in the way, and a live one is never pushed aside.
+    The kernel releases the lock when the process ends, whatever the reason: files of a
+    dead process never block the name, and a live process never loses it.
     """
 
     def __init__(self, name: str) -> None:
+        """Acquire the name.
+
+        Raises:
+            TransportError: If another process holds it, or no private folder is there.
+        """
         check_supported()
         self.name = name
         self.path = socket_path(_usable_folder(), name)
         self._lock_path = self.path.with_suffix(".lock")
         self._lock = _locked_file(self._lock_path, name)
-        self.path.unlink(missing_ok=True)
+        try:
+            self.path.unlink(missing_ok=True)
+        except OSError as error:
+            self._lock.close()
+            raise _blocked(self.path, error) from None
 
     def close(self) -> None:
-        """Remove the files and let the name go; closing twice is allowed."""
+        """Remove the files and release the name; closing twice is allowed."""
         if not self._lock.closed:
             self.path.unlink(missing_ok=True)
             self._lock_path.unlink(missing_ok=True)
@@ -88,32 +127,30 @@ class Claim:
 
 
 def _usable_folder() -> Path:
-    """Return the first folder that is ours alone, making it if need be."""
-    problem = ""
+    """Return the first folder private to this user; create it if necessary."""
+    problem: str | None = ""
     for folder in folders():
         try:
             folder.mkdir(mode=0o700, exist_ok=True)
-            status = folder.lstat()
+            problem = insecurity(folder)
         except OSError as error:
             problem = f"{folder}: {error.strerror}"
-            continue
-        if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid():
-            problem = f"{folder} is not a folder of this user"
-        elif status.st_mode & 0o077:
-            problem = f"{folder} is open to other users; run: chmod 700 {folder}"
-        elif not os.access(folder, os.W_OK | os.X_OK):
+        if problem is None and not os.access(folder, os.W_OK | os.X_OK):
             problem = f"{folder} cannot be written"
-        else:
+        if problem is None:
             return folder
     raise TransportError(f"no private folder for the socket: {problem}")
 
 
 def _locked_file(path: Path, name: str) -> IO[str]:
     """Return the lock file, locked and holding our process id."""
-    import fcntl  # not on Windows, where check_supported has spoken before
+    import fcntl  # not on Windows, where check_supported has raised before
 
     while True:
-        file = path.open("a+", encoding="ascii")
+        try:
+            file = path.open("a+", encoding="ascii")
+        except OSError as error:
+            raise _blocked(path, error) from None
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -136,3 +173,7 @@ def _locked_file(path: Path, name: str) -> IO[str]:
     file.write(f"{os.getpid()}\n")
     file.flush()
     return file
+
+
+def _blocked(path: Path, error: OSError) -> TransportError:
+    return TransportError(f"cannot use {path}: {error.strerror}")

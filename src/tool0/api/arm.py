@@ -23,45 +23,65 @@ AnyPose = Transform | Pose | Iterable[Sequence[float]]
 
 @final
 class Arm:
-    """Moves six joints so that a tool gets where it should.
+    """An arm of six joints: where its tool is, and how to move it.
 
-    Poses are those of ``tool`` in link ``tip`` (of ``tip`` itself, if left out; of the
-    arm's flange, if that is left out too) in the frame of link ``relative_to`` (of the
-    robot's root, if left out).  Motions start from the commanded posture: errors of
-    the controller do not add up over many motions.
+    A pose is a ``Pose`` (xyz [m], rpy [rad]), a ``Transform``, or a homogeneous matrix
+    of shape (4, 4).  It is the pose of ``tool``, which is fixed in link ``tip``, in the
+    frame of link ``relative_to``.  Defaults: the ``tip`` itself, the arm's flange, and
+    the robot's root.  Motions start from the commanded posture, so that errors of the
+    controller do not add up over many motions.
     """
 
     def __init__(self, info: arm.ArmInfo, channel: Channel) -> None:
-        self.name = info.name
-        self.joint_names: tuple[str, ...] = info.joint_names
-        """Its six joints, from the base on."""
-        self.tip = info.tip
-        """The link at its end, which poses are of if no other is named."""
+        self._info = info
         self._channel = channel
 
     @property
+    def name(self) -> str:
+        """The prefix of its links; empty without a prefix."""
+        return self._info.name
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Its six joints, from base to tip."""
+        return self._info.joint_names
+
+    @property
+    def tip(self) -> str:
+        """The link at its end: poses are those of this link if you name no other."""
+        return self._info.tip
+
+    @property
     def joints(self) -> Mapping[str, float]:
-        """Measured positions [rad], from the base on."""
+        """Measured positions [rad], from base to tip."""
         position = self._channel.snapshot.positions
         return {name: position[name] for name in self.joint_names}
 
-    @cached_property
+    @property
     def chain(self) -> ArmChain:
-        """Its joints and links, for computations of your own."""
+        """Its joints and links, for your own computations."""
+        return self._chain
+
+    @cached_property
+    def _chain(self) -> ArmChain:
         from tool0.kinematics.chain import find_chains
 
         return find_chains(self._channel.description.model)[self.name]
 
-    @cached_property
+    @property
     def kinematics(self) -> InverseKinematics:
         """Its inverse kinematics, or ControlError if it is not built like a UR."""
+        return self._kinematics
+
+    @cached_property
+    def _kinematics(self) -> InverseKinematics:
         from tool0.kinematics.inverse import InverseKinematics
 
         return InverseKinematics(self.chain)
 
     @property
     def branch(self) -> Branch:
-        """The kind of posture in which it stands, of eight."""
+        """The current branch of the inverse kinematics, one of eight."""
         return self._channel.call(arm.ReadBranch(arm=self.name))
 
     def pose(
@@ -71,7 +91,16 @@ class Arm:
         tool: AnyPose | None = None,
         relative_to: str | None = None,
     ) -> Transform:
-        """Return the measured pose of the tool."""
+        """Return the measured pose of the tool.
+
+        Args:
+            tip: A link that is fixed to the flange; the flange, if left out.
+            tool: The tool's pose in that link; the link itself, if left out.
+            relative_to: The link in whose frame the pose is; the root, if left out.
+
+        Raises:
+            ModelError: If a link is unknown, or ``tool`` is not a pose.
+        """
         return self._channel.call(
             arm.ReadToolPose(
                 arm=self.name, tip=tip, tool=_sendable(tool), relative_to=relative_to
@@ -88,18 +117,18 @@ class Arm:
         near: Mapping[str, float] | None = None,
         branch: Branch | None = None,
     ) -> tuple[Solution, ...]:
-        """Return the postures that put the tool at ``pose``, the nearest first.
+        """Return the joint positions that put the tool at ``pose``, the nearest first.
 
-        One for each branch, with the whole turns that bring every joint nearest to
-        ``near`` within its limits.  Collisions are not considered.
+        There is at most one solution per branch.  Each joint takes the multiple of 2π
+        nearest to ``near`` within its limits.  Collisions are not checked.
 
         Args:
             pose: The pose of the tool.
-            tip: A link that is fixed to the flange.
-            tool: The tool's pose in that link.
-            relative_to: The link in whose frame ``pose`` is.
-            near: Joint → position [rad]; joints left out count as they stand.
-            branch: Only postures of this kind.
+            tip: A link that is fixed to the flange; the flange, if left out.
+            tool: The tool's pose in that link; the link itself, if left out.
+            relative_to: The link in whose frame ``pose`` is; the root, if left out.
+            near: Joint → position [rad]; for joints left out, the commanded one.
+            branch: Only solutions of this branch.
 
         Raises:
             UnreachableError: If there is none, with the reason.
@@ -113,7 +142,7 @@ class Arm:
                 tip=tip,
                 tool=_sendable(tool),
                 relative_to=relative_to,
-                near=dict(near or {}),
+                near={} if near is None else near,  # type: ignore[arg-type]
                 branch=branch,
             )
         )
@@ -129,13 +158,20 @@ class Arm:
         near: Mapping[str, float] | None = None,
         branch: Branch | None = None,
     ) -> GoalHandle:
-        """Move the tool to ``pose``, the joints as fast as allowed; return the goal.
+        """Move the tool to ``pose`` in joint space, and return the goal.
 
-        The motion is the shortest within the joints' velocities, accelerations and
-        jerks, as that of ``Robot.move_joints``; the tool's path is a curve.
+        The motion is as fast as the joints' limits of velocity, acceleration and jerk
+        allow, as with ``Robot.move_joints``; the tool's path is a curve.  The target is
+        the nearest solution of ``inverse_kinematics``.
 
-        ``speed`` is a fraction of each joint's largest velocity, 0.01 … 1.  The other
-        arguments are those of ``inverse_kinematics``; its nearest solution is taken.
+        Args:
+            pose: The pose of the tool.
+            speed: Fraction of each joint's largest velocity, 0.01 … 1.
+            tip: As for ``inverse_kinematics``.
+            tool: As for ``inverse_kinematics``.
+            relative_to: As for ``inverse_kinematics``.
+            near: As for ``inverse_kinematics``.
+            branch: As for ``inverse_kinematics``.
 
         Raises:
             UnreachableError: If no posture reaches the pose.
@@ -149,7 +185,7 @@ class Arm:
             tip=tip,
             tool=_sendable(tool),
             relative_to=relative_to,
-            near=dict(near or {}),
+            near={} if near is None else near,  # type: ignore[arg-type]
             branch=branch,
         )
         return GoalHandle(self._channel.call(request), self._channel)
@@ -167,19 +203,24 @@ class Arm:
     ) -> GoalHandle:
         """Move the tool to ``pose`` along a straight line, and return the goal.
 
-        It rotates about one axis meanwhile, and slows down where a joint would exceed
-        its velocity or acceleration.  The whole line is checked before anything moves.
-        The arm must be at rest.
+        The tool rotates about one fixed axis, and slows down where a joint would
+        exceed its velocity or acceleration.  The whole line is checked before anything
+        moves.  The arm must be at rest.  Speed and acceleration default to those of
+        UR's movel; the rotation ramps over the same duration.
 
-        ``speed`` [m/s], ``acceleration`` [m/s²] and ``angular_speed`` [rad/s] are those
-        of the tool; the first two default to those of UR's movel, and the rotation
-        gets a ramp of the same duration.  The other arguments are those of
-        ``inverse_kinematics``.
+        Args:
+            pose: The pose of the tool at the end.
+            speed: Largest speed of the tool [m/s].
+            acceleration: Largest acceleration of the tool [m/s²].
+            angular_speed: Largest angular speed of the tool [rad/s].
+            tip: As for ``inverse_kinematics``.
+            tool: As for ``inverse_kinematics``.
+            relative_to: As for ``inverse_kinematics``.
 
         Raises:
             UnreachableError: If the arm cannot follow the line without a jump of its
                 joints, with the reason and the place on the line.
-            ControlError: If the arm is moving, if it is there already, if no running
+            ControlError: If the arm is moving or already at ``pose``, if no running
                 JointTrajectoryController has the arm's joints, or it refuses.
         """
         request = arm.MoveLinear(
@@ -196,7 +237,7 @@ class Arm:
 
 
 def _sendable(pose: AnyPose | None) -> Any:
-    """Return a pose as a request has it: a Pose, or the rows of a matrix."""
+    """Return a pose in the form of a request: a Pose, or the rows of a matrix."""
     if pose is None or isinstance(pose, Pose):
         return pose
     if isinstance(pose, Transform):

@@ -90,7 +90,8 @@ def bringup(
         speed=speed,
         paused=paused,
     )
-    started = start_simulation(load_description(description), control, simulation)
+    robot_description = load_description(description, spawn_z=simulation.spawn_z)
+    started = start_simulation(robot_description, control, simulation)
     return Robot(LocalChannel(started))
 
 

@@ -1,4 +1,4 @@
-"""How a robot's handles reach it: in this process, or over a socket."""
+"""How handles reach the robot: in this process, or over a socket."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ R = TypeVar("R")
 
 
 class Channel(Protocol):
-    """The way to a simulation."""
+    """A connection to a simulation."""
 
     @property
     def description(self) -> RobotDescription: ...
@@ -40,12 +40,12 @@ class Channel(Protocol):
         """Return a goal that a request of this channel has just started."""
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
-        """Let time pass until ``is_over()``; return whether it was in time.
+        """Let time pass until ``is_over()``; return False on a timeout.
 
         Args:
-            is_over: Called again and again.
+            is_over: Polled repeatedly.
             timeout: [s] of simulated time where the caller makes time pass, otherwise
-                of wall time; None for ever.
+                of wall time; None waits without limit.
 
         Raises:
             EngineError: If the physics failed.
@@ -56,8 +56,13 @@ class Channel(Protocol):
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
         """Let time pass until ``goal`` ends, as ``wait_until`` does."""
 
-    def subscribe(self, rate: float | None = None) -> Subscription:
-        """Return a reader of snapshots and events at ``rate`` [Hz]."""
+    def subscribe(
+        self, rate: float | None = None, *, keep_all: bool = False
+    ) -> Subscription:
+        """Return a reader of snapshots and events at ``rate`` [Hz].
+
+        With ``keep_all`` it keeps every snapshot that arrives until it is taken.
+        """
 
     def close(self) -> None:
         """End the simulation, or the connection to it."""
@@ -65,11 +70,17 @@ class Channel(Protocol):
 
 @final
 class LocalChannel:
-    """To a simulation in this process."""
+    """A connection to a simulation in this process."""
 
     def __init__(self, simulation: Simulation) -> None:
-        self.simulation = simulation
-        self._loop = simulation.loop
+        self._simulation = simulation
+        self._process = simulation.bus.process
+
+    @property
+    def simulation(self) -> Simulation:
+        """The simulation; ControlError in a forked child, which does not own it."""
+        self._process.check()
+        return self._simulation
 
     @property
     def description(self) -> RobotDescription:
@@ -86,7 +97,7 @@ class LocalChannel:
         return self.simulation.goals.find(started.goal)
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
-        loop, bus = self._loop, self.simulation.bus
+        loop, bus = self.simulation.loop, self.simulation.bus
         limit = math.inf if timeout is None else timeout
         start, wall_start = loop.steps, time.monotonic()
         while not is_over():
@@ -102,15 +113,18 @@ class LocalChannel:
             if loop.is_realtime:
                 bus.newer_than(bus.latest, min(POLL_PERIOD, left))
             else:
-                # Less than half a tick would be none, and the wait without end.
+                # Less than half a tick would round to none, and the wait would not end.
                 loop.run(max(loop.control_period, min(SNAPSHOT_PERIOD, left)))
         return True
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        return self._loop.wait_for_goal(goal, timeout)
+        return self.simulation.loop.wait_for_goal(goal, timeout)
 
-    def subscribe(self, rate: float | None = None) -> Subscription:
-        return self.simulation.subscribe(rate)
+    def subscribe(
+        self, rate: float | None = None, *, keep_all: bool = False
+    ) -> Subscription:
+        return self.simulation.subscribe(rate, keep_all=keep_all)
 
     def close(self) -> None:
-        self.simulation.close()
+        if self._process.is_this:  # a forked child leaves it to its parent
+            self._simulation.close()

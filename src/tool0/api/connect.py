@@ -22,6 +22,8 @@ from tool0.api.address import (
     DEFAULT_NAME,
     check_supported,
     folders,
+    insecurity,
+    is_foreign,
     running_names,
     socket_path,
 )
@@ -59,7 +61,7 @@ V = TypeVar("V")
 ANSWER_TIMEOUT: Final = 30.0
 """Longest wait for an answer that should come at once [wall s]."""
 POLL_PERIOD: Final = 0.02
-"""Wall time between reads of a state that is waited for [s]."""
+"""Wall time between polls of the state [s]."""
 MAX_REQUEST: Final = 1 << 20
 """Longest request [bytes]; 10 000 waypoints of 6 joints fit."""
 
@@ -81,9 +83,9 @@ def connect(name: str = DEFAULT_NAME) -> Robot:
 
 @final
 class SocketChannel:
-    """The way to a simulation in another process: JSON lines over its Unix socket.
+    """A connection to a simulation in another process: JSON lines over its Unix socket.
 
-    Any thread may use it.  A thread of its own reads what arrives.
+    Any thread may use it.  A separate thread reads incoming messages.
     """
 
     def __init__(self, name: str = DEFAULT_NAME) -> None:
@@ -131,6 +133,7 @@ class SocketChannel:
         Raises:
             TransportError: If the bring-up does not answer, or has ended.
         """
+        self._bus.process.check()
         request = checked(request)
         number = next(self._numbers)
         line = codec.encode_request(number, request) + b"\n"
@@ -145,7 +148,7 @@ class SocketChannel:
                 raise self._failure
             self._pending[number] = future
         self._send(line)
-        # What lets time pass answers when it has passed.
+        # Requests that advance time are answered when it has passed.
         timeout = None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
         reply = self._awaited(future, timeout, method_name(type(request)))
         if not isinstance(reply.error, UnsetType):
@@ -158,6 +161,7 @@ class SocketChannel:
         return self._goal(started.goal, started.controller)
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
+        self._bus.process.check()
         end = time.monotonic() + (math.inf if timeout is None else timeout)
         while not is_over():
             if not time.monotonic() < end:
@@ -166,6 +170,7 @@ class SocketChannel:
         return True
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
+        self._bus.process.check()
         end = time.monotonic() + (math.inf if timeout is None else timeout)
         while not goal.wait(max(0.0, min(0.1, end - time.monotonic()))):
             if self._failure is not None:
@@ -174,16 +179,22 @@ class SocketChannel:
                 return False
         return True
 
-    def subscribe(self, rate: float | None = None) -> Subscription:
-        """Return a reader; the connection has one rate, the last one asked for."""
-        subscription = self._bus.subscribe(when_closed=self._unsubscribe)
+    def subscribe(
+        self, rate: float | None = None, *, keep_all: bool = False
+    ) -> Subscription:
+        """Return a reader; the connection has one rate, the last one requested."""
+        subscription = self._bus.subscribe(
+            when_closed=self._unsubscribe, keep_all=keep_all
+        )
         self.call(Subscribe() if rate is None else Subscribe(rate=rate))
         return subscription
 
     def close(self) -> None:
-        """End the connection; the robot goes on."""
+        """End the connection; the robot keeps running."""
+        if not self._bus.process.is_this:
+            return  # a forked child leaves it to its parent
         self._fail(TransportError("the connection is closed"))
-        with contextlib.suppress(OSError):  # the peer was faster
+        with contextlib.suppress(OSError):  # the peer closed first
             self._peer.shutdown(socket.SHUT_RDWR)
         if threading.current_thread() is not self._reader:
             self._reader.join()
@@ -209,7 +220,7 @@ class SocketChannel:
         except TimeoutError:
             raise TransportError("the bring-up does not read its requests") from None
         except OSError as error:
-            raise TransportError(f"the bring-up has gone: {error}") from None
+            raise TransportError(f"lost the bring-up: {error}") from None
 
     def _awaited(self, future: Future[V], timeout: float | None, what: str) -> V:
         try:
@@ -228,9 +239,9 @@ class SocketChannel:
                 for line in lines:
                     self._take(_decoder.decode(line))
         except (msgspec.DecodeError, Tool0Error) as error:
-            failure = TransportError(f"the bring-up sent what cannot be read: {error}")
+            failure = TransportError(f"unreadable message from the bring-up: {error}")
         except (OSError, ValueError) as error:
-            failure = TransportError(f"the bring-up has gone: {error}")
+            failure = TransportError(f"lost the bring-up: {error}")
         self._fail(failure)
 
     def _take(self, message: Message) -> None:
@@ -240,8 +251,8 @@ class SocketChannel:
                     future = self._pending.pop(number, None)
                 if future is not None:
                     future.set_result(message)
-            case codec.Reply(error=codec.ErrorInfo() as error):
-                raise codec.error_of(error)
+            case codec.Reply(error=codec.ErrorInfo(message=text)):
+                self._fail(TransportError(f"the bring-up answered: {text}"))
             case codec.SnapshotMessage():
                 self._bus.publish(codec.snapshot_of(message, self._bus.latest))
             case codec.GoalEnded(goal=int(number)):
@@ -259,7 +270,7 @@ class SocketChannel:
                 self._hello.set_result(message)
 
     def _goal(self, number: int, controller: str) -> Goal:
-        """Return the goal of a number: the same one, whoever hears of it first."""
+        """Return the goal with this number: one handle for the reply and the event."""
         with self._lock:
             if number not in self._goals:
                 self._goals[number] = Goal(controller)
@@ -269,7 +280,7 @@ class SocketChannel:
             return self._goals[number]
 
     def _fail(self, failure: TransportError) -> None:
-        """Let nobody wait any longer."""
+        """Wake every waiting thread."""
         with self._lock:
             self._failure = self._failure or failure
             pending, self._pending = list(self._pending.values()), {}
@@ -287,16 +298,12 @@ def _connect(name: str) -> socket.socket:
     check_supported()
     paths = [socket_path(folder, name) for folder in folders()]
     for path in paths:
-        peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
-            peer.connect(str(path))
+            return _trusted(path)
         except (FileNotFoundError, ConnectionRefusedError):
-            peer.close()  # never started, or died without cleaning up
+            pass  # never started, or died without cleaning up
         except OSError as error:
-            peer.close()
             raise TransportError(f"cannot reach {path}: {error}") from None
-        else:
-            return peer
     others = [other for other in running_names() if other != name]
     hint = (
         f"running: {', '.join(others)} (use --name)"
@@ -304,3 +311,19 @@ def _connect(name: str) -> socket.socket:
         else "start one with `tool0 bringup`"
     )
     raise TransportError(f"no bringup named '{name}' is running ({paths[0]}); {hint}")
+
+
+def _trusted(path: Path) -> socket.socket:
+    """Return a connection to a bring-up of this user."""
+    if (problem := insecurity(path.parent)) is not None:
+        raise TransportError(f"{path} may be another user's: {problem}")
+    peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        peer.connect(str(path))
+    except OSError:
+        peer.close()
+        raise
+    if is_foreign(peer):
+        peer.close()
+        raise TransportError(f"{path} is served by another user")
+    return peer

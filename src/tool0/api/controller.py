@@ -1,19 +1,20 @@
-"""Handles on a controller, on a goal that it accepted, and on a gripper."""
+"""Handles on a controller, and on a goal that it accepted."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
+from numbers import Real
 from typing import final
 
 from tool0.api.channel import Channel
 from tool0.control.config import ControllerSpec
-from tool0.control.goal import GoalStatus, Result, ToleranceOverride
+from tool0.control.goal import GoalStatus, Result, Tolerance, ToleranceOverride
+from tool0.control.parameters import Gains
 from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
-from tool0.description.model import ParallelGripper
-from tool0.errors import GoalTimeoutError
+from tool0.errors import GoalTimeoutError, RequestError
 from tool0.requests import motion
-from tool0.requests.gripper import Grip, ReadGripper
-from tool0.sensing.grasp import GraspState
+from tool0.requests.table import checked_value
 
 
 @final
@@ -27,10 +28,12 @@ class GoalHandle:
 
     @property
     def controller(self) -> str:
+        """The name of the controller."""
         return self._goal.controller
 
     @property
     def status(self) -> GoalStatus:
+        """ACTIVE, or how the goal ended."""
         return self._goal.status
 
     @property
@@ -50,7 +53,7 @@ class GoalHandle:
             GoalTimeoutError: If the goal is still active then.
         """
         if self._goal.result is None:
-            self._channel.wait_for_goal(self._goal, timeout)
+            self._channel.wait_for_goal(self._goal, checked_timeout(timeout))
         if self._goal.result is None:
             raise GoalTimeoutError(
                 f"the goal of '{self.controller}' is still active after {timeout} s"
@@ -58,7 +61,10 @@ class GoalHandle:
         return self._goal.result
 
     def cancel(self) -> None:
-        """Stop as ROS does: ramp down, and the goal is PREEMPTED."""
+        """Stop the motion by the controller's stop ramp; the goal ends PREEMPTED.
+
+        A goal that has ended is left alone.
+        """
         if self._goal.result is None:
             self._channel.call(motion.CancelGoal(goal=self._number))
 
@@ -67,6 +73,8 @@ class GoalHandle:
 
         It runs in a thread of the simulation, which waits for it: keep it short.
         """
+        if not callable(callback):
+            raise RequestError("when_finished", f"cannot call {callback!r:.80}")
         self._goal.when_finished(lambda _: callback(self))
 
     def __repr__(self) -> str:
@@ -78,8 +86,13 @@ class ControllerHandle:
     """A loaded controller, by name; what it can do depends on its type."""
 
     def __init__(self, name: str, channel: Channel) -> None:
-        self.name = name
+        self._name = name
         self._channel = channel
+
+    @property
+    def name(self) -> str:
+        """Its name in the YAML."""
+        return self._name
 
     def follow(
         self,
@@ -107,11 +120,11 @@ class ControllerHandle:
         """
         request = motion.FollowTrajectory(
             controller=self.name,
-            points=tuple(points),
-            joint_names=None if joint_names is None else tuple(joint_names),
+            points=_points("follow", points),
+            joint_names=joint_names,  # type: ignore[arg-type]  # any: it is checked
             stamp=stamp,
-            path_tolerance=dict(path_tolerance or {}),
-            goal_tolerance=dict(goal_tolerance or {}),
+            path_tolerance=_by_joint("path_tolerance", path_tolerance),
+            goal_tolerance=_by_joint("goal_tolerance", goal_tolerance),
             goal_time_tolerance=goal_time_tolerance,
         )
         return GoalHandle(self._channel.call(request), self._channel)
@@ -123,11 +136,23 @@ class ControllerHandle:
         joint_names: Sequence[str] | None = None,
         stamp: float | None = None,
     ) -> None:
-        """Send a trajectory without a goal, as the ``command`` topic does."""
+        """Send a trajectory without a goal, as ROS's topic ``command`` does.
+
+        There is no result, and no tolerance is checked.
+
+        Args:
+            points: Setpoints at their times, in the order of ``joint_names``; none
+                stop the motion.
+            joint_names: The joints of the points; the controller's, if left out.
+            stamp: Simulated time at which the trajectory starts [s]; now, if left out.
+
+        Raises:
+            GoalRejectedError: If the controller refuses; its motion continues.
+        """
         request = motion.CommandTrajectory(
             controller=self.name,
-            points=tuple(points),
-            joint_names=None if joint_names is None else tuple(joint_names),
+            points=_points("command_trajectory", points),
+            joint_names=joint_names,  # type: ignore[arg-type]
             stamp=stamp,
         )
         self._channel.call(request)
@@ -142,7 +167,7 @@ class ControllerHandle:
         """Move joints of a trajectory controller smoothly.
 
         The motion starts from the present setpoints, keeps to the joints' limits and
-        ends at rest; joints that are not named continue to where they are going.
+        ends at rest; other joints continue their motion.
 
         Args:
             positions: Joint → target [rad | m].
@@ -154,7 +179,7 @@ class ControllerHandle:
                 of its limits; the controller's motion continues.
         """
         request = motion.MoveJoints(
-            positions=dict(positions),
+            positions=positions,  # type: ignore[arg-type]
             speed=speed,
             duration=duration,
             controller=self.name,
@@ -165,132 +190,181 @@ class ControllerHandle:
     def steer(self, positions: Mapping[str, float], *, speed: float = 0.5) -> None:
         """Move joints as ``move`` does, without a goal.
 
-        It is made for streams of setpoints, ten times a second for example: position,
+        Use it for streams of setpoints, for example ten per second: position,
         velocity and acceleration stay continuous.
+
+        Args:
+            positions: Joint → target [rad | m].
+            speed: Fraction of each joint's largest velocity, 0.01 … 1.
+
+        Raises:
+            GoalRejectedError: As for ``move``.
         """
         self._channel.call(
             motion.SteerJoints(
-                controller=self.name, positions=dict(positions), speed=speed
+                controller=self.name,
+                positions=positions,  # type: ignore[arg-type]
+                speed=speed,
             )
         )
 
     def command_gripper(
         self, position: float, max_effort: float | None = None
     ) -> GoalHandle:
-        """Send a gripper goal in joint units: [rad | m] and [N·m | N]."""
+        """Send a goal to a GripperActionController, as ROS's GripperCommand does.
+
+        Args:
+            position: Of the driven joint [rad | m].
+            max_effort: Largest effort of the drive [N·m | N]; the controller's own, if
+                left out or 0.
+
+        Raises:
+            GoalRejectedError: If the position is out of the joint's limits.
+            ControlError: If it is a controller of another type.
+        """
         request = motion.CommandGripper(
             controller=self.name, position=position, max_effort=max_effort
         )
         return GoalHandle(self._channel.call(request), self._channel)
 
     def command(self, values: float | Sequence[float]) -> None:
-        """Send the setpoints of a forwarding controller, in its joints' order."""
-        given = tuple(values) if isinstance(values, Sequence) else (values,)
-        self._channel.call(motion.CommandJoints(controller=self.name, values=given))
+        """Send the setpoints of a forwarding controller, such as JointGroupEffort….
+
+        Args:
+            values: One per joint, in the order of the controller's joints: [rad | m],
+                [rad/s | m/s] or [N·m | N], as its type says.
+
+        Raises:
+            ControlError: If the number of values is wrong, or one is not finite.
+        """
+        given = (values,) if isinstance(values, Real) else values
+        self._channel.call(
+            motion.CommandJoints(
+                controller=self.name,
+                values=given,  # type: ignore[arg-type]
+            )
+        )
 
     def query_state(self, time: float | None = None) -> JointsMotion:
-        """Return the setpoint of a trajectory controller at simulated ``time`` [s].
+        """Return the setpoint of a trajectory controller.
 
-        The present one, if it is left out.
+        Args:
+            time: Simulated time [s]; now, if left out.
+
+        Raises:
+            ControlError: If the trajectory at that time is no longer known.
         """
         return self._channel.call(motion.QueryState(controller=self.name, time=time))
 
     @property
     def state(self) -> TrajectoryState:
-        """Desired, actual and error of a trajectory controller."""
+        """Desired and measured motion of a trajectory controller, and the error."""
         return self._channel.call(motion.ReadController(controller=self.name))
 
     @property
+    def gains(self) -> Mapping[str, Gains]:
+        """PID gains by joint, as they are now; empty for a controller without a PID."""
+        return self._channel.call(motion.ReadGains(controller=self.name))
+
+    def set_gains(
+        self,
+        joint: str,
+        *,
+        p: float | None = None,
+        i: float | None = None,
+        d: float | None = None,
+        i_clamp: float | None = None,
+        antiwindup: bool | None = None,
+    ) -> Gains:
+        """Change PID gains of one joint while it moves, and return all of them.
+
+        Gains that are left out stay.  The contribution of the integral does not jump:
+        it is kept within the new clamp.  The gains hold until the controller is
+        unloaded, through resets and restarts; no file changes.
+
+        Args:
+            joint: A joint of the controller.
+            p: Command per position error; [N·m/rad | N/m] for an effort controller.
+            i: Command per position error and second; [N·m/(rad·s) | N/(m·s)].
+            d: Command per velocity error; [N·m·s/rad | N·s/m].
+            i_clamp: Largest contribution of the integral in either direction, 0 or
+                more; [N·m | N].
+            antiwindup: Whether the integral itself is clamped, not only its
+                contribution.
+
+        Raises:
+            ControlError: If the controller has no gains or no such joint, or a value is
+                out of range; nothing has changed then.
+        """
+        request = motion.SetGains(
+            controller=self.name,
+            joint=joint,
+            p=p,
+            i=i,
+            d=d,
+            i_clamp=i_clamp,
+            antiwindup=antiwindup,
+        )
+        return self._channel.call(request)
+
+    @property
     def spec(self) -> ControllerSpec:
-        """The parameters it was loaded with; not from another process."""
+        """The parameters it was loaded with, including gains changed since.
+
+        Raises:
+            ControlError: If the simulation runs in another process.
+        """
         return self._channel.call(motion.ReadControllerSpec(controller=self.name))
 
     def __repr__(self) -> str:
         return f"ControllerHandle({self.name!r})"
 
 
-@final
-class Gripper:
-    """Moves one parallel gripper through the controller that claims its joint."""
+def _points(method: str, points: Sequence[TrajectoryPoint]) -> motion.Points:
+    """Return the points of a trajectory, or raise RequestError."""
+    try:
+        given = tuple(points)
+    except TypeError:
+        wrong: object = points
+    else:
+        others = [point for point in given if not isinstance(point, TrajectoryPoint)]
+        if not others:
+            return given
+        wrong = others[0]
+    raise RequestError(method, f"'points': need TrajectoryPoints, got {wrong!r:.80}")
 
-    def __init__(self, geometry: ParallelGripper, channel: Channel) -> None:
-        self.geometry = geometry
-        self._channel = channel
 
-    @property
-    def name(self) -> str:
-        return self.geometry.name
+def _by_joint(
+    name: str, tolerances: Mapping[str, ToleranceOverride] | None
+) -> motion.Tolerances:
+    """Return tolerances in the form of a request, or raise RequestError.
 
-    @property
-    def opening(self) -> float:
-        """Distance between the pads [m], 0 closed."""
-        snapshot = self._channel.snapshot
-        index = snapshot.joint_names.index(self.geometry.joint)
-        return max(0.0, self.geometry.opening(snapshot.position[index]))
+    The controller checks that they are finite, and otherwise rejects the goal.
+    """
+    if tolerances is None:
+        return {}
+    try:
+        return {
+            str.__str__(joint): Tolerance(*map(_number, value))
+            if isinstance(value, Tolerance)
+            else _number(value)
+            for joint, value in tolerances.items()
+        }
+    except (AttributeError, TypeError, OverflowError):
+        problem = f"'{name}': need numbers by joint, got {tolerances!r:.80}"
+        raise RequestError("follow", problem) from None
 
-    @property
-    def state(self) -> GraspState:
-        """Whether it moves, has arrived or holds something, and how wide that is.
 
-        Computed from the last tenth of a second.
-        """
-        return self._channel.call(ReadGripper(gripper=self.name))
+def _number(value: object) -> float:
+    """Return a number, finite or not, as Python's own; TypeError if it is none."""
+    if not isinstance(value, Real):
+        raise TypeError(value)
+    return float(value)
 
-    def wait(self, timeout: float | None = None) -> GraspState:
-        """Wait until it no longer moves, and return its state then.
 
-        A change of force alone is no motion: it takes no time here.  ``timeout`` is as
-        for ``GoalHandle.wait``.
-
-        Raises:
-            GoalTimeoutError: If it still moves then.
-        """
-        state = self.state
-
-        def stands_still() -> bool:
-            nonlocal state
-            state = self.state
-            return state.motion != "moving"
-
-        if not self._channel.wait_until(stands_still, timeout):
-            raise GoalTimeoutError(f"the gripper still moves after {timeout} s")
-        return state
-
-    def move(
-        self,
-        *,
-        opening: float | None = None,
-        position: float | None = None,
-        speed: float | None = None,
-        force: float | None = None,
-        effort: float | None = None,
-    ) -> GoalHandle:
-        """Move the pads to ``opening`` and return the goal.
-
-        Speed and force are settings of the drive, as on the real gripper: they hold
-        until another goal moves its joint.
-
-        Args:
-            opening: Distance between the pads [m], 0 … ``geometry.max_opening``.
-            position: Instead of an opening: position of the driven joint [rad].
-            speed: Of the pads relative to each other [m/s], within
-                ``geometry.speed``; the fastest, if left out.
-            force: Largest force at each pad [N], within ``geometry.force``: an object
-                in between is gripped with it.  The strongest, if left out.
-            effort: Instead of a force: largest torque of the driven joint [N·m], as
-                ``max_effort`` of ROS's GripperCommand.
-
-        Raises:
-            ModelError: If the opening is out of reach.
-            ControlError: If speed, force or effort are out of range, or no running
-                controller takes the command; nothing has changed then.
-        """
-        request = Grip(
-            gripper=self.name,
-            opening=opening,
-            position=position,
-            speed=speed,
-            force=force,
-            effort=effort,
-        )
-        return GoalHandle(self._channel.call(request), self._channel)
+def checked_timeout(timeout: float | None) -> float | None:
+    """Return a timeout [s], None for no limit, or raise RequestError."""
+    if timeout is None or timeout is math.inf:
+        return None
+    seconds: float = checked_value("wait", "timeout", timeout, float)
+    return seconds

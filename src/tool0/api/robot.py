@@ -11,21 +11,23 @@ from typing import TYPE_CHECKING, Any, final
 from msgspec.structs import asdict
 
 from tool0.api.channel import Channel, LocalChannel
-from tool0.api.controller import ControllerHandle, GoalHandle, Gripper
+from tool0.api.controller import ControllerHandle, GoalHandle
+from tool0.api.gripper import Gripper
 from tool0.api.scene import SceneHandle
 from tool0.api.sensors import CameraHandle, ForceTorque
-from tool0.control.config import TYPES
+from tool0.control.config import TYPES, ControllerConfig
 from tool0.description.model import JointLimits
-from tool0.errors import ControlError, RenderError, did_you_mean
+from tool0.errors import ControlError, RenderError, RequestError, did_you_mean
 from tool0.requests import motion, state
 from tool0.requests.arm import ListArms
-from tool0.requests.objects import ReadContacts
+from tool0.requests.objects import ApplyWrench, ClearWrenches, ReadContacts
 from tool0.requests.sensors import ListCameras
+from tool0.requests.table import checked_value
 from tool0.runtime.simulation import only_part
 
 if TYPE_CHECKING:
     from tool0.api.arm import Arm
-    from tool0.control.config import ControllerConfig
+    from tool0.api.recording import Recording
     from tool0.control.manager import ControllerStatus
     from tool0.description.catalogue import RobotDescription
     from tool0.description.transform import Transform
@@ -55,41 +57,63 @@ class JointValues:
 class Robot(AbstractContextManager["Robot"]):
     """A robot in simulation.  Close it, or use it as a context manager.
 
-    ``tool0.bringup`` returns one in this process, which ends with it;
-    ``tool0.connect`` one of another process, which goes on.
+    ``tool0.bringup`` starts a simulation in this process and returns its robot; closing
+    it ends the simulation.  ``tool0.connect`` returns the robot of another process;
+    closing it ends the connection only.  Both have the same methods.
+
+    Joints are named as in the URDF.  Poses are in the robot's root frame, ``world`` for
+    the built-in robots, unless they say otherwise.  Any method raises TransportError if
+    the other process has ended, and EngineError if it needs time to pass and the
+    physics failed.
     """
 
     def __init__(self, channel: Channel) -> None:
-        self.channel = channel
-        """The way to the simulation, for requests of your own: ``channel.call``."""
-        self.scene = SceneHandle(channel)
-        """The objects around it."""
+        """Hold the robot at the end of ``channel``."""
+        self._channel = channel
+        self._scene = SceneHandle(channel)
 
     # ---- state ----------------------------------------------------------------------
 
-    @cached_property
+    @property
+    def channel(self) -> Channel:
+        """The connection to the simulation, for requests: ``channel.call(request)``."""
+        return self._channel
+
+    @property
+    def scene(self) -> SceneHandle:
+        """The objects around the robot: add, remove and place them."""
+        return self._scene
+
+    @property
     def info(self) -> state.SimulationInfo:
-        """What does not change: engine, period, ground, limits, YAML."""
+        """What does not change: engine, control period, ground, limits, YAML."""
+        return self._info
+
+    @cached_property
+    def _info(self) -> state.SimulationInfo:
         return self.channel.call(state.ReadInfo())
 
     @property
     def description(self) -> RobotDescription:
-        """The robot as a model and as URDF."""
+        """The robot as a checked model and as URDF."""
         return self.channel.description
 
     @property
     def control_period(self) -> float:
-        """Simulated time of a tick [s]."""
+        """Simulated time between two updates of the controllers [s]."""
         return self.info.control_period
 
     @property
     def is_realtime(self) -> bool:
-        """Whether time passes by itself."""
+        """Whether time passes by itself; otherwise ``run`` and ``wait`` advance it."""
         return self.info.is_realtime
 
     @property
     def joint_limits(self) -> Mapping[str, JointLimits]:
-        """Limits of each driven joint: the URDF's, or those of the YAML."""
+        """Limits of each driven joint: the URDF's, or those of the YAML.
+
+        Positions [rad | m], velocities [rad/s | m/s], efforts [N·m | N].
+        """
         return {
             name: JointLimits(
                 **{k: v for k, v in asdict(limits).items() if v is not None}
@@ -104,28 +128,64 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def simulation(self) -> Simulation:
-        """The simulation itself; ControlError if it runs in another process."""
+        """The simulation behind it, for code that works inside the process.
+
+        Raises:
+            ControlError: If the simulation runs in another process.
+        """
         if not isinstance(self.channel, LocalChannel):
             raise ControlError("the simulation runs in another process")
         return self.channel.simulation
 
     @property
     def engine(self) -> Engine:
-        """The physics itself, for scripts; touch it only between runs."""
+        """The physics engine; use it only while no time passes.
+
+        Raises:
+            ControlError: If the simulation runs in another process.
+        """
         return self.simulation.engine
 
     @property
     def snapshot(self) -> Snapshot:
-        """The newest state, at most one snapshot period (8 ms) old."""
+        """The newest state of the whole robot, at most 8 ms old [simulated]."""
         return self.channel.snapshot
 
     def subscribe(self, rate: float | None = None) -> Subscription:
         """Return a reader of snapshots and events.
 
+        A reader that falls more than 256 snapshots behind misses the oldest; use
+        ``record`` to keep all.
+
         Args:
             rate: Snapshots per simulated second, up to 500 [Hz]; 125 if left out.
+
+        Raises:
+            ControlError: If the rate is out of range.
         """
+        checked_value("subscribe", "rate", rate, float | None)
         return self.channel.subscribe(rate)
+
+    def record(self, rate: float = 125.0) -> Recording:
+        """Record joint states and setpoints from now on, until ``stop``.
+
+        For example::
+
+            with robot.record(rate=500) as recording:
+                robot.move_joints({"elbow_joint": 1.0})[0].wait()
+            recording.to_csv("motion.csv")
+
+        Args:
+            rate: Samples per simulated second, up to 500 [Hz].  The rate that applies
+                is 500, 250, 125 or a whole fraction of 125 at a control period of 1 ms:
+                the next one above, if it is none of them.
+
+        Raises:
+            ControlError: If the rate is out of range.
+        """
+        from tool0.api.recording import Recording
+
+        return Recording(self.channel, rate, self.control_period)
 
     @property
     def time(self) -> float:
@@ -136,7 +196,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def joint_state(self) -> JointValues:
-        """Measured joint states."""
+        """Measured positions, velocities and efforts by joint."""
         snapshot = self.snapshot
         names = snapshot.joint_names
         return JointValues(
@@ -149,18 +209,67 @@ class Robot(AbstractContextManager["Robot"]):
     def contacts(self) -> tuple[Contact, ...]:
         """Return the contact forces of the last physics step.
 
-        One item for each pair of links or objects that touch.  A call costs the tick
-        some microseconds; the engine computes them only when asked, and Gazebo reports
-        none the first time.
+        There is one item for each pair of links or objects that touch, with force [N],
+        torque [N·m] and point [m] in the axes of the root.  The engine computes them
+        only when asked.  Gazebo reports none the first time.
         """
         return self.channel.call(ReadContacts())
 
+    def apply_wrench(
+        self,
+        name: str,
+        *,
+        force: Sequence[float] = (0.0, 0.0, 0.0),
+        torque: Sequence[float] = (0.0, 0.0, 0.0),
+        point: Sequence[float] | None = None,
+        duration: float | None = None,
+    ) -> None:
+        """Push a link or an object from now on.
+
+        Args:
+            name: A link or an object that can move.
+            force: [N], of constant direction in the robot's root.
+            torque: [N·m], likewise.
+            point: Where the force acts now [m], in the root; the body's centre of mass
+                if left out.
+            duration: Simulated time [s]; without end if left out.
+
+        Raises:
+            ControlError: If a value has the wrong number of parts, or is not finite.
+            EngineError: If there is no such link or object, or it cannot move.
+        """
+        self.channel.call(
+            ApplyWrench(
+                name=name,
+                force=force,  # type: ignore[arg-type]  # any sequence: see scene.add
+                torque=torque,  # type: ignore[arg-type]
+                point=point,  # type: ignore[arg-type]
+                duration=duration,
+            )
+        )
+
+    def clear_wrenches(self, name: str | None = None) -> None:
+        """End the wrenches of ``apply_wrench``, on one link or object or on all."""
+        self.channel.call(ClearWrenches(name=name))
+
     def pose(self, link: str, relative_to: str | None = None) -> Transform:
-        """Return the frame of ``link`` in ``relative_to``, the root if left out."""
+        """Return the measured pose of a link.
+
+        Args:
+            link: The link.
+            relative_to: The link in whose frame the pose is; the root, if left out.
+
+        Raises:
+            ModelError: If there is no such link.
+        """
         return self.channel.call(state.ReadLinkPose(link=link, relative_to=relative_to))
 
     def summary(self) -> dict[str, Any]:
-        """Return the run so far as plain values that JSON can hold."""
+        """Return a summary of the run as JSON-compatible values.
+
+        Simulated and wall time [s], late ticks, controllers, joints, the largest drift
+        of an uncommanded joint [rad | m], and warnings.
+        """
         return self.channel.call(state.ReadSummary())
 
     # ---- controllers ----------------------------------------------------------------
@@ -175,7 +284,15 @@ class Robot(AbstractContextManager["Robot"]):
         return TYPES
 
     def controller(self, name: str) -> ControllerHandle:
-        """Return the loaded controller ``name``, or raise ControlError."""
+        """Return a handle on a loaded controller.
+
+        Args:
+            name: Its name in the YAML.
+
+        Raises:
+            ControlError: If no controller of this name is loaded.
+        """
+        checked_value("controller", "name", name, str)
         names = [status.name for status in self.controllers()]
         if name not in names:
             raise ControlError(
@@ -184,14 +301,30 @@ class Robot(AbstractContextManager["Robot"]):
         return ControllerHandle(name, self.channel)
 
     def load(self, name: str, config: ControllerConfig | None = None) -> None:
-        """Load a controller that the configuration defines, or ``config`` instead."""
+        """Load a controller without starting it.
+
+        Args:
+            name: Its name in the YAML of the bring-up, or in ``config``.
+            config: Other YAML to read it from; only in the same process.
+
+        Raises:
+            ControlError: If it is loaded already.
+            ConfigError: If the YAML does not define it, or its parameters are wrong.
+        """
         if config is None:
             self.channel.call(motion.LoadController(name=name))
-        else:
-            self.channel.call(motion.LoadControllerWith(name=name, config=config))
+            return
+        if not isinstance(config, ControllerConfig):
+            problem = f"'config': need a ControllerConfig, got {config!r:.80}"
+            raise RequestError("load", problem)
+        self.channel.call(motion.LoadControllerWith(name=name, config=config))
 
     def unload(self, name: str) -> None:
-        """Unload a controller that is not running."""
+        """Unload a controller.
+
+        Raises:
+            ControlError: If it runs, or is not loaded.
+        """
         self.channel.call(motion.UnloadController(name=name))
 
     def switch(
@@ -206,14 +339,16 @@ class Robot(AbstractContextManager["Robot"]):
         Args:
             start: Controllers to start.
             stop: Controllers to stop.
-            strict: Whether one impossible change refuses all; otherwise it is skipped.
+            strict: Whether one impossible change rejects all; otherwise it is skipped.
 
         Raises:
             ControlError: If the manager refuses; nothing has changed then.
         """
         self.channel.call(
             motion.SwitchControllers(
-                start=tuple(start), stop=tuple(stop), strict=strict
+                start=start,  # type: ignore[arg-type]  # any sequence: it is checked
+                stop=stop,  # type: ignore[arg-type]
+                strict=strict,
             )
         )
 
@@ -231,25 +366,27 @@ class Robot(AbstractContextManager["Robot"]):
         Args:
             positions: Joint → target [rad | m].
             speed: Fraction of each joint's largest velocity, 0.01 … 1.
-            duration: Instead of a speed: how long the motion takes [simulated s].  All
+            duration: Instead of a speed: duration of the motion [simulated s].  All
                 joints must belong to one controller then.
 
         Returns:
             A goal for each running JointTrajectoryController that has one of the
-            joints; its other joints continue to where they are going.
+            joints; its other joints continue their motion.
 
         Raises:
             ControlError: If no such controller claims a joint, or one of them refuses;
                 nothing moves then.
         """
         request = motion.MoveJoints(
-            positions=dict(positions), speed=speed, duration=duration
+            positions=positions,  # type: ignore[arg-type]  # any mapping
+            speed=speed,
+            duration=duration,
         )
         goals = self.channel.call(request)
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
     def poses(self) -> Mapping[str, NamedPose]:
-        """Return the robot's own poses and the saved ones.
+        """Return the built-in poses and the saved ones, by name.
 
         Raises:
             ConfigError: If the file of saved poses cannot be read.
@@ -266,32 +403,53 @@ class Robot(AbstractContextManager["Robot"]):
         self.channel.call(motion.SavePose(name=name))
 
     def delete_pose(self, name: str) -> None:
-        """Delete a saved pose, or raise ControlError."""
+        """Delete a saved pose.
+
+        Raises:
+            ControlError: If there is none of this name, or it is built in.
+        """
         self.channel.call(motion.DeletePose(name=name))
 
     def go_to_pose(self, name: str, *, speed: float = 0.5) -> tuple[GoalHandle, ...]:
-        """Move every joint of a pose there, as ``move_joints`` does."""
+        """Move every joint of a pose there, as ``move_joints`` does.
+
+        Args:
+            name: A built-in or saved pose.
+            speed: Fraction of each joint's largest velocity, 0.01 … 1.
+
+        Raises:
+            ControlError: If there is no such pose, or it cannot be reached.
+        """
         goals = self.channel.call(motion.GoToPose(name=name, speed=speed))
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
     # ---- parts ----------------------------------------------------------------------
 
-    @cached_property
+    @property
     def grippers(self) -> Mapping[str, Gripper]:
-        """The grippers that the description names."""
+        """The grippers that the description names, by name."""
+        return self._grippers
+
+    @cached_property
+    def _grippers(self) -> Mapping[str, Gripper]:
+        model = self.description.model
         return {
-            geometry.name: Gripper(geometry, self.channel)
-            for geometry in self.description.model.grippers
+            geometry.name: Gripper(geometry, model, self.channel)
+            for geometry in model.grippers
         }
 
     @property
     def gripper(self) -> Gripper:
-        """The robot's gripper, if it has exactly one."""
+        """The robot's gripper; ControlError unless it has exactly one."""
         return only_part(self.grippers, "gripper", self.description.model)
 
-    @cached_property
+    @property
     def arms(self) -> Mapping[str, Arm]:
         """The arms by the prefix of their links: six revolute joints up to a tool0."""
+        return self._arms
+
+    @cached_property
+    def _arms(self) -> Mapping[str, Arm]:
         from tool0.api.arm import Arm  # numpy, only when needed
 
         infos = self.channel.call(ListArms())
@@ -299,28 +457,45 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def arm(self) -> Arm:
-        """The robot's arm, if it has exactly one: poses, inverse kinematics, motion."""
+        """The robot's arm: poses, inverse kinematics, motion of the tool.
+
+        Raises:
+            ControlError: Unless the robot has exactly one arm.
+        """
         return only_part(self.arms, "arm", self.description.model)
 
     @property
     def force_torque(self) -> ForceTorque:
-        """What the tool exerts on ``tool0``, if the robot has one link of that name."""
+        """The force-torque sensor at ``tool0``; ControlError unless there is one."""
         return self.force_torque_of(None)
 
     def force_torque_of(self, link: str | None) -> ForceTorque:
-        """Return what ``link`` and all beyond it exert; ModelError if there is none."""
+        """Return a sensor of the wrench that ``link`` and all beyond it exert.
+
+        Raises:
+            ModelError: If there is no such link.
+        """
         sensor = ForceTorque(link, self.channel)
         _ = sensor.rate  # ModelError or ControlError, if there is no such link
         return sensor
 
-    @cached_property
+    @property
     def cameras(self) -> Mapping[str, CameraHandle]:
         """The cameras by name."""
+        return self._cameras
+
+    @cached_property
+    def _cameras(self) -> Mapping[str, CameraHandle]:
         cameras = self.channel.call(ListCameras())
         return {item.name: CameraHandle(item, self.channel) for item in cameras}
 
     def camera(self, name: str) -> CameraHandle:
-        """Return a camera, or raise RenderError; ``image()`` of it takes a picture."""
+        """Return a camera; its ``image()`` takes a picture.
+
+        Raises:
+            RenderError: If there is no camera of this name.
+        """
+        checked_value("camera", "name", name, str)
         if name not in self.cameras:
             hint = did_you_mean(name, list(self.cameras))
             raise RenderError(f"no camera '{name}'{hint}")
@@ -329,11 +504,19 @@ class Robot(AbstractContextManager["Robot"]):
     # ---- time and safety ------------------------------------------------------------
 
     def run(self, duration: float) -> None:
-        """Let ``duration`` simulated seconds pass."""
+        """Let simulated time pass, and return when it has.
+
+        Args:
+            duration: [simulated s], 0 or more.
+
+        Raises:
+            ControlError: If the simulation is paused or closed.
+            EngineError: If the physics fails meanwhile.
+        """
         self.channel.call(state.Run(duration=duration))
 
     def pause(self) -> None:
-        """Hold simulated time."""
+        """Pause simulated time; requests are still answered."""
         self.channel.call(state.Pause())
 
     def resume(self) -> None:
@@ -341,11 +524,19 @@ class Robot(AbstractContextManager["Robot"]):
         self.channel.call(state.Resume())
 
     def step(self, ticks: int = 1) -> None:
-        """Run ``ticks`` control periods while paused."""
+        """Advance a paused simulation by ``ticks`` control periods, 1 … 1 000 000.
+
+        Raises:
+            ControlError: If it is not paused.
+        """
         self.channel.call(state.Step(ticks=ticks))
 
     def set_speed(self, factor: float) -> None:
-        """Run at ``factor`` times real time."""
+        """Run at ``factor`` simulated seconds per wall second, above 0 … 1000.
+
+        Raises:
+            ControlError: If the simulation does not run in real time.
+        """
         self.channel.call(state.SetSpeed(factor=factor))
 
     def reset(
@@ -354,17 +545,23 @@ class Robot(AbstractContextManager["Robot"]):
         *,
         keep_time: bool = False,
     ) -> None:
-        """Return to the initial pose changed by ``position``.
+        """Put the robot back into its initial pose, and objects to their start.
 
-        Active goals are PREEMPTED; running controllers hold the pose.  Objects return
-        to where they started; removed ones stay away.
+        Active goals are PREEMPTED; running controllers hold the pose.  Removed objects
+        stay removed.  A reset also ends a fault of the physics.
 
         Args:
             position: Joint → position instead of the initial one [rad | m].
             keep_time: Whether simulated time continues; otherwise it is zero again.
+
+        Raises:
+            ModelError: If a joint is unknown or a position is out of its limits.
         """
         self.channel.call(
-            state.Reset(position=dict(position or {}), keep_time=keep_time)
+            state.Reset(
+                position={} if position is None else position,  # type: ignore[arg-type]
+                keep_time=keep_time,
+            )
         )
 
     def emergency_stop(self, engaged: bool = True) -> None:

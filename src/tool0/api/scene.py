@@ -8,11 +8,12 @@ from typing import final, overload
 
 from tool0.api.channel import Channel
 from tool0.description.scene import DEFAULT_FRICTION, SceneObject
-from tool0.description.shapes import RGBA, Geometry, mesh
+from tool0.description.shapes import RGBA, Solid, mesh
 from tool0.description.transform import Transform, from_quaternion
-from tool0.errors import ControlError, did_you_mean
+from tool0.errors import ControlError, RequestError, did_you_mean
 from tool0.hardware.engine import ObjectState
 from tool0.requests.objects import AddObject, PlaceObject, RemoveObject, shape_of
+from tool0.requests.table import checked_value
 from tool0.sensing.snapshot import Snapshot
 
 
@@ -25,7 +26,7 @@ class SceneHandle:
 
     @property
     def objects(self) -> tuple[SceneObject, ...]:
-        """The objects now, each with the pose at which it started."""
+        """The objects that are there now, each with the pose at which it started."""
         return self._channel.snapshot.scene
 
     @property
@@ -50,7 +51,12 @@ class SceneHandle:
         return objects[name]
 
     def pose(self, name: str) -> Transform:
-        """Return the frame of an object in the robot's root, or raise ControlError."""
+        """Return the measured pose of an object in the robot's root.
+
+        Raises:
+            ControlError: If there is no object of this name.
+        """
+        checked_value("pose", "name", name, str)
         return object_pose(self._channel.snapshot, name)
 
     @overload
@@ -60,7 +66,7 @@ class SceneHandle:
     def add(
         self,
         item: str,
-        shape: Geometry | Path | str,
+        shape: Solid | Path | str,
         /,
         *,
         xyz: Sequence[float] = ...,
@@ -73,7 +79,7 @@ class SceneHandle:
     def add(
         self,
         item: SceneObject | str,
-        shape: Geometry | Path | str | None = None,
+        shape: Solid | Path | str | None = None,
         /,
         *,
         xyz: Sequence[float] = (0.0, 0.0, 0.0),
@@ -89,12 +95,12 @@ class SceneHandle:
 
         Args:
             item: Its name, or a complete object; the rest is then left out.
-            shape: ``Box``, ``Cylinder``, ``Sphere``, ``Mesh``, or a mesh's file in
-                metres (``tool0.scene.mesh`` scales others).
+            shape: ``Box``, ``Cylinder``, ``Sphere``, ``Mesh``, a ``Compound`` of them,
+                or a mesh's file in metres (``tool0.scene.mesh`` scales others).
             xyz: Position of its origin, in the robot's root [m].
             rpy: Its orientation, fixed-axis roll, pitch, yaw [rad].
             mass: [kg]; an object without one is fixed.
-            friction: Coulomb's coefficient for sliding.
+            friction: Coulomb coefficient of sliding friction.
             rgba: Each within 0 … 1; a colour of its own, if left out.
 
         Raises:
@@ -111,7 +117,7 @@ class SceneHandle:
         else:
             name = item
         if shape is None:
-            raise TypeError(f"object '{name}' needs a shape, as Box(size=…)")
+            raise RequestError("add", f"object '{name}' needs a shape, as Box(size=…)")
         geometry = mesh(shape) if isinstance(shape, (str, Path)) else shape
         request = AddObject(
             name=name,
@@ -126,7 +132,11 @@ class SceneHandle:
         return self[name]
 
     def remove(self, name: str) -> None:
-        """Remove an object from the scene, or raise EngineError if there is none."""
+        """Remove an object from the scene.
+
+        Raises:
+            EngineError: If there is no object of this name.
+        """
         self._channel.call(RemoveObject(name=name))
 
     def place(
@@ -138,7 +148,7 @@ class SceneHandle:
         linear: Sequence[float] = (0.0, 0.0, 0.0),
         angular: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> None:
-        """Put an object somewhere at once, at rest or moving; ``reset`` puts it back.
+        """Place an object at once, at rest or moving; ``reset`` restores its start.
 
         Args:
             name: The object.
@@ -163,7 +173,7 @@ class SceneHandle:
 
 
 def object_pose(snapshot: Snapshot, name: str) -> Transform:
-    """Return an object's pose then, in the robot's root, or raise ControlError."""
+    """Return an object's pose in ``snapshot``, in the root, or raise ControlError."""
     for state in snapshot.objects:
         if state.name == name:
             return from_quaternion(state.position, state.quat_wxyz)

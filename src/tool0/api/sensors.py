@@ -23,18 +23,23 @@ _LONGEST_WAIT = 0.5
 
 @final
 class ForceTorque:
-    """What the tool exerts on a link: weight, inertia and contact forces.
+    """Measures the wrench that a tool exerts on the link that carries it.
 
-    In the axes of the link at its origin, with the sign of the UR's own ``wrench`` and
-    of Gazebo's sensor, ``child_to_parent``: a tool that hangs down pulls along +z.  It
-    costs nothing until it is started; the first reading starts it.  Gazebo reports
-    contacts only after the first request: the first sample there lacks them.
+    Force [N] and torque [N·m] include the tool's weight, inertia and contacts.  They
+    are in the axes of the link, at its origin, with the sign of the UR's own ``wrench``
+    and of Gazebo's sensor, ``child_to_parent``: a tool that hangs down pulls along +z.
+    The sensor costs nothing until it is started; the first reading starts it.  Gazebo
+    reports contacts only after the first request: the first sample there lacks them.
     """
 
     def __init__(self, link: str | None, channel: Channel) -> None:
-        self.link = link
-        """None for the robot's only ``tool0``."""
+        self._link = link
         self._channel = channel
+
+    @property
+    def link(self) -> str | None:
+        """The link that carries the tool; None for the robot's only ``tool0``."""
+        return self._link
 
     @property
     def rate(self) -> float:
@@ -42,12 +47,14 @@ class ForceTorque:
         return self._channel.call(sensors.ReadForceTorqueRate(link=self.link))
 
     def start(self, rate: float | None = None, cutoff: float = DEFAULT_CUTOFF) -> float:
-        """Start to sample without tare, again if it is running; return the rate [Hz].
+        """Start sampling without a tare and return the rate [Hz].
+
+        A sensor that is running starts again.
 
         Args:
             rate: Samples per simulated second [Hz], 50 … 1000 and a divisor of the
-                control rate; 125 or the next divisor below, if left out.
-            cutoff: Of the low-pass filter [Hz].
+                control rate.  If you leave it out, 125 or the next divisor below.
+            cutoff: Cut-off of the low-pass filter [Hz], below half the rate.
 
         Raises:
             ControlError: If either is out of range.
@@ -56,7 +63,7 @@ class ForceTorque:
         return self._channel.call(request)
 
     def stop(self) -> None:
-        """Stop to sample, and forget the tare; stopping twice is allowed."""
+        """Stop sampling and forget the tare; stopping twice is allowed."""
         self._channel.call(sensors.StopForceTorque(link=self.link))
 
     def zero(self) -> None:
@@ -67,18 +74,27 @@ class ForceTorque:
         self._channel.call(sensors.TareForceTorque(link=self.link))
 
     def read(self) -> WrenchReading:
-        """Return the newest sample; the first call starts the sensor."""
+        """Return the newest sample; the first call starts the sensor.
+
+        Raises:
+            ModelError: If there is no such link.
+            ControlError: If no link is named, and the robot has no ``tool0`` or
+                several.
+        """
         return self._channel.call(sensors.ReadForceTorque(link=self.link))
 
     def samples(
         self, since: int = -1, timeout: float | None = 0.0
     ) -> tuple[WrenchReading, ...]:
-        """Return all samples after ``since``, oldest first; the last 4096 are kept.
+        """Return all samples after ``since``, oldest first.
+
+        The sensor keeps the last 4096: 33 s at 125 Hz, 4 s at 1 kHz.  If you ask later
+        than that, ``dropped`` of the first sample is the number of those you missed.
 
         Args:
             since: The ``number`` of the last known sample; one from before the sensor
                 was started again counts as none.
-            timeout: Longest wait for the first [wall s]; None for ever.
+            timeout: Longest wait for the first [wall s]; None for no limit.
 
         Raises:
             ControlError: If the simulation is closed meanwhile.
@@ -98,13 +114,17 @@ class ForceTorque:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class CameraHandle:
-    """One camera of a robot."""
+    """One camera of a robot: ``robot.camera(name)``."""
 
     camera: Camera
+    """Where it is, its picture's size and its field of view."""
     _channel: Channel
 
     def image(self, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return what it sees now, or saw at ``snapshot``.
+        """Return a picture in colour and depth, of now or of a ``snapshot``.
+
+        Args:
+            snapshot: A state of the past to draw, from the same process.
 
         Raises:
             RenderError: If there is no OpenGL, the robot is closed, or a snapshot is

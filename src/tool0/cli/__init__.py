@@ -1,8 +1,4 @@
-"""The command line: find the command, and import only its module.
-
-``tyro`` takes 60 ms to import, a third of MuJoCo; so the list of commands is a plain
-table here, and a command's module is imported only when it is called.
-"""
+"""The command line: find the command, and import only its module."""
 
 from __future__ import annotations
 
@@ -10,45 +6,53 @@ import sys
 from collections.abc import Sequence
 from typing import Final
 
+from tool0.cli.edge import flush, interruptible, report
+
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
-    "bringup": ("bringup", "bring up a robot in simulation, with controllers"),
-    "view": ("panel", "show a robot in a web page and pose it, without physics"),
-    "demo": ("demo", "watch a complete task: pick a cube and place it in a bin"),
-    "describe": ("describe", "write the robot as a tree, a table, URDF or MJCF"),
+    "bringup": ("bringup", "bring up a robot in simulation, with its controllers"),
+    "view": ("panel", "show a robot in a web page without physics, and pose it"),
+    "demo": ("demo", "run a complete task: pick a cube and place it in a bin"),
+    "describe": (
+        "describe",
+        "write the robot as a tree, a table, URDF or MJCF, or its controllers",
+    ),
     "controllers": ("simulation", "list, load, start, stop or switch controllers"),
     "move": ("motion", "move joints, or the tool to a pose"),
     "grip": ("motion", "open or close the gripper"),
     "scene": ("scene", "list, add, remove or place objects around the robot"),
-    "state": ("sensors", "print time and joints"),
+    "state": ("sensors", "print simulated time, joints, grippers and the tool's pose"),
     "wrench": ("sensors", "print force and torque at the wrist, or tare the sensor"),
     "camera": ("sensors", "take a picture with a camera, or list the cameras"),
     "pause": ("simulation", "pause simulated time"),
-    "resume": ("simulation", "resume simulated time"),
-    "step": ("simulation", "advance a paused simulation by some ticks"),
+    "resume": ("simulation", "continue simulated time"),
+    "step": ("simulation", "advance a paused simulation by some control periods"),
     "reset": ("simulation", "return to time zero and the initial pose"),
     "estop": ("simulation", "engage or release the emergency stop"),
-    "gazebo": ("installing", "install a Gazebo 11, or show which one would run"),
+    "gazebo": ("installing", "install Gazebo 11, or show which one is used"),
     "ros1": (
         "installing",
         "install ROS 1 for bringup --ros1, or show what is installed",
     ),
     "check": ("check", "find mistakes in URDF, xacro, YAML and launch files"),
-    "explain": ("explain", "explain what a launch file does and where arguments go"),
+    "explain": (
+        "explain",
+        "show what a launch file does, and where its arguments are used",
+    ),
     "workspace": ("workspace", "write the robot as catkin packages for Noetic"),
-    "doctor": ("installing", "show what this machine can run, and how to get the rest"),
+    "doctor": ("installing", "show what this machine can run, and what is missing"),
 }
 """Command → its module in this package, and a summary.
 
 In the module, the function of the command's name carries it out: its parameters are
 the options, and it returns the exit status, or None for 0.  In its place there may be
-a mapping of subcommands to such functions.  ``bringup`` reads its options itself.
+a mapping of subcommands to such functions.
 """
 
 OK: Final = 0
 GOAL_FAILED: Final = 1
 """A goal was accepted but did not succeed."""
 FAILED: Final = 2
-"""Wrong arguments, or a Tool0Error."""
+"""Wrong arguments, or an error that is not a bug."""
 INTERRUPTED: Final = 130
 """Ctrl-C, as shells count it: 128 + SIGINT."""
 
@@ -56,6 +60,18 @@ INTERRUPTED: Final = 130
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status of the process."""
     arguments = list(sys.argv[1:] if argv is None else argv)
+    try:
+        try:
+            return _carry_out(arguments)
+        finally:
+            flush()
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Exception as error:
+        return FAILED if report(error) else OK
+
+
+def _carry_out(arguments: list[str]) -> int:
     command = arguments[0] if arguments else "--help"
     if command in ("-h", "--help", "help"):
         print(_help())
@@ -77,28 +93,18 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(command: str, arguments: list[str]) -> int:
     from importlib import import_module
 
-    from tool0.errors import Tool0Error
-
     module, summary = COMMANDS[command]
-    try:
-        function = getattr(import_module(f"tool0.cli.{module}"), command)
-        if command == "bringup":  # without tyro, where possible
-            status = function(arguments)
-        elif command == "doctor" and not arguments:  # tyro may be what is missing
+    function = getattr(import_module(f"tool0.cli.{module}"), command)
+    with interruptible():
+        if (
+            command == "doctor" and not arguments
+        ):  # the options' libraries may be missing
             status = function()
         else:
             from tool0.cli.options import READERS
             from tool0.cli.parsing import parse
 
             status = parse(function, command, arguments, READERS, summary)
-    except Tool0Error as error:
-        print(f"tool0: error: {error}", file=sys.stderr)
-        return FAILED
-    except KeyboardInterrupt:
-        return INTERRUPTED
-    except BrokenPipeError:  # `tool0 describe tree | head`: what was read is enough
-        sys.stderr.close()  # or the interpreter complains once more at exit
-        return OK
     return OK if status is None else int(status)
 
 
@@ -113,7 +119,7 @@ def _help() -> str:
             "",
             *rows,
             "",
-            "`tool0 COMMAND --help` explains a command.  The commands controllers to",
-            "estop need a running bringup; --name selects one of several.",
+            "`tool0 COMMAND --help` explains a command.  The commands from controllers",
+            "to estop need a running bringup; --name selects one of several.",
         ]
     )

@@ -10,8 +10,7 @@ import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
-from tool0.cli.options import READERS, BringupOptions, RunOptions
-from tool0.cli.parsing import parse, parse_quickly
+from tool0.cli.options import BringupOptions, RunOptions
 from tool0.cli.text import StatusLine, finite, greeting, panel_line, summary_line
 from tool0.errors import EngineError, EngineUnavailableError
 
@@ -29,16 +28,12 @@ _RUN_PERIOD: Final = 0.2
 """Simulated time between checks without real time [s]: some 10 ms of wall time."""
 
 
-def bringup(arguments: list[str]) -> int:
-    """Run the command and return its exit status."""
-    options = parse_quickly(BringupOptions, arguments, READERS)
-    if options is None:
-        options = parse(BringupOptions, "bringup", arguments, READERS)
-    return bring_up(options)
+def bringup(options: BringupOptions) -> int:
+    """Bring up a robot in simulation with its controllers running.
 
-
-def bring_up(options: BringupOptions) -> int:
-    """Bring the robot up, let it run, and return the exit status."""
+    The robot holds its pose until you command it: from the panel (a web page; its URL
+    is printed), from another terminal (`tool0 move`, `tool0 grip`) or from Python.
+    """
     from tool0.cli.stop_signal import StopSignal
 
     # With --summary json, standard output holds one JSON object and nothing else.
@@ -46,9 +41,10 @@ def bring_up(options: BringupOptions) -> int:
     console = sys.stderr if is_json else sys.stdout
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
-        gc.disable()  # what a start makes stays: collections would find nothing
+        gc.disable()  # objects made at start live on: nothing to collect
         exits.callback(gc.enable)
-        # Names first: a wrong or taken one is reported before the robot is made.
+        stop = exits.enter_context(StopSignal())
+        # Names first: report a wrong or used one before the robot is built.
         claim = _claim(options.run)
         if claim is not None:
             exits.callback(claim.close)
@@ -57,7 +53,6 @@ def bring_up(options: BringupOptions) -> int:
             from tool0.cli.panel import listening
 
             endpoint = exits.enter_context(listening(options.panel))
-        stop = exits.enter_context(StopSignal())
         robot = exits.enter_context(_robot(options))
         if claim is not None or endpoint is not None:
             exits.enter_context(_server(robot, claim, endpoint))
@@ -147,7 +142,7 @@ def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Ser
 def _in_ros(
     robot: Robot, options: BringupOptions, stop: StopSignal
 ) -> Iterator[str | None]:
-    """Present the robot in ROS 1 if wanted; yield a line that says where."""
+    """Present the robot in ROS 1 if requested; yield a line with its node."""
     if not options.run.ros1:
         yield None
         return
@@ -160,7 +155,7 @@ def _in_ros(
 def _run(
     robot: Robot, options: BringupOptions, stop: StopSignal, status: StatusLine
 ) -> None:
-    """Let simulated time pass until the duration is over or a signal comes."""
+    """Let simulated time pass until the duration is over or a signal arrives."""
     simulation, duration = options.simulation, options.run.duration
     end = math.inf if duration is None else duration
     reported: str | None = None
@@ -183,7 +178,7 @@ def _run(
 
 
 def _is_lost(robot: Robot) -> bool:
-    """Return whether the engine has ended, so that no reset helps."""
+    """Return whether the engine has ended, so that a reset cannot help."""
     try:
         robot.run(0.0)
     except EngineUnavailableError:

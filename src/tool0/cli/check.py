@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import tyro
+from tool0.cli.parameters import Option
 
 if TYPE_CHECKING:
     from tool0.lint.check import CheckReport
@@ -17,26 +17,21 @@ FOUND = 1
 
 
 def check(
-    paths: Annotated[tuple[Path, ...], tyro.conf.Positional],
+    paths: Annotated[tuple[Path, ...], Option(is_positional=True, metavar="PATH ...")],
     format: Format = "text",  # the option's name
     strict: bool = False,
 ) -> int:
-    """Find what is wrong in URDF, xacro, ros_control YAML, launch files, workspaces.
+    """Find mistakes in URDF, xacro, ros_control YAML, launch files and workspaces.
 
-    Exit status: 0 if nothing will fail, 1 if something will, 2 for bad arguments.
+    Exit status: 0 without errors, 1 with errors, 2 for wrong arguments.
 
     Args:
-        paths: Files, and folders with everything below them.
-        format: For people, or for programs.
-        strict: Whether a warning counts as an error.
+        paths: Files, or folders, which are searched recursively.
+        format: Output format.
+        strict: Count warnings as errors.
     """
-    from tool0.errors import ConfigError
     from tool0.lint.check import check as look_into
 
-    if not paths:
-        raise ConfigError(
-            "name files or folders to check; `tool0 check .` for all here"
-        )
     report = look_into(paths)
     print(_json(report) if format == "json" else _text(report))
     is_bad = report.n_errors or (strict and report.findings)

@@ -1,4 +1,4 @@
-"""What the commands that talk to a running bring-up have in common."""
+"""Shared by the commands that talk to a running bring-up."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ _CANCEL_TIMEOUT: Final = 10.0
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bringup:
-    """Which bringup."""
+    """The running bringup."""
 
     name: str = DEFAULT_NAME
-    """The --name of the bringup."""
+    """The name it was given by `tool0 bringup --name NAME`."""
 
     def connect(self) -> Robot:
         """Return the running robot, or raise TransportError."""
@@ -46,7 +46,7 @@ def wait_for_goal(
     """Start a goal, wait for it, print its outcome, and return the exit status.
 
     Ctrl-C and SIGTERM cancel the goal: the robot stops as it does for a ROS client.
-    They are caught before the goal starts, so that none can slip in between.
+    The handlers are installed before the goal starts, so that no signal is missed.
     """
     from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
     from tool0.cli.stop_signal import StopSignal
@@ -57,7 +57,7 @@ def wait_for_goal(
     with StopSignal() as stop:
         goal = start()
         if robot.snapshot.is_paused:
-            hint = "the simulation is paused: `tool0 resume` or `tool0 step` goes on"
+            hint = "the simulation is paused; continue with `tool0 resume`"
             print(hint, file=sys.stderr, flush=True)
         while True:
             try:

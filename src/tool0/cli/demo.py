@@ -5,18 +5,18 @@ from __future__ import annotations
 import contextlib
 import itertools
 import json
+import select
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, final
-
-import tyro
+from typing import TYPE_CHECKING, Literal, TextIO, final
 
 from tool0.cli import GOAL_FAILED, OK
 from tool0.cli.bringup import quiet_overruns
 from tool0.cli.options import PanelOptions
 from tool0.cli.text import ProgressBar, finite, panel_line
 from tool0.description.config import DescriptionConfig
+from tool0.description.units import Metres
 from tool0.errors import ConfigError
 from tool0.runtime.config import SimulationConfig
 from tool0.user_data import require_writable
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from tool0.description.scene import Scene
     from tool0.description.transform import Pose
 
+PAGE_TIMEOUT = 300.0
+"""Longest wait for a browser that has loaded the scene [wall s]."""
 ITEM, BIN = "cube", "bin"
 """Their names in the scene ``table_and_bin``."""
 
@@ -37,7 +39,7 @@ ITEM, BIN = "cube", "bin"
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickArguments:
-    """How to pick, and what to write."""
+    """The picks, and the output."""
 
     engine: str = "mujoco"
     """The physics engine: mujoco or gazebo."""
@@ -47,7 +49,7 @@ class PickArguments:
     """Number of picks; from the second on, or with --seed, from random poses."""
     seed: int | None = None
     """Seed of the random poses; if not given, the first pose is the scene's."""
-    size: float = 0.045
+    size: Metres = 0.045
     """Edge of the cube [m]."""
     mass: float = 0.1
     """Mass of the cube [kg]."""
@@ -58,9 +60,9 @@ class PickArguments:
     speed: float = 0.7
     """Speed of the arm's joints as a fraction of the maximum."""
     grasp_assist: bool = False
-    """A cheat: attach the gripped cube to the gripper."""
+    """Attach the gripped cube to the gripper, regardless of friction and force."""
     headless: bool = False
-    """Do not serve the panel, and run as fast as possible."""
+    """Disable the panel, and run as fast as possible."""
     report: Path | None = None
     """Also write the report to this file, as JSON."""
     video: Path | None = None
@@ -76,13 +78,14 @@ class PickArguments:
 
 
 def pick(
-    arguments: Annotated[PickArguments, tyro.conf.arg(name="")] = PickArguments(),
+    arguments: PickArguments = PickArguments(),
     panel: PanelOptions = PanelOptions(),
 ) -> int:
     """Pick a cube from the table and place it in a bin; status 1 if that fails.
 
-    Friction alone holds the cube.  The demo starts in real time when a browser opens
-    the panel, and the panel stays open; headless it runs as fast as possible and ends.
+    Friction alone holds the cube.  The demo starts in real time when a browser shows
+    the robot; then Enter repeats it and Ctrl-C ends it.  Headless, it runs as fast as
+    possible and ends.
     """
     # Check the files first: the picks take minutes.
     if arguments.report is not None and arguments.report == arguments.video:
@@ -102,8 +105,10 @@ def pick(
             _show(robot, panel, exits)
         report = _play(robot, arguments)
         _print_report(report, arguments)
-        if not arguments.headless:
-            _linger()
+        while not arguments.headless and _wants_replay():
+            robot.reset()
+            again = replace(arguments, video=None, report=None)
+            _print_report(_play(robot, again), again)
     return OK if report.n_succeeded == len(report.picks) else GOAL_FAILED
 
 
@@ -125,7 +130,7 @@ def _bring_up(arguments: PickArguments) -> Robot:
 
 
 def _scene(arguments: PickArguments) -> Scene:
-    """Return the scene with the cube that was asked for."""
+    """Return the scene with the requested cube."""
     from tool0.description.scene_file import load_scene
     from tool0.description.shapes import Box
 
@@ -146,7 +151,7 @@ def _scene(arguments: PickArguments) -> Scene:
 
 
 def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
-    """Serve the panel, and wait for a page: the demo lasts only seconds."""
+    """Serve the panel, and wait until a page shows the robot: a pick lasts seconds."""
     from tool0.cli.panel import listening, show
     from tool0.interfaces.panel.server import Panel
 
@@ -154,17 +159,27 @@ def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> N
     panel = exits.enter_context(Panel(robot, endpoint=endpoint))
     print(panel_line(panel.url), file=sys.stderr)
     if show(panel.url, options, sys.stderr) is None:
-        print("It begins when a browser shows that page.", file=sys.stderr, flush=True)
-    panel.await_page()
+        print("It starts when a browser shows that page.", file=sys.stderr, flush=True)
+    if not panel.await_page(PAGE_TIMEOUT):
+        text = (
+            f"No page has shown the robot within {PAGE_TIMEOUT:.0f} s; it starts now."
+        )
+        print(text, file=sys.stderr, flush=True)
 
 
-def _linger() -> None:
-    """Keep robot and panel until Ctrl-C."""
+def _wants_replay() -> bool:
+    """Keep robot and panel until Ctrl-C; return True if Enter requests a replay."""
     from tool0.cli.stop_signal import StopSignal
 
-    print("The panel stays; Ctrl-C ends it.", file=sys.stderr, flush=True)
+    sources: list[StopSignal | TextIO] = []
+    text = "The panel stays open; Ctrl-C ends it."
+    if sys.stdin.isatty():
+        sources.append(sys.stdin)
+        text = "The panel stays open: Enter repeats the pick, Ctrl-C ends it."
     with StopSignal() as stop:
-        stop.wait()
+        print(text, file=sys.stderr, flush=True)
+        select.select([stop, *sources], [], [])
+        return not stop.is_set and sys.stdin.readline() != ""
 
 
 def _play(robot: Robot, arguments: PickArguments) -> DemoReport:

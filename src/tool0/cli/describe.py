@@ -1,13 +1,13 @@
-"""``tool0 describe``: the robot as a tree, a table, URDF or MJCF."""
+"""``tool0 describe``: the robot as a tree, a table, URDF or MJCF; its controllers."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import tyro
-
+from tool0.cli.parameters import Option
 from tool0.cli.text import columns
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
@@ -16,25 +16,30 @@ if TYPE_CHECKING:
     from tool0.description.catalogue import RobotDescription
     from tool0.description.model import Joint, RobotModel
 
-Form = Literal["tree", "table", "urdf", "mjcf"]
+Form = Literal["tree", "table", "urdf", "mjcf", "controllers"]
 
 
 def describe(
-    form: Annotated[Form, tyro.conf.Positional],
+    form: Annotated[Form, Option(is_positional=True)],
     description: DescriptionConfig = DescriptionConfig(),
     output: Path | None = None,
 ) -> None:
-    """Write the robot as a tree, a table of joints, URDF or MJCF.
+    """Write the robot as a tree, a table of joints, URDF or MJCF, or its controllers.
+
+    ``controllers`` is the built-in ros_control YAML with all gains: copy it, change it,
+    and give it to ``tool0 bringup --controllers-file``.
 
     Args:
         form: What to write.
-        description: Which robot.
-        output: The file to write; standard output if not given.
+        output: File to write; standard output if not given.
     """
     from tool0.description.catalogue import load_description
 
     text = _render(load_description(description), form)
     if output is None:
+        if form in ("urdf", "mjcf"):
+            encoding = sys.stdout.encoding
+            text = text.encode(encoding, "xmlcharrefreplace").decode(encoding)
         print(text, end="")
     else:
         try:
@@ -58,6 +63,10 @@ def _render(description: RobotDescription, form: Form) -> str:
             from tool0.engines.mujoco.model import to_mjcf
 
             return to_mjcf(description.model)
+        case "controllers":
+            from tool0.description.catalogue import default_controllers
+
+            return default_controllers(description)[0]
 
 
 def tree(model: RobotModel) -> str:

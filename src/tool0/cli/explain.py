@@ -1,4 +1,4 @@
-"""``tool0 explain``: which launch file does what, and where its arguments end up."""
+"""``tool0 explain``: what a launch file does, and where its arguments are used."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, final
 
-import tyro
-
+from tool0.cli.parameters import Option
 from tool0.errors import ConfigError, DescriptionError
 
 if TYPE_CHECKING:
@@ -22,24 +21,27 @@ WIDTH = 100
 """Columns of the terminal."""
 EMPTY = "''"
 _LEAST = 40
-"""Columns left to text, however deep the tree."""
+"""Minimum columns for text, however deep the tree."""
 _FIND = "$(find\N{NO-BREAK SPACE}"
 
 
 def explain(
     words: Annotated[
-        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="WORD")
+        tuple[str, ...],
+        Option(
+            is_positional=True, metavar="[PACKAGE] FILE.launch [ARGUMENT:=VALUE ...]"
+        ),
     ],
     format: Literal["text", "json"] = "text",
 ) -> int:
-    """Show what a ROS 1 launch file includes, starts, sets and does with arguments.
+    """Show what a ROS 1 launch file includes, starts and sets.
 
-    tool0 explain FILE.launch [name:=value …], or PACKAGE FILE.launch [name:=value …].
-    Status 1 if there are errors in the files.
+    It also shows where the value of each argument is used.  Exit status: 1 if the files
+    contain errors.
 
     Args:
-        words: The launch file, or its package and its name; then its arguments.
-        format: For people or for programs.
+        words: The launch file, or its package and file name; then arguments for it.
+        format: Output format.
     """
     from tool0.lint.launch.argument_flow import argument_flow
     from tool0.lint.launch.explanation import contents
@@ -79,7 +81,7 @@ def _file(names: list[str]) -> Path:
 
 
 def _in_package(package: str, name: str) -> Path:
-    """Return the file of a package, wherever it lies in it, as roslaunch does."""
+    """Return the file of a package, in any of its folders, as roslaunch does."""
     from tool0.lint.packages import PackageIndex, packages_around
 
     packages: PackageIndex = PackageIndex(packages_around(Path.cwd() / name))
@@ -128,7 +130,7 @@ def text_of(
     findings: tuple[Finding, ...],
     packages: PackageIndex,
 ) -> str:
-    """Return all of it: what there is, where arguments go, what is wrong."""
+    """Return the whole text: the tree, the arguments' uses, the findings."""
     writer = _Writer(packages)
     lines = [writer.path(contents.name), *writer.tree(contents.items, "")]
     for file in arguments:
@@ -186,13 +188,12 @@ class _Writer:
         yield from self.uses(item.items, "  ", file)
 
     def uses(self, items: tuple[Item, ...], indent: str, around: str) -> Iterator[str]:
-        """Yield the lines of what uses an argument.
+        """Yield the lines of an argument's uses.
 
         Args:
             items: The uses.
-            indent: What stands before each line.
-            around: What the line above says, and the file it is written in: a file that
-                is named there need not be named again.
+            indent: The text before each line.
+            around: The text of the line above, and its file, which is not repeated.
         """
         places = [_place(item, around) for item in items]
         width = max(map(len, places), default=0)
@@ -203,7 +204,7 @@ class _Writer:
             yield from self.uses(item.items, below, f"{item.location.file} {item.name}")
 
     def tree(self, items: tuple[Item, ...], indent: str) -> Iterator[str]:
-        """Yield the lines of items and of all in them."""
+        """Yield the lines of items and their children."""
         lines = [str(item.location.line or "") for item in items]
         digits = max(map(len, lines), default=0)
         kinds = max((len(item.kind) for item in items), default=0)
@@ -232,7 +233,7 @@ class _Writer:
 
 
 def _place(item: Item, around: str) -> str:
-    """Return the line, with the file unless it is known from what is around."""
+    """Return the line, with the file unless the context names it."""
     line, name = item.location.line, Path(str(item.location.file)).name
     if name in around:
         return "" if line is None else f"line {line}"
@@ -259,7 +260,7 @@ def _wrapped(text: str, indent: str) -> Iterator[str]:
     width = max(WIDTH, len(indent) + _LEAST)
     start = len(text) - len(text.lstrip(" │├└─"))
     lines = textwrap.wrap(
-        text[start:].replace("$(find ", _FIND),  # not to be broken there
+        text[start:].replace("$(find ", _FIND),  # no line break there
         width,
         initial_indent=text[:start],
         subsequent_indent=indent,

@@ -1,4 +1,4 @@
-"""``tool0 doctor | gazebo | ros1``: what is installed here, and how to get the rest."""
+"""``tool0 doctor | gazebo | ros1``: show and install optional software."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ Format = Literal["text", "json"]
 
 
 def doctor(*, format: Format = "text") -> int:
-    """Print what this machine can run, and the command that installs what is missing.
+    """Show what this machine can run, and the command that installs what is missing.
 
-    Status 1 if it cannot run `tool0 bringup`, that is the robot in MuJoCo.
+    Exit status: 1 if it cannot run `tool0 bringup` with MuJoCo.
 
     Args:
-        format: For people or for programs.
+        format: Output format.
     """
     from tool0.installation.doctor.report import examine
 
@@ -33,16 +33,16 @@ def _install_gazebo(
     mirror: str | None = None,
     keyring: Path | None = None,
 ) -> int:
-    """Get a Gazebo 11 ready to run: the system's, or a private one from Debian 11.
+    """Prepare Gazebo 11: the system's, or a private copy of Debian 11's packages.
 
-    The private one needs no root: apt fetches and verifies Debian's packages, which
-    are unpacked in your data folder.  The next run resumes an interrupted download.
+    A private copy needs no root: apt downloads and verifies the packages, and they are
+    unpacked in your data folder.  The next run resumes an interrupted download.
 
     Args:
-        gui: Also what Gazebo's window and cameras draw with.
-        private: Make a private one even if the system has a Gazebo 11.
-        mirror: Address of a Debian mirror, instead of those that apt here uses.
-        keyring: Keys that sign Debian 11, instead of debian-archive-keyring's.
+        gui: Also install what Gazebo's window and cameras need.
+        private: Make a private copy even if the system has Gazebo 11.
+        mirror: URL of a Debian mirror, instead of those in apt's configuration.
+        keyring: Keys that sign Debian 11, instead of those of debian-archive-keyring.
     """
     from tool0.installation.gazebo.install import KEYRING, install_gazebo
     from tool0.installation.gazebo.installation import NAMED_BY, find_installation
@@ -57,17 +57,19 @@ def _install_gazebo(
         )
     print(f"ready: Gazebo {made.version} in {made.prefix or made.server.parent.parent}")
     if gui and made.client is None:
-        print("it has no gzclient; --private makes a Gazebo that has")
+        print("it has no gzclient; with --private, you get one that has")
     if find_installation().server != made.server:
         print(f"another Gazebo comes first; to run this one: {NAMED_BY}={made.prefix}")
     return OK
 
 
 def _gazebo_status(*, format: Format = "text") -> int:
-    """Print which Gazebo would run, and what is missing; status 1 if none can.
+    """Show which Gazebo is used, and what is missing.
+
+    Exit status: 1 if there is no usable Gazebo.
 
     Args:
-        format: For people or for programs.
+        format: Output format.
     """
     from tool0.installation.gazebo.status import gazebo_status
 
@@ -75,11 +77,11 @@ def _gazebo_status(*, format: Format = "text") -> int:
 
 
 def _uninstall_gazebo() -> int:
-    """Remove the private Gazebo and what was compiled for any."""
+    """Remove the private Gazebo and the compiled plugins."""
     from tool0.installation.gazebo.install import uninstall_gazebo
 
     freed = uninstall_gazebo()
-    print(f"removed: {freed / 1e6:.0f} MB are free again" if freed else "nothing to do")
+    print(f"removed {freed / 1e6:.0f} MB" if freed else "nothing to remove")
     return OK
 
 
@@ -91,20 +93,20 @@ gazebo = {
 
 
 def _install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
-    """Install what ``tool0 bringup --ros1`` uses, by apt.
+    """Install with apt what `tool0 bringup --ros1` needs.
 
-    That is on Debian 12 and 13 and on Ubuntu 22.04.  Beside a Noetic or a RoboStack it
-    installs nothing, and names what that lacks.
+    This works on Debian 12 and 13 and on Ubuntu 22.04.  With ROS Noetic or RoboStack,
+    nothing is installed; missing packages are listed.
 
     Args:
-        rviz: Also RViz, and what it draws with.
-        dry_run: Print the command, and do not run it.
+        rviz: Also install RViz.
+        dry_run: Only print the command.
     """
     from tool0.installation.ros1.install import install_ros1, plan_install
 
     plan = plan_install(rviz=rviz)
     if not plan.packages:
-        print(f"nothing to do: {plan.target} has what is needed of ROS 1")
+        print(f"nothing to do: {plan.target} has everything that ROS 1 needs")
         return OK
     if dry_run:
         print(plan.command)
@@ -118,10 +120,12 @@ def _install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
 
 
 def _ros1_status(*, format: Format = "text") -> int:
-    """Print which ROS 1 is there, and what is missing; status 1 if none can be used.
+    """Show which ROS 1 is installed, and what is missing.
+
+    Exit status: 1 if there is no usable ROS 1.
 
     Args:
-        format: For people or for programs.
+        format: Output format.
     """
     from tool0.installation.ros1.packages import ros1_status
 
@@ -129,10 +133,11 @@ def _ros1_status(*, format: Format = "text") -> int:
 
 
 def _ros1_env() -> int:
-    """Print what makes our messages known to rostopic, rosservice and rosmsg.
+    """Print shell commands that make the generated messages known to ROS tools.
 
-    Run ``eval "$(tool0 ros1 env)"`` in the shell.  Nothing is printed where
-    control_msgs, controller_manager_msgs and gazebo_msgs are installed.
+    Run `eval "$(tool0 ros1 env)"` in the shell, so that rostopic, rosservice and rosmsg
+    find the messages.  Nothing is printed if control_msgs, controller_manager_msgs and
+    gazebo_msgs are installed.
     """
     from tool0.installation.ros1.messages import shell_exports
 
@@ -145,7 +150,7 @@ ros1 = {"install": _install_ros1, "status": _ros1_status, "env": _ros1_env}
 
 
 class InstallationStatus(Protocol):
-    """Whether something could run here, and what is missing."""
+    """Whether something can run here, and what is missing."""
 
     @property
     def can_run(self) -> bool: ...

@@ -6,19 +6,26 @@ import contextlib
 import math
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from tool0.cli import INTERRUPTED
 from tool0.cli.connection import DEFAULT, Bringup, wait_for_goal
-from tool0.cli.parsing import joint_values
+from tool0.cli.parameters import Option, joint_values
+from tool0.description.model import JointType
 from tool0.description.transform import Pose
+from tool0.description.units import ANGLE, LENGTH, Metres, Quantity, Radians
 from tool0.errors import ConfigError, ControlError, GoalTimeoutError, did_you_mean
 
 if TYPE_CHECKING:
     from tool0.api.controller import GoalHandle
+    from tool0.api.robot import Robot
     from tool0.sensing.grasp import GraspState
 
-SixNumbers = tuple[float, float, float, float, float, float]
+ToolPose = Annotated[
+    tuple[Metres, Metres, Metres, Radians, Radians, Radians],
+    Option(metavar="X Y Z ROLL PITCH YAW"),
+]
+JointTargets = Annotated[tuple[str, ...], Option(metavar="JOINT=VALUE ...")]
 
 _SETTLE = 1.0
 """Longest wait, after a goal has ended, for the pads to stand still [wall s]."""
@@ -26,10 +33,10 @@ _SETTLE = 1.0
 
 def move(
     *,
-    joints: tuple[str, ...] = (),
+    joints: JointTargets = (),
     duration: float | None = None,
     controller: str | None = None,
-    pose: SixNumbers | None = None,
+    pose: ToolPose | None = None,
     linear: bool = False,
     speed: float | None = None,
     tip: str | None = None,
@@ -38,23 +45,24 @@ def move(
     timeout: float | None = None,
     bringup: Bringup = DEFAULT,
 ) -> int:
-    """Move joints or the tool, and wait until they are there; Ctrl-C stops the robot.
+    """Move joints, or the tool to a pose, and wait until the motion has ended.
 
-    Give either --joints or --pose.
+    Give either --joints or --pose.  Ctrl-C stops the robot.
 
     Args:
-        joints: joint=position … [rad]; joints not given keep their place.
-        duration: How long the motion of --joints takes [simulated s]; 2 if left out.
-        controller: A trajectory controller; found by the --joints if left out.
-        pose: X Y Z ROLL PITCH YAW, where the tool is to be [m, rad], in the root.
-        linear: Take the tool to --pose along a straight line.
-        speed: On the way to --pose: part of the joints' largest velocities, 0.01 to 1;
-            with --linear that of the tool [m/s].
-        tip: The link that is to be at --pose; tool0 if left out.
-        relative_to: The link in whose frame --pose is, as tool0; the root if left out.
-        arm: The arm, where the robot has several.
-        timeout: Stop the motion after so many wall seconds.
-        bringup: Which bringup.
+        joints: Target positions [rad | m]; other joints stay where they are.
+        duration: Duration of a motion with --joints, in simulated time [s]; 2 if not
+            given.
+        controller: Trajectory controller to use; if not given, the one that drives the
+            joints.
+        pose: Target pose of the tool [m, rad].
+        linear: Move the tool along a straight line.
+        speed: Speed of a motion with --pose: a fraction of the joints' velocity limits,
+            0.01 to 1; with --linear, the speed of the tool [m/s].
+        tip: Link that moves to --pose; tool0 if not given.
+        relative_to: Link in whose frame --pose is given; the root if not given.
+        arm: Which arm moves, if the robot has several.
+        timeout: Cancel the motion after this wall time [s].
     """
     of_pose: dict[str, Any] = {  # values of two types
         "speed": speed,
@@ -62,7 +70,7 @@ def move(
         "relative_to": relative_to,
     }
     if (pose is None) == (not joints):
-        raise ConfigError("give either --joints, joint=position …, or --pose")
+        raise ConfigError("give either --joints or --pose")
     if pose is None:
         _refuse("--pose", {**of_pose, "arm": arm, "linear": linear or None})
         duration = 2.0 if duration is None else duration
@@ -83,7 +91,7 @@ def _refuse(other: str, options: Mapping[str, object]) -> None:
     """Raise ConfigError if an option was given that belongs to ``other``."""
     for name, value in options.items():
         if value is not None:
-            raise ConfigError(f"--{name.replace('_', '-')} goes with {other}")
+            raise ConfigError(f"--{name.replace('_', '-')} needs {other}")
 
 
 def _move_joints(
@@ -93,10 +101,11 @@ def _move_joints(
     timeout: float | None,
     bringup: Bringup,
 ) -> int:
-    positions = joint_values(joints, "--joints")
+    positions, units = joint_values(joints)
     if not 0.0 < duration < math.inf:
         raise ConfigError(f"--duration must be above 0 s, got {duration}")
     with bringup.connect() as robot:
+        _check_units(units, robot)
 
         def start() -> GoalHandle:
             if controller is not None:
@@ -107,29 +116,44 @@ def _move_joints(
         return wait_for_goal(robot, start, timeout)
 
 
+def _check_units(units: Mapping[str, Quantity], robot: Robot) -> None:
+    """Raise ConfigError if an angle is meant for a sliding joint, or the reverse."""
+    joints = robot.description.model.joint_by_name if units else {}
+    for name, quantity in units.items():
+        if name not in joints:
+            continue
+        needed = LENGTH if joints[name].type is JointType.PRISMATIC else ANGLE
+        if quantity is not needed:
+            raise ConfigError(
+                f"--joints: the unit of '{name}' is {' or '.join(needed.units)}, not "
+                f"{' or '.join(quantity.units)}"
+            )
+
+
 def grip(
     *,
-    opening: float | None = None,
-    position: float | None = None,
+    opening: Metres | None = None,
+    position: Radians | None = None,
     speed: float | None = None,
     force: float | None = None,
     effort: float | None = None,
     timeout: float | None = None,
     bringup: Bringup = DEFAULT,
 ) -> int:
-    """Open or close the gripper, wait, and tell what it holds; Ctrl-C stops it.
+    """Open or close the gripper, wait, and report what it holds.
+
+    Give either --opening or --position.  Ctrl-C stops the gripper.
 
     Args:
         opening: Distance between the pads [m]; 0 is closed.
-        position: Instead of that, the position of the driven joint [rad].
-        speed: Of the pads towards each other [m/s]; 0.02 to 0.15 for a 2F-85.
+        position: Position of the driven joint [rad], instead of --opening.
+        speed: Speed of the pads relative to each other [m/s]; 0.02 to 0.15 for a 2F-85.
         force: Largest force at each pad [N]; 20 to 235 for a 2F-85.
-        effort: Instead of that, the largest torque at the driven joint [N·m].
-        timeout: Stop after so many wall seconds.
-        bringup: Which bringup.
+        effort: Largest torque of the driven joint [N·m], instead of --force.
+        timeout: Cancel the motion after this wall time [s].
     """
     if (opening is None) == (position is None):
-        raise ConfigError("give either --opening [m] or --position [rad]")
+        raise ConfigError("give either --opening or --position")
     with bringup.connect() as robot:
         move = partial(
             robot.gripper.move,
@@ -148,14 +172,15 @@ def grip(
 
 
 def described(state: GraspState) -> str:
-    """Return what a gripper does, for people, with Robotiq's number for it."""
+    """Return a gripper's state as text, with Robotiq's number for it."""
     opening = f"{1e3 * state.opening:.1f} mm"
     words = {
-        "holding_inside": f"holds something {opening} wide",
-        "holding_outside": f"presses against something outside, open {opening}",
+        "holding_inside": f"holds an object {opening} wide",
+        "blocked": f"blocked without an object between the pads, open {opening}",
+        "holding_outside": f"holds an object from inside, open {opening}",
         "at_target": f"open {opening}",
         "moving": f"moving, open {opening}",
     }
     if state.motion not in words:
-        return f"open {opening}, commanded by nobody"
+        return f"open {opening}, not commanded"
     return f"{words[state.motion]} (gOBJ {state.gobj})"

@@ -1,9 +1,8 @@
 """The options of ``bringup``, ``view`` and ``describe`` as dataclasses.
 
-A field is an option, and the string below it is the option's help.  Which robot, its
-controllers and its simulation are the values that ``tool0.bringup`` takes; here are
-only the options of the command line itself.  No tyro here: ``parsing.py`` reads most
-command lines without it.
+A field is an option, and the string below it is the option's help.  The robot,
+its controllers and its simulation use the same classes as ``tool0.bringup``; this
+module adds only the command line's own options.
 """
 
 from __future__ import annotations
@@ -14,10 +13,18 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final, Literal, final
 
-from tool0.cli.parsing import Reader, Readers, assignments, joint_values
+from tool0.cli.parameters import Reader, Readers, assignments, joint_values
 from tool0.description.camera import Camera
 from tool0.description.config import Argument, DescriptionConfig, File, Unset
 from tool0.description.scene import Scene
+from tool0.description.units import (
+    ANGLE,
+    LENGTH,
+    Metres,
+    Quantity,
+    Radians,
+    read_number,
+)
 from tool0.errors import ConfigError
 from tool0.interfaces.ros1.options import Ros1Options
 from tool0.runtime.config import ControlConfig, Names, SimulationConfig
@@ -26,15 +33,15 @@ from tool0.runtime.config import ControlConfig, Names, SimulationConfig
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EngineOptions:
-    """Options that only one engine has."""
+    """Options of Gazebo."""
 
     world: Path | None = None
-    """World file for Gazebo; if not given, an empty world with ground."""
+    """World file; an empty world with ground if not given."""
     gazebo_gui: bool = False
     """Open Gazebo's own window, gzclient."""
 
     def given(self) -> dict[str, object]:
-        """Return the options that were given, by the engine's own names."""
+        """Return the given options, by the engine's own names."""
         options: dict[str, object] = {}
         if self.world is not None:
             options["world"] = self.world
@@ -46,20 +53,21 @@ class EngineOptions:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOptions:
-    """How long it runs, what it prints, and who can reach it."""
+    """Duration, output and access."""
 
     duration: float | None = None
-    """End at this simulated time [s]; otherwise at Ctrl-C."""
+    """End at this simulated time [s]; without it, run until Ctrl-C."""
     headless: bool = False
-    """Do not serve the panel, and open nothing on the desktop."""
+    """Disable the panel, and open no window."""
     summary: Literal["text", "json", "none"] = "text"
-    """What to print at the end; json prints one object and nothing else."""
+    """What to print at the end.  json prints a single object and nothing else."""
     name: str = "tool0"
-    """The name by which other processes find this bringup."""
+    """Name of this bringup for other processes: `tool0 move --name NAME`."""
     remote: bool = True
-    """Let other processes of this user drive the robot: `tool0 move`, …"""
+    """Let other processes of the same user drive the robot, such as `tool0 move`."""
     ros1: bool = False
-    """Present the robot in ROS 1 as ur_gazebo does (`tool0 ros1 install`)."""
+    """Present the robot in ROS 1 as ur_gazebo does; `tool0 ros1 install` installs what
+    it needs."""
 
     def __post_init__(self) -> None:
         if self.duration is not None and not 0.0 <= self.duration < math.inf:
@@ -71,26 +79,21 @@ class RunOptions:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PanelOptions:
-    """The web page that shows and drives the robot."""
+    """The panel, a web page that shows and drives the robot."""
 
     panel_host: str | None = None
     """Address to listen on, 0.0.0.0 for all; if not given, only browsers on this
-    machine reach it.  With this or --panel-port, the URL has a token."""
+    machine reach it.  If others can, the URL has a token."""
     panel_port: int | None = None
-    """Port to listen on; 8085 if not given, or a free one if that is taken."""
+    """Port to listen on; if not given, 8085 or a free port."""
     open: bool = True
-    """Open the page in a browser, if there is a desktop."""
+    """Open the page in a browser if there is a desktop."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BringupOptions:
-    """Bring up a robot in simulation with its controllers running.
-
-    The robot holds its pose until you command it: from the panel (a web page; its URL
-    is printed), from another terminal with `tool0 move`, `tool0 grip` and `tool0
-    controllers`, or from Python.
-    """
+    """All options of ``tool0 bringup``, by group."""
 
     description: DescriptionConfig = field(default_factory=DescriptionConfig)
     control: ControlConfig = field(default_factory=ControlConfig)
@@ -111,29 +114,32 @@ class BringupOptions:
         return replace(self.simulation, engine_options=self.engine.given())
 
 
-def _args(words: list[str]) -> Mapping[str, str] | None:
-    return assignments(words, ":=", "--args") or None
-
-
-def _pose(words: list[str]) -> str | dict[str, float] | None:
+def _pose(words: list[str]) -> str | dict[str, float]:
     if len(words) == 1 and "=" not in words[0]:
         return words[0]
-    return joint_values(words, "--initial-pose") or None
+    return joint_values(words)[0]
+
+
+def _three(metavar: str, quantity: Quantity) -> Reader:
+    return Reader(
+        3, metavar, lambda words: tuple(read_number(w, quantity)[0] for w in words)
+    )
 
 
 READERS: Final[Readers] = {
-    str | None | Unset: Reader(1, "NAME", lambda words: words[0]),
-    Names | None: Reader(1, "'NAME …'", lambda words: words[0]),
-    File | None: Reader(1, "PATH", lambda words: Path(words[0])),
-    Scene | File | None: Reader(1, "PATH", lambda words: Path(words[0])),
+    str | None | Unset: Reader(1, "", lambda words: words[0]),
+    Names | None: Reader(1, "'NAME ...'", lambda words: words[0]),
+    File | None: Reader(1, "FILE", lambda words: Path(words[0])),
+    Scene | File | None: Reader(1, "FILE", lambda words: Path(words[0])),
     File | Sequence[File] | None: Reader(
-        "*", "PATH …", lambda words: tuple(map(Path, words)) or None
+        "*", "FILE ...", lambda words: tuple(map(Path, words))
     ),
-    Mapping[str, Argument] | None: Reader("*", "NAME:=VALUE …", _args),
-    str | Mapping[str, float] | None: Reader("*", "NAME|JOINT=VALUE …", _pose),
-    Sequence[float] | None: Reader(
-        3, "FLOAT FLOAT FLOAT", lambda words: tuple(map(float, words))
+    Mapping[str, Argument] | None: Reader(
+        "*", "NAME:=VALUE ...", lambda words: assignments(words, ":=")
     ),
+    str | Mapping[str, float] | None: Reader("*", "POSE | JOINT=VALUE ...", _pose),
+    Sequence[Metres] | None: _three("X Y Z", LENGTH),
+    Sequence[Radians] | None: _three("ROLL PITCH YAW", ANGLE),
     tuple[Camera, ...]: None,
     Mapping[str, object]: None,
 }

@@ -12,6 +12,7 @@ from tool0.cli.options import PanelOptions
 from tool0.cli.stop_signal import StopSignal
 from tool0.cli.text import panel_line
 from tool0.description.config import DescriptionConfig
+from tool0.description.units import Metres
 from tool0.runtime.config import SimulationConfig
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def listening(options: PanelOptions) -> Iterator[Endpoint]:
     if endpoint.token is not None:
         print(
             f"tool0: warning: the panel listens at {endpoint.host}, port "
-            f"{endpoint.port}; whoever knows its address with the token can drive the "
+            f"{endpoint.port}; anyone with its address and token can drive the "
             "robot",
             file=sys.stderr,
         )
@@ -70,15 +71,13 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
 
 def view(
     description: DescriptionConfig = DescriptionConfig(),
-    spawn_z: float = SimulationConfig().spawn_z,  # frozen
+    spawn_z: Metres = SimulationConfig().spawn_z,  # frozen
     panel: PanelOptions = PanelOptions(),
 ) -> None:
     """Show a robot in a web page, without physics, and pose its joints there.
 
     Args:
-        description: Which robot.
         spawn_z: Height of the robot's root above the ground [m].
-        panel: Where the page is.
     """
     from tool0.description.catalogue import load_description
     from tool0.interfaces.panel.server import Panel
@@ -87,7 +86,9 @@ def view(
     with contextlib.ExitStack() as exits:
         endpoint = exits.enter_context(listening(panel))
         stop = exits.enter_context(StopSignal())
-        robot = RobotView(load_description(description), ground=-spawn_z)
+        robot = RobotView(
+            load_description(description, spawn_z=spawn_z), ground=-spawn_z
+        )
         exits.enter_context(Panel(robot, endpoint=endpoint))
         print(f"{panel_line(endpoint.url)}\nCtrl-C ends it.", flush=True)
         show(endpoint.url, panel, sys.stdout)

@@ -1,90 +1,34 @@
-"""From the words of a command line to options.
-
-``parse`` uses tyro, which also writes the help and the error messages.  Importing tyro
-and reading its types takes 0.1 s of a start-up of 0.3 s, so ``parse_quickly`` reads
-the usual command lines without it, from the same dataclasses and the same readers (a
-test compares the two).
-"""
+"""From the words of a command line to a call of the command's function."""
 
 from __future__ import annotations
 
-import math
+import argparse
+import itertools
+import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    Final,
-    Literal,
-    TypeVar,
-    final,
-    get_args,
-    get_origin,
-    get_type_hints,
+from dataclasses import is_dataclass
+from typing import Any, Final, NoReturn, TypeVar, final, get_type_hints
+
+from tool0.cli.parameters import (
+    Parameter,
+    Readers,
+    description_of,
+    parameters_of,
+    summary_of,
 )
-
-from tool0.errors import ConfigError
-
-if TYPE_CHECKING:
-    from tyro.constructors import (
-        PrimitiveConstructorSpec,
-        PrimitiveTypeInfo,
-        UnsupportedTypeAnnotationError,
-    )
+from tool0.cli.text import columns
+from tool0.errors import ConfigError, did_you_mean, nearest_name
 
 Parsed = TypeVar("Parsed")
 
-REPEATABLE = ("--controllers-file", "--args", "--initial-pose", "--joints")
-"""Options of several values: a repeated one adds to the values."""
-_WITH_NEGATIONS = ("bringup", "view", "demo")
-"""Commands whose flags ``--x`` also have a ``--no-x``."""
-
-
-def joint_values(words: Sequence[str], option: str) -> dict[str, float]:
-    """Return ``joint=value …`` as a mapping, or raise ConfigError."""
-    values: dict[str, float] = {}
-    for name, text in assignments(words, "=", option).items():
-        try:
-            values[name] = float(text)
-        except ValueError:
-            values[name] = math.nan
-        if not math.isfinite(values[name]):
-            raise ConfigError(f"{option}: '{name}={text}': need a finite number")
-    return values
-
-
-def assignments(words: Sequence[str], sign: str, option: str) -> dict[str, str]:
-    """Return ``name<sign>value …`` as a mapping, or raise ConfigError."""
-    found: dict[str, str] = {}
-    for word in words:
-        name, given, value = word.partition(sign)
-        if not (given and name):
-            raise ConfigError(f"{option}: '{word}': write name{sign}value")
-        if name in found:
-            raise ConfigError(f"{option}: '{name}' is given twice")
-        found[name] = value
-    return found
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Reader:
-    """How an option of one type is written."""
-
-    n_words: int | Literal["*"]
-    metavar: str
-    read: Callable[[list[str]], object]
-
-
-Readers = Mapping[object, Reader | None]
-"""Type → how its options are written; None if its fields are no options."""
-
-_PLAIN: Final[dict[object, Callable[[str], object]]] = {
-    kind: read for read in (str, float, int, Path) for kind in (read, read | None)
-}
-"""Types of one word, read as tyro reads them."""
+HELP: Final = ("-h", "--help")
+UNITS: Final = (
+    "Numbers without a unit are in metres and radians.  You can write units: 40mm, "
+    "0.04m, 90deg, 1.57rad."
+)
+_HAS_UNITS: Final = re.compile(r"\b(LENGTH|ANGLE|JOINT|X Y Z|ROLL)\b")
+_NEGATIVE: Final = re.compile(r"-\.?\d")
+"""How a value with a minus sign begins, such as -90deg."""
 
 
 def parse(
@@ -94,146 +38,178 @@ def parse(
     readers: Readers,
     summary: str = "",
 ) -> Parsed:
-    """Return what ``form`` makes of the arguments, or print help and exit.
+    """Call ``form`` with the arguments and return its result, or print help and exit.
 
     Args:
         form: A function or dataclass, whose parameters are the options; or functions
             by the names of subcommands.
-        command: The word before the arguments.
+        command: The words before the arguments.
         arguments: The words.
-        readers: For types that tyro does not know.
-        summary: What subcommands are for.
+        readers: For types with their own notation.
+        summary: The purpose of the subcommands.
 
     Raises:
-        ConfigError: If a value is refused.
-        SystemExit: 0 after ``--help``, 2 after an error message.
+        ConfigError: If a word or a value is refused.
+        SystemExit: 0 after ``--help``.
     """
-    import tyro
-
-    markers = [tyro.conf.OmitArgPrefixes]
-    if command not in _WITH_NEGATIONS:
-        markers.append(tyro.conf.FlagCreatePairsOff)
-    registry = tyro.constructors.ConstructorRegistry()
-    registry.primitive_rule(partial(_tyro_rule, readers))
-    words, program = gathered(arguments), f"tool0 {command}"
-    with registry:
-        if callable(form):
-            return tyro.cli(form, prog=program, args=words, config=tuple(markers))
-        parsed: Parsed = tyro.extras.subcommand_cli_from_dict(
-            dict(form),
-            prog=program,
-            description=f"{summary[:1].upper()}{summary[1:]}.",
-            args=words,
-            config=tuple(markers),
-        )
-        return parsed
-
-
-def _tyro_rule(
-    readers: Readers, info: PrimitiveTypeInfo
-) -> PrimitiveConstructorSpec[Any] | UnsupportedTypeAnnotationError | None:
-    from tyro.constructors import (
-        PrimitiveConstructorSpec,
-        UnsupportedTypeAnnotationError,
-    )
-
-    if info.type not in readers:
-        return None
-    reader = readers[info.type]
-    if reader is None:
-        return UnsupportedTypeAnnotationError(())
-    return PrimitiveConstructorSpec(
-        nargs=reader.n_words,
-        metavar=reader.metavar,
-        instance_from_str=lambda words: (
-            None if words == ["None"] else reader.read(words)
-        ),
-        is_instance=lambda _: True,
-        str_from_instance=lambda value: [str(value)],
-    )
+    if isinstance(form, Mapping):
+        name = arguments[0] if arguments else HELP[0]
+        if name in HELP:
+            print(_overview(form, command, summary))
+            raise SystemExit(0)
+        if name not in form:
+            hint = did_you_mean(name, list(form))
+            raise ConfigError(f"tool0 {command}: no subcommand '{name}'{hint}")
+        return parse(form[name], f"{command} {name}", arguments[1:], readers)
+    parameters = list(parameters_of(form, readers))
+    with_help = any(word in HELP for word in arguments)
+    parser = _parser(form, command, parameters, with_help=with_help)
+    found, rest = parser.parse_known_intermixed_args(list(arguments))
+    if rest:
+        parser.refuse(rest[0], [item.flag for item in parameters])
+    values = {}
+    for item in parameters:
+        words = getattr(found, _destination(item), None)
+        if words is not None and words != []:
+            values[item.path] = _value(item, words)
+        elif item.is_required and item.reader is not None and words is None:
+            parser.error(f"{_shown(item)} is missing")
+    return _made(form, values)
 
 
-def parse_quickly(
-    form: type[Parsed], arguments: Sequence[str], readers: Readers
-) -> Parsed | None:
-    """Return what ``parse`` would, or None if that is needed to be sure.
-
-    Args:
-        form: A dataclass of dataclasses; the fields of the latter are the options.
-        arguments: The words.
-        readers: For types of a notation of their own.
-
-    Raises:
-        ConfigError: If a value is refused.
-    """
-    groups = get_type_hints(form)
-    options = {
-        f"--{name.replace('_', '-')}": (group, name, kind)
-        for group, kinds in groups.items()
-        for name, kind in get_type_hints(kinds).items()
-        if readers.get(kind, True) is not None
-    }
-    values: dict[str, dict[str, object]] = {group: {} for group in groups}
-    words = gathered(arguments)
-    while words:
-        option = words.pop(0)
-        is_negated = option.startswith("--no-")
-        group, name, kind = options.get(
-            option.replace("--no-", "--", 1), ("", "", None)
-        )
-        if not group or name in values[group]:
-            return None
-        texts: list[str] = []
-        while words and not words[0].startswith("-"):
-            texts.append(words.pop(0))
-        value = _value(kind, texts, readers.get(kind), is_negated=is_negated)
-        if value is None:
-            return None
-        values[group][name] = value
-    return form(**{group: kind(**values[group]) for group, kind in groups.items()})
-
-
-def _value(
-    kind: object, texts: list[str], reader: Reader | None, *, is_negated: bool
-) -> object:
-    """Return the value of one option, or None if in doubt."""
-    if kind is bool:
-        return None if texts else not is_negated
-    if is_negated or not texts or "None" in texts:  # tyro reads None as no value
-        return None
+def _value(item: Parameter, words: Any) -> object:
+    if item.reader is None:
+        return words
     try:
-        if reader is not None and reader.n_words in ("*", len(texts)):
-            return reader.read(texts)
-        if kind in _PLAIN and len(texts) == 1:
-            return _PLAIN[kind](texts[0])
-    except (ValueError, ConfigError):
-        return None
-    choices = [
-        choice
-        for part in (kind, *get_args(kind))
-        if get_origin(part) is Literal
-        for choice in get_args(part)
-    ]
-    return texts[0] if len(texts) == 1 and texts[0] in choices else None
+        return item.reader.read([words] if isinstance(words, str) else words)
+    except ConfigError as error:
+        name = item.metavar if item.option.is_positional else item.flag
+        raise ConfigError(f"{name}: {error}") from None
 
 
-def gathered(arguments: Sequence[str]) -> list[str]:
-    """Return the arguments with the values of a repeated option in one place."""
-    groups: list[list[str]] = [[]]
-    for word in arguments:
-        if word.startswith("--"):
-            option, given, value = word.partition("=")
-            if given and option in REPEATABLE:
-                groups.append([option, value])
-                continue
-            groups.append([word])
-        else:
-            groups[-1].append(word)
-    first: dict[str, list[str]] = {}
-    for group in groups:
-        if group and group[0] in first:
-            first[group[0]].extend(group[1:])
-            group.clear()
-        elif group and group[0] in REPEATABLE:
-            first[group[0]] = group
-    return [word for group in groups for word in group]
+def _made(
+    form: Callable[..., Parsed],
+    values: Mapping[tuple[str, ...], object],
+    path: tuple[str, ...] = (),
+) -> Parsed:
+    """Call ``form`` with the values; groups of options are made first."""
+    keywords: dict[str, Any] = {
+        name: _made(kind, values, (*path, name))
+        for name, kind in get_type_hints(form).items()
+        if is_dataclass(kind) and isinstance(kind, type)
+    }
+    keywords |= {where[-1]: v for where, v in values.items() if where[:-1] == path}
+    return form(**keywords)
+
+
+# ---- argparse ------------------------------------------------------------------------
+
+
+@final
+class _Formatter(argparse.HelpFormatter):
+    """Shows metavars as they are, and wraps each paragraph of a text by itself."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, max_help_position=28)
+
+    def _format_args(self, action: argparse.Action, _: object) -> str:
+        return str(action.metavar)
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        wrap = super()._fill_text
+        return "\n\n".join(wrap(part, width, indent) for part in text.split("\n\n"))
+
+
+@final
+class _Parser(argparse.ArgumentParser):
+    """Sorts words by option; raises ConfigError for those it refuses."""
+
+    def error(self, message: str) -> NoReturn:
+        message = message.removeprefix("argument ")
+        raise ConfigError(f"{message}; see `{self.prog} --help`")
+
+    def refuse(self, word: str, flags: Sequence[str]) -> NoReturn:
+        """Raise the error about a surplus word."""
+        if not word.startswith("-"):
+            self.error(f"'{word}' is one argument too many")
+        near = nearest_name(word, flags)
+        self.error(f"no option {word}" + (f"; did you mean {near}?" if near else ""))
+
+
+def _parser(
+    form: Callable[..., Any],
+    command: str,
+    parameters: Sequence[Parameter],
+    *,
+    with_help: bool,
+) -> _Parser:
+    shown = [_shown(item) for item in parameters if _is_in_usage(item)]
+    parser = _Parser(
+        prog=f"tool0 {command}",
+        usage=" ".join([f"tool0 {command}", *shown, "[OPTIONS]"]),
+        description=description_of(form),
+        epilog=UNITS if any(_HAS_UNITS.search(p.metavar) for p in parameters) else "",
+        formatter_class=_Formatter,
+        allow_abbrev=False,
+        add_help=False,
+    )
+    parser._negative_number_matcher = _NEGATIVE
+    order = sorted(parameters, key=lambda item: not item.option.is_positional)
+    for heading, items in itertools.groupby(order, lambda item: item.heading):
+        section = parser.add_argument_group(heading)
+        for item in items:
+            _add(section, item, item.help.replace("%", "%%") if with_help else "")
+    parser.add_argument_group("Help").add_argument(
+        *HELP, action="help", help="Show this text."
+    )
+    return parser
+
+
+def _is_in_usage(item: Parameter) -> bool:
+    return item.option.is_positional or item.is_required
+
+
+def _shown(item: Parameter) -> str:
+    text = item.metavar
+    if not item.option.is_positional:
+        text = f"{item.flag} {text}"
+    return text if item.is_required else f"[{text}]"
+
+
+def _destination(item: Parameter) -> str:
+    return "-".join(item.path)
+
+
+def _add(section: argparse._ArgumentGroup, item: Parameter, text: str) -> None:
+    """Add an option; its value is its words, or the flag's truth value."""
+    keywords: dict[str, Any] = {"default": argparse.SUPPRESS, "help": text}
+    if item.reader is None:
+        paired = argparse.BooleanOptionalAction
+        keywords["action"] = paired if item.default is True else "store_true"
+        section.add_argument(item.flag, dest=_destination(item), **keywords)
+        return
+    keywords |= {"nargs": item.reader.n_words, "metavar": item.metavar}
+    if item.option.is_positional:
+        keywords["nargs"] = "*" if item.reader.n_words == "*" else "?"
+        section.add_argument(_destination(item), **keywords)
+        return
+    if item.reader.n_words == "*":
+        keywords["action"] = "extend"
+    section.add_argument(item.flag, dest=_destination(item), **keywords)
+
+
+def _overview(
+    forms: Mapping[str, Callable[..., Any]], command: str, summary: str
+) -> str:
+    """Return the help of a command that has subcommands."""
+    rows = [(f"  {name}", summary_of(form)) for name, form in forms.items()]
+    return "\n".join(
+        [
+            f"usage: tool0 {command} {'|'.join(forms)} [OPTIONS]",
+            "",
+            f"{summary[:1].upper()}{summary[1:]}.",
+            "",
+            columns(rows),
+            f"`tool0 {command} SUBCOMMAND --help` explains a subcommand.",
+        ]
+    )

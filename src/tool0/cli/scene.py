@@ -8,37 +8,53 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import tyro
-
 from tool0.cli.connection import DEFAULT, Bringup
+from tool0.cli.parameters import Option
 from tool0.cli.text import columns
 from tool0.description.scene import DEFAULT_FRICTION
-from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import (
+    Box,
+    Compound,
+    Cylinder,
+    Geometry,
+    Mesh,
+    Solid,
+    Sphere,
+)
 from tool0.description.shapes import mesh as mesh_in
-from tool0.description.transform import Pose, from_quaternion, to_pose, to_transform
+from tool0.description.transform import (
+    Pose,
+    Vector3,
+    from_quaternion,
+    to_pose,
+    to_transform,
+)
+from tool0.description.units import Metres, Radians
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
     from tool0.hardware.engine import ObjectState
 
-Three = tuple[float, float, float]
-Name = Annotated[str, tyro.conf.Positional]
-_ZERO: Three = (0.0, 0.0, 0.0)
+Name = Annotated[str, Option(is_positional=True, metavar="OBJECT")]
+Place = Annotated[tuple[Metres, Metres, Metres], Option(metavar="X Y Z")]
+Angles = Annotated[tuple[Radians, Radians, Radians], Option(metavar="ROLL PITCH YAW")]
+Cylindrical = Annotated[tuple[Metres, Metres], Option(metavar="RADIUS LENGTH")]
+Colour = Annotated[tuple[float, float, float, float], Option(metavar="R G B A")]
+_ZERO = (0.0, 0.0, 0.0)
 
 
 def show(
     *,
-    as_json: Annotated[bool, tyro.conf.arg(name="json")] = False,
+    as_json: Annotated[bool, Option(name="json")] = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """List the objects: what they are and where.
+    """List the objects with shape, mass and pose.
 
-    Positions are in the robot's root [m], roll pitch yaw in degrees.
+    Positions are in the robot's root frame [m]; roll, pitch and yaw are in degrees.
 
     Args:
         as_json: Print one JSON object, in metres and with quaternions.
-        bringup: Which bringup.
     """
     with bringup.connect() as robot:
         snapshot = robot.snapshot
@@ -55,33 +71,33 @@ def show(
 def add(
     name: Name,
     *,
-    box: Three | None = None,
-    cylinder: tuple[float, float] | None = None,
-    sphere: float | None = None,
+    box: Place | None = None,
+    cylinder: Cylindrical | None = None,
+    sphere: Metres | None = None,
     mesh: Path | None = None,
     scale: float | None = None,
-    xyz: Three = _ZERO,
-    rpy: Three = _ZERO,
+    xyz: Place = _ZERO,
+    rpy: Angles = _ZERO,
     mass: float | None = None,
     friction: float = DEFAULT_FRICTION,
-    rgba: tuple[float, float, float, float] | None = None,
+    rgba: Colour | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Add an object, at rest.
+    """Add an object: a box, a cylinder, a sphere or a mesh.
 
     Args:
-        name: What it is to be called.
-        box: Its edges along x, y, z [m].
-        cylinder: Its radius and its length along z [m].
-        sphere: Its radius [m].
-        mesh: Its STL or OBJ file.
-        scale: What the mesh's lengths are multiplied by to be metres; 1 if left out.
-        xyz: Where its origin is to be, in the robot's root [m].
-        rpy: How it is to be turned there, roll pitch yaw [rad].
-        mass: Its mass [kg]; without one it stands still.
-        friction: Its coefficient of friction.
-        rgba: Its colour, each within 0 … 1.
-        bringup: Which bringup.
+        name: Name of the new object.
+        box: Edge lengths along x, y and z [m].
+        cylinder: Radius, and length along z [m].
+        sphere: Radius [m].
+        mesh: STL or OBJ file.
+        scale: Scale of the mesh file to metres, such as 0.001 for millimetres; 1 if not
+            given.
+        xyz: Position of the object's origin in the robot's root frame [m].
+        rpy: Orientation in that frame [rad].
+        mass: Mass [kg]; an object without a mass is fixed in place.
+        friction: Coefficient of friction.
+        rgba: Colour, each value from 0 to 1.
     """
     shape = _shape(box, cylinder, sphere, mesh, scale)
     with bringup.connect() as robot:
@@ -91,32 +107,28 @@ def add(
 
 
 def remove(
-    names: Annotated[tuple[str, ...], tyro.conf.Positional],
+    names: Annotated[tuple[str, ...], Option(is_positional=True, metavar="OBJECT ...")],
     bringup: Bringup = DEFAULT,
 ) -> None:
     """Remove objects.
 
     Args:
-        names: The objects.
-        bringup: Which bringup.
+        names: Names of the objects.
     """
-    if not names:
-        raise ConfigError("name at least one object; see `tool0 scene list`")
     with bringup.connect() as robot:
         for name in names:
             robot.scene.remove(name)
 
 
 def place(
-    name: Name, *, xyz: Three, rpy: Three = _ZERO, bringup: Bringup = DEFAULT
+    name: Name, *, xyz: Place, rpy: Angles = _ZERO, bringup: Bringup = DEFAULT
 ) -> None:
-    """Put an object somewhere at once, at rest.
+    """Place an object at a pose, at rest.
 
     Args:
-        name: The object.
-        xyz: Where its origin is to be, in the robot's root [m].
-        rpy: How it is to be turned there, roll pitch yaw [rad].
-        bringup: Which bringup.
+        name: Name of the object.
+        xyz: Position of the object's origin in the robot's root frame [m].
+        rpy: Orientation in that frame [rad].
     """
     with bringup.connect() as robot:
         robot.scene.place(name, xyz, to_transform(Pose(xyz=xyz, rpy=rpy)).quat_wxyz)
@@ -126,14 +138,14 @@ scene = {"list": show, "add": add, "remove": remove, "place": place}
 
 
 def _shape(
-    box: Three | None,
+    box: Vector3 | None,
     cylinder: tuple[float, float] | None,
     sphere: float | None,
     mesh: Path | None,
     scale: float | None,
 ) -> Geometry:
     if scale is not None and mesh is None:
-        raise ConfigError("--scale goes with --mesh")
+        raise ConfigError("--scale needs --mesh")
     shapes: list[Geometry] = []
     if box is not None:
         shapes.append(Box(size=box))
@@ -155,7 +167,7 @@ def _row(item: SceneObject, state: ObjectState) -> tuple[str, ...]:
     return (
         item.name,
         _described(item.geometry),
-        "still" if item.mass is None else f"{item.mass:g} kg",
+        "fixed" if item.mass is None else f"{item.mass:g} kg",
         " ".join(_signed(part, 4) for part in pose.xyz),
         " ".join(_signed(math.degrees(part), 1) for part in pose.rpy),
     )
@@ -166,7 +178,7 @@ def _signed(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:+.{digits}f}"
 
 
-def _described(shape: Geometry) -> str:
+def _described(shape: Solid) -> str:
     match shape:
         case Box(size=(x, y, z)):
             return f"box {x:g} x {y:g} x {z:g}"
@@ -176,6 +188,8 @@ def _described(shape: Geometry) -> str:
             return f"sphere {radius:g}"
         case Mesh(path=path):
             return f"mesh {path.name}"
+        case Compound(parts=parts):
+            return f"{len(parts)} shapes"
 
 
 def _plain(item: SceneObject, state: ObjectState) -> dict[str, object]:

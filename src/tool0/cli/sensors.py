@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import tyro
-
 from tool0.cli.connection import DEFAULT, Bringup
 from tool0.cli.motion import described
+from tool0.cli.parameters import Option
 from tool0.cli.text import columns
 from tool0.description.transform import to_pose
 from tool0.errors import ConfigError
@@ -29,14 +29,13 @@ if TYPE_CHECKING:
 
 def state(
     *,
-    as_json: Annotated[bool, tyro.conf.arg(name="json")] = False,
+    as_json: Annotated[bool, Option(name="json")] = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Print simulated time, every joint's motion, what grippers do, where tool0 is.
+    """Print simulated time, joint states, gripper states and the pose of tool0.
 
     Args:
         as_json: Print one JSON object.
-        bringup: Which bringup.
     """
     with bringup.connect() as robot:
         snapshot = robot.snapshot
@@ -58,7 +57,9 @@ def _plain(
         "is_stopped": snapshot.is_stopped,
         "real_time_factor": snapshot.real_time_factor,
         "overruns": snapshot.overruns,
+        "late_ticks": snapshot.late_ticks,
         "fault": snapshot.fault,
+        "stalls": [stall._asdict() for stall in snapshot.stalls],
         "position": dict(zip(names, snapshot.position, strict=True)),
         "velocity": dict(zip(names, snapshot.velocity, strict=True)),
         "effort": dict(zip(names, snapshot.effort, strict=True)),
@@ -71,7 +72,7 @@ def _plain(
 
 
 def _poses(ends: Mapping[str, Pose]) -> str:
-    """Return where the end of each arm is, as ``tool0 move --pose`` takes it."""
+    """Return the pose of each arm's end, in the notation of ``tool0 move --pose``."""
     return "".join(
         f"{name}: xyz {_numbers(pose.xyz)} m, rpy {_numbers(pose.rpy)} rad\n"
         for name, pose in ends.items()
@@ -91,7 +92,7 @@ def _table(snapshot: Snapshot, grippers: Mapping[str, GraspState]) -> str:
     if snapshot.is_stopped:
         marks.append("emergency stop")
     if snapshot.fault is not None:
-        marks.append(f"standing still: {snapshot.fault}")
+        marks.append(f"stopped by a fault: {snapshot.fault}")
     rows = [("joint", "position", "velocity", "effort")]
     rows += [
         (name, f"{position:+.5f}", f"{velocity:+.5f}", f"{effort:+.3f}")
@@ -104,6 +105,7 @@ def _table(snapshot: Snapshot, grippers: Mapping[str, GraspState]) -> str:
         )
     ]
     lines = "".join(f"{name}: {described(state)}\n" for name, state in grippers.items())
+    lines += "".join(f"{stall}\n" for stall in snapshot.stalls)
     return f"{', '.join(marks)}\n{columns(rows)}{lines}"
 
 
@@ -116,17 +118,16 @@ def wrench(
     raw: bool = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Print force and torque that the tool exerts on tool0, in its axes.
+    """Print the force and torque that the tool exerts on tool0, in tool0's axes.
 
-    Its weight, its inertia and what presses on it; once, or every sample for a while.
+    The measurement includes the tool's weight, its inertia and contact forces.
 
     Args:
-        zero: Call what is felt now zero first; --rate or --cutoff forget that.
-        rate: Sample so often from now on [Hz]: 50 to 1000; 125 at first.
-        cutoff: Of the low-pass filter from now on [Hz]; 15 at first.
-        duration: Print every sample for so many simulated seconds; Ctrl-C ends it.
-        raw: Print what is not filtered.
-        bringup: Which bringup.
+        zero: Tare the sensor first.  Changing --rate or --cutoff removes the tare.
+        rate: Set the sampling rate [Hz], 50 to 1000; initially 125.
+        cutoff: Set the cutoff frequency of the low-pass filter [Hz]; initially 15.
+        duration: Print every sample for this simulated time [s]; otherwise print one.
+        raw: Print unfiltered values.
     """
     if duration is not None and not duration >= 0.0:
         raise ConfigError(f"--duration must be 0 or more seconds, got {duration}")
@@ -141,12 +142,14 @@ def wrench(
 
 
 def _readings(sensor: ForceTorque, duration: float) -> Iterator[WrenchReading]:
-    """Yield the newest sample, and those of the time after it."""
+    """Yield the newest sample, and the following ones."""
     newest = sensor.read()
     end = newest.time + duration - 1e-6
     yield newest
     while newest.time < end:
         for reading in sensor.samples(newest.number, None):
+            if reading.dropped:
+                print(f"tool0: {reading.dropped} samples were lost", file=sys.stderr)
             if newest.time < end:
                 newest = reading
                 yield newest
@@ -167,29 +170,26 @@ def _aligned(values: Vector3, digits: int) -> str:
 
 
 def camera(
-    name: Annotated[str | None, tyro.conf.Positional] = None,
+    name: Annotated[str | None, Option(is_positional=True, metavar="CAMERA")] = None,
     *,
     out: Path | None = None,
     depth: Path | None = None,
-    as_list: Annotated[bool, tyro.conf.arg(name="list")] = False,
+    as_list: Annotated[bool, Option(name="list")] = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
     """Take a picture, or list the cameras.
 
     Args:
         name: The camera, such as wrist or scene.
-        out: Write the colours into this file, a PNG.
-        depth: Write the depth into this file: millimetres as a PNG of 16 bits with 0
-            for nothing there, or metres as a .npy of numpy's with infinity for that.
+        out: Write the colour image to this PNG file.
+        depth: Write the depth image to this file: a 16-bit PNG in millimetres, 0 where
+            nothing is seen; or a .npy array in metres, with infinity there.
         as_list: List the cameras.
-        bringup: Which bringup.
     """
     if as_list == (name is not None):
-        raise ConfigError("name a camera, or list them with --list")
+        raise ConfigError("give the name of a camera, or --list")
     if name is not None and out is None and depth is None:
-        raise ConfigError(
-            "say where the picture is to go: --out FILE.png, --depth FILE"
-        )
+        raise ConfigError("give a file for the picture: --out FILE.png or --depth FILE")
     for path, suffixes in ((out, (".png",)), (depth, (".png", ".npy"))):
         if path is not None and path.suffix.lower() not in suffixes:
             raise ConfigError(f"{path}: the name must end in {' or '.join(suffixes)}")

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import tyro
-
 from tool0.cli.connection import DEFAULT, Bringup
+from tool0.cli.parameters import Option
 from tool0.cli.text import columns
 from tool0.errors import ConfigError
 from tool0.requests.state import EmergencyStop
 
-Names = Annotated[tuple[str, ...], tyro.conf.Positional]
+Names = Annotated[tuple[str, ...], Option(is_positional=True, metavar="CONTROLLER ...")]
 
 
 def show(bringup: Bringup = DEFAULT) -> None:
@@ -30,74 +29,100 @@ def show(bringup: Bringup = DEFAULT) -> None:
 
 
 def load(names: Names, bringup: Bringup = DEFAULT) -> None:
-    """Load controllers that the configuration defines.
+    """Load controllers that the YAML files define, without starting them.
 
     Args:
-        names: The controllers.
-        bringup: Which bringup.
+        names: Names of the controllers.
     """
     with bringup.connect() as robot:
-        for name in _some(names):
+        for name in names:
             robot.load(name)
 
 
 def unload(names: Names, bringup: Bringup = DEFAULT) -> None:
-    """Unload controllers that do not run.
+    """Unload stopped controllers.
 
     Args:
-        names: The controllers.
-        bringup: Which bringup.
+        names: Names of the controllers.
     """
     with bringup.connect() as robot:
-        for name in _some(names):
+        for name in names:
             robot.unload(name)
 
 
 def start(names: Names, bringup: Bringup = DEFAULT) -> None:
-    """Start controllers, all at one instant or none.
+    """Start loaded controllers at the same instant: all of them, or none.
 
     Args:
-        names: The controllers.
-        bringup: Which bringup.
+        names: Names of the controllers.
     """
     with bringup.connect() as robot:
-        robot.switch(start=_some(names))
+        robot.switch(start=names)
 
 
 def stop(names: Names, bringup: Bringup = DEFAULT) -> None:
-    """Stop controllers; their joints hold still.
+    """Stop controllers; brakes then hold their joints.
 
     Args:
-        names: The controllers.
-        bringup: Which bringup.
+        names: Names of the controllers.
     """
     with bringup.connect() as robot:
-        robot.switch(stop=_some(names))
+        robot.switch(stop=names)
 
 
 def switch(
-    start: tuple[str, ...] = (),
-    stop: tuple[str, ...] = (),
+    start: Annotated[tuple[str, ...], Option(metavar="CONTROLLER ...")] = (),
+    stop: Annotated[tuple[str, ...], Option(metavar="CONTROLLER ...")] = (),
     best_effort: bool = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Stop some controllers and start others at one instant.
+    """Stop some controllers and start others at the same instant.
 
     Args:
-        start: Those to start.
-        stop: Those to stop.
-        best_effort: Skip what is impossible, instead of refusing the whole.
-        bringup: Which bringup.
+        start: Controllers to start.
+        stop: Controllers to stop.
+        best_effort: Skip what is impossible instead of refusing the whole request.
     """
-    _some((*start, *stop))
+    if not start and not stop:
+        raise ConfigError("give --start CONTROLLER ... or --stop CONTROLLER ...")
     with bringup.connect() as robot:
         robot.switch(start=start, stop=stop, strict=not best_effort)
 
 
-def _some(names: tuple[str, ...]) -> tuple[str, ...]:
-    if not names:
-        raise ConfigError("name at least one controller; see `tool0 controllers list`")
-    return names
+def gains(
+    name: Annotated[str, Option(is_positional=True, metavar="CONTROLLER")],
+    joint: str | None = None,
+    *,
+    p: float | None = None,
+    i: float | None = None,
+    d: float | None = None,
+    i_clamp: float | None = None,
+    bringup: Bringup = DEFAULT,
+) -> None:
+    """Print the PID gains of a controller; with --joint, change them first.
+
+    The gains apply until the controller is unloaded. To change them permanently, edit a
+    copy of the YAML: `tool0 describe controllers`, `tool0 bringup --controllers-file`.
+
+    Args:
+        name: Name of the controller.
+        joint: Joint whose gains change.
+        p: Proportional gain: command per position error.
+        i: Integral gain: command per position error and second.
+        d: Derivative gain: command per velocity error.
+        i_clamp: Largest contribution of the integral in either direction.
+    """
+    if joint is None and (p, i, d, i_clamp) != (None,) * 4:
+        raise ConfigError("name the joint whose gains change: --joint JOINT")
+    with bringup.connect() as robot:
+        controller = robot.controller(name)
+        if joint is not None:
+            controller.set_gains(joint, p=p, i=i, d=d, i_clamp=i_clamp)
+        rows = [
+            (joint, *(f"{value:g}" for value in (g.p, g.i, g.d, g.i_min, g.i_max)))
+            for joint, g in controller.gains.items()
+        ]
+    print(columns([("joint", "p", "i", "d", "i_min", "i_max"), *rows]), end="")
 
 
 controllers = {
@@ -107,29 +132,30 @@ controllers = {
     "start": start,
     "stop": stop,
     "switch": switch,
+    "gains": gains,
 }
 
 
 def pause(bringup: Bringup = DEFAULT) -> None:
-    """Hold simulated time."""
+    """Pause simulated time."""
     with bringup.connect() as robot:
         robot.pause()
 
 
 def resume(bringup: Bringup = DEFAULT) -> None:
-    """Let simulated time run on."""
+    """Continue simulated time."""
     with bringup.connect() as robot:
         robot.resume()
 
 
 def step(
-    ticks: Annotated[int, tyro.conf.Positional] = 1, bringup: Bringup = DEFAULT
+    ticks: Annotated[int, Option(is_positional=True, metavar="TICKS")] = 1,
+    bringup: Bringup = DEFAULT,
 ) -> None:
-    """Advance a paused simulation, and print the time it has then.
+    """Advance a paused simulation, and print the new simulated time.
 
     Args:
-        ticks: How many control periods.
-        bringup: Which bringup.
+        ticks: Number of control periods.
     """
     if ticks < 1:
         raise ConfigError(f"step: need 1 or more ticks, got {ticks}")
@@ -139,17 +165,16 @@ def step(
 
 
 def reset(bringup: Bringup = DEFAULT) -> None:
-    """Go back to time zero and the initial pose; goals in progress are PREEMPTED."""
+    """Return to time zero and the initial pose; active goals are PREEMPTED."""
     with bringup.connect() as robot:
         robot.reset()
 
 
 def estop(release: bool = False, bringup: Bringup = DEFAULT) -> None:
-    """Brake every joint at once, until the emergency stop is released.
+    """Engage the emergency stop: brake every joint at once, and hold it.
 
     Args:
-        release: Release it; the controllers hold where the robot is.
-        bringup: Which bringup.
+        release: Release the emergency stop; the controllers hold the present positions.
     """
     with bringup.connect() as robot:
         robot.channel.call(EmergencyStop(engaged=not release))

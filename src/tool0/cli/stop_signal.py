@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as a flag that the main thread checks between two ticks."""
+"""Ctrl-C, SIGTERM and SIGHUP as a flag that the main thread checks between ticks."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from types import FrameType
 from typing import Any, final
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_HANG_UP = getattr(signal, "SIGHUP", None)  # not on Windows
 
 
 @final
@@ -27,7 +28,11 @@ class StopSignal:
         """Install the handlers."""
         self._read, self._write = socket.socketpair()
         self._write.setblocking(False)
-        self._before = {item: signal.signal(item, self._note) for item in _SIGNALS}
+        signals = [*_SIGNALS]
+        # `nohup` lets a process ignore that its terminal is closed.
+        if _HANG_UP is not None and signal.getsignal(_HANG_UP) != signal.SIG_IGN:
+            signals.append(_HANG_UP)
+        self._before = {item: signal.signal(item, self._note) for item in signals}
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -35,6 +40,10 @@ class StopSignal:
         self._restore()
         self._read.close()
         self._write.close()
+
+    def fileno(self) -> int:
+        """Return what ``select`` finds readable once a signal came."""
+        return self._read.fileno()
 
     def wait(self, timeout: float | None = None) -> bool:
         """Wait for a signal, at most ``timeout`` [wall s]; return whether it came."""

@@ -40,13 +40,13 @@ def greeting(
     url: str | None = None,
     ros: str | None = None,
 ) -> str:
-    """Return what was brought up, and how to move it.
+    """Return a description of the running robot, and commands that move it.
 
     Args:
         robot: The robot.
         options: How it runs.
         url: The panel's, if there is one.
-        ros: A line that says where it is in ROS, if it is.
+        ros: A line with its ROS node, if it has one.
     """
     description, simulation, run = robot.description, options.simulation, options.run
     name = " + ".join(description.folders) or description.source.name
@@ -73,13 +73,15 @@ def greeting(
 
 
 def _examples(robot: Robot, name: str) -> Iterator[str]:
+    from tool0.control.manager import TRAJECTORY_KIND
+
     suffix = "" if name == "tool0" else f" --name {name}"
     position = robot.joint_state.position
     for row in robot.controllers():
         joints = [joint for _, joints in row.claimed for joint in joints]
         if row.state != "running" or not joints:
             continue
-        if row.type.endswith("/JointTrajectoryController"):
+        if row.kind == TRAJECTORY_KIND:
             joint = joints[min(2, len(joints) - 1)]
             limits = robot.description.model.joint(joint).limits
             goal = limits.clamp(round(position[joint] + 0.5, 1))
@@ -110,7 +112,7 @@ class StatusLine:
         words = [
             f"t = {snapshot.time:.1f} s",
             f"{snapshot.real_time_factor:.2f} x real time",
-            f"{snapshot.overruns} overruns",
+            f"{snapshot.late_ticks} late ticks in the last second",
         ]
         words += ["paused"] if snapshot.is_paused else []
         words += ["emergency stop"] if snapshot.is_stopped else []
@@ -139,7 +141,7 @@ class ProgressBar:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Leave the bar's line, so that what follows has its own."""
+        """End the bar's line, so that the next output starts on its own line."""
         self._end_line()
 
     def __call__(self, activity: str, fraction: float) -> None:

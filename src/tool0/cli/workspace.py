@@ -6,8 +6,7 @@ import shlex
 from pathlib import Path
 from typing import Annotated, Final
 
-import tyro
-
+from tool0.cli.parameters import Option
 from tool0.installation.workspace import (
     PACKAGES,
     FileAction,
@@ -20,22 +19,22 @@ _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 
 
 def workspace(
-    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")],
+    folder: Annotated[Path, Option(is_positional=True, metavar="DIR")],
     *,
     upstream_meshes: bool = False,
     force: bool = False,
 ) -> None:
     """Write the packages tool0_description and tool0_gazebo into a catkin workspace.
 
-    They go into DIR/src, or into DIR if that is the src of a workspace.  Run again, it
-    updates what it wrote before, and leaves alone what you have edited since.
+    They are written to DIR/src, or to DIR if that is the src folder of a workspace.  A
+    second run updates the files, except those that you have edited.
 
     Args:
-        folder: The workspace; made if it is not there.
-        upstream_meshes: Let the robot look as ur_description and
-            robotiq_2f_85_gripper_visualization draw it, and depend on those packages.
-        force: Overwrite files that you have edited, too; your version stays beside
-            each, as FILE.orig.
+        folder: The workspace; it is created if it does not exist.
+        upstream_meshes: Use the meshes of ur_description and
+            robotiq_2f_85_gripper_visualization, and depend on those packages.
+        force: Also overwrite files that you have edited; your version is kept as
+            FILE.orig.
     """
     changes = write_workspace(folder, upstream_meshes=upstream_meshes, force=force)
     _print_changes(changes)

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Protocol, final
 
-from tool0.control.parameters import RobotJoints
+from tool0.control.parameters import Gains, Pid, RobotJoints
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface
 from tool0.description.yaml_tree import Tree, read_files
@@ -19,7 +19,11 @@ from tool0.hardware.engine import JointState
 
 
 class Controller(Protocol):
-    """A running controller: it exists, so it is ready; stopping drops it."""
+    """A running controller: if it exists, it is ready; stopping drops it."""
+
+    @property
+    def pid(self) -> Pid | None:
+        """The PID that turns errors into commands; None if commands are passed on."""
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return a command per claimed joint, in the order of the spec's joints.
@@ -30,14 +34,14 @@ class Controller(Protocol):
         """
 
     def setpoint(self) -> Setpoint | None:
-        """Return where the joints are wanted; None if no position is.
+        """Return the setpoints of the joints; None if positions are not commanded.
 
-        It is called between ticks, about a hundred times a second, so it only takes
-        references to what will not change.
+        It is called between ticks, about a hundred times a second, so it only keeps
+        references to immutable values.
         """
 
     def stop(self) -> None:
-        """End what is in progress: an active goal is PREEMPTED."""
+        """End the motion in progress: an active goal is PREEMPTED."""
 
 
 class ControllerSpec(Protocol):
@@ -59,6 +63,10 @@ class ControllerSpec(Protocol):
         """The command interface it claims; None if it only reads."""
 
     @property
+    def gains(self) -> tuple[Gains, ...]:
+        """One per joint; none without a PID."""
+
+    @property
     def waits_for_command(self) -> bool:
         """Whether the brakes stay on from its start to its first command."""
 
@@ -66,7 +74,7 @@ class ControllerSpec(Protocol):
         """Return a running controller that holds the measured ``state``.
 
         Args:
-            indices: Where its joints stand in the state's lists.
+            indices: Indices of its joints in the state's lists.
             state: The state at the instant of the start.
         """
 
@@ -132,8 +140,8 @@ def parser_of(type_name: str, location: SourceLocation | None = None) -> Parser:
 def parameters_of(type_name: str) -> frozenset[str]:
     """Return the parameters that a type reads besides ``type``; ``*`` is a joint.
 
-    They are what the type's parser looks up in a sample, so that a parameter is added
-    in the parser alone.
+    They are recorded while the type's parser reads a sample, so that a new parameter
+    is added in the parser alone.
 
     Raises:
         ConfigError: If there is no such type.
@@ -162,7 +170,7 @@ def readers_of(parameter: str) -> tuple[str, ...]:
 
 
 NOT_ENFORCED = ("max_acceleration", "max_jerk")
-"""Limits that ROS knows and no drive here enforces."""
+"""Limits that ROS knows and that no drive of tool0 enforces."""
 _SAMPLE_LIMITS = """
 {has_position_limits: true, min_position: 0, max_position: 0,
  has_velocity_limits: true, max_velocity: 1, has_effort_limits: true, max_effort: 1}
@@ -211,14 +219,14 @@ class ControllerConfig:
         }
 
     def parameters(self) -> Mapping[str, object]:
-        """Return everything that the files say, as plain values by name."""
+        """Return the whole content of the files, as plain values by name."""
         return {name: e.plain() for name, e in self.tree.root.children.items()}
 
     def spec(self, name: str, robot: RobotJoints) -> ControllerSpec:
         """Return the checked parameters of a controller.
 
         Raises:
-            ConfigError: If it is not there, or anything about it is wrong.
+            ConfigError: If it is missing, or its parameters are wrong.
         """
         entry = self.tree.root.children.get(name)
         if entry is None:
@@ -241,7 +249,7 @@ class ControllerConfig:
         return parse(parameters, robot)
 
     def joint_limits(self) -> Mapping[str, Mapping[str, float]]:
-        """Return what ``joint_limits`` puts in place of the URDF's, by joint.
+        """Return the limits in ``joint_limits`` that replace the URDF's, by joint.
 
         The keys are fields of ``JointLimits``.
         """
@@ -261,7 +269,7 @@ def joint_limit_parameters() -> frozenset[str]:
 
 
 def _limits(limits: Namespace) -> dict[str, float]:
-    """Read one joint's limits: each counts beside ``has_…: true``, as in ROS."""
+    """Read one joint's limits: each applies only with ``has_…: true``, as in ROS."""
     limits.accept(*NOT_ENFORCED, "has_acceleration_limits", "has_jerk_limits")
     limits.accept("angle_wraparound")
 

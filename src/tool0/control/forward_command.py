@@ -34,7 +34,7 @@ class ForwardCommandSpec:
     joint_models: tuple[Joint, ...]
     interface: Interface
     quantity: Interface
-    """The interface that takes its commands as they are."""
+    """The interface that takes its commands unchanged."""
     gains: tuple[Gains, ...] = ()
     """One per joint if the quantity is not the interface's own."""
 
@@ -72,10 +72,10 @@ class ForwardCommandController:
         self._is_position = spec.quantity is Interface.POSITION
         self._was_commanded = False
         self._holds: tuple[JointSpline, ...] = ()
-        """The commanded positions as splines, made when they are asked for."""
+        """The commanded positions as splines, created on request."""
         self._select = joint_selector(indices)
         self._state = state
-        self._pid = Pid(spec.gains) if spec.gains else None
+        self.pid = Pid(spec.gains) if spec.gains else None
         self._last_errors = [0.0] * len(indices)  # before the first, as in ROS
         start = [0.0] * len(indices)
         if self._is_position:
@@ -85,7 +85,7 @@ class ForwardCommandController:
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return the commands, or the output of the PIDs that follow them."""
         self._state = state
-        if self._pid is None:
+        if self.pid is None:
             return self._command
         if not period > 0.0:
             return [0.0] * len(self._command)
@@ -96,7 +96,7 @@ class ForwardCommandController:
             for error, last in zip(errors, self._last_errors, strict=True)
         ]
         self._last_errors = errors
-        return self._pid.update(errors, rates, period)
+        return self.pid.update(errors, rates, period)
 
     def _error(self, joint: Joint, desired: float, measured: float) -> float:
         if self._is_position and joint.type is JointType.CONTINUOUS:
@@ -108,7 +108,7 @@ class ForwardCommandController:
 
         Other commands are passed on as they are.
         """
-        if self._pid is None or not self._is_position:
+        if self.pid is None or not self._is_position:
             return command
         return [
             value if joint.type is JointType.CONTINUOUS else joint.limits.clamp(value)

@@ -14,7 +14,7 @@ from typing import NamedTuple, final
 
 
 class GoalStatus(enum.Enum):
-    """The states of actionlib that a person sees."""
+    """The status of a goal, as in actionlib."""
 
     ACTIVE = "ACTIVE"
     SUCCEEDED = "SUCCEEDED"
@@ -27,6 +27,7 @@ class GoalStatus(enum.Enum):
 
     @property
     def is_terminal(self) -> bool:
+        """Whether the goal has ended."""
         return self is not GoalStatus.ACTIVE
 
 
@@ -39,8 +40,11 @@ class GoalResult:
     GOAL_TOLERANCE_VIOLATED = -5
 
     status: GoalStatus
+    """SUCCEEDED, ABORTED or PREEMPTED."""
     error_code: int = 0
+    """0, or ROS's code of what went wrong, such as ``PATH_TOLERANCE_VIOLATED``."""
     error_string: str = ""
+    """What went wrong: which joint, by how much."""
 
 
 @final
@@ -49,12 +53,15 @@ class GripperResult:
     """How a gripper goal ended: control_msgs/GripperCommandResult, joint units."""
 
     status: GoalStatus
+    """SUCCEEDED, ABORTED or PREEMPTED."""
     position: float
-    """[rad | m]"""
+    """Of the driven joint [rad | m]."""
     effort: float
-    """[N·m | N]"""
+    """That the drive exerts [N·m | N]."""
     stalled: bool
+    """Whether the joint stood still before it arrived."""
     reached_goal: bool
+    """Whether the joint arrived within the goal tolerance."""
 
 
 Result = GoalResult | GripperResult
@@ -73,6 +80,8 @@ class Goal:
         self._finished = threading.Event()
         self._callbacks: list[Callable[[Goal], None]] = []
         self._lock = threading.Lock()
+        self.explain: Callable[[Result], Result] = lambda result: result
+        """Adds to the outcome what the controller does not know, such as contacts."""
 
     @property
     def status(self) -> GoalStatus:
@@ -88,7 +97,7 @@ class Goal:
         with self._lock:
             if self._result is not None:
                 return
-            self._result = result
+            self._result = self.explain(result)
             callbacks, self._callbacks = self._callbacks, []
         self._finished.set()
         for callback in callbacks:
@@ -110,8 +119,8 @@ class Goal:
 DEFAULT_GOAL_TIME = 1.0
 """Grace after the last point [s] where YAML has no ``constraints/goal_time``.
 
-ROS takes 0 there, and then aborts many a goal that arrived, because the velocity is not
-yet below ``stopped_velocity_tolerance`` in the very cycle in which the motion ends.
+ROS uses 0 there, and then aborts many goals that have arrived, because the velocity is
+not yet below ``stopped_velocity_tolerance`` in the very cycle in which the motion ends.
 """
 
 DEFAULT_STOPPED_VELOCITY = 0.01
@@ -122,7 +131,9 @@ class Tolerance(NamedTuple):
     """Largest allowed errors of one joint; 0 is not checked."""
 
     position: float = 0.0
+    """[rad | m]"""
     velocity: float = 0.0
+    """[rad/s | m/s]"""
     acceleration: float = 0.0
     """Never violated: no acceleration is measured, in ROS as here."""
 
@@ -169,7 +180,7 @@ class TrajectoryTolerances:
         path: ToleranceOverride | None,
         goal: ToleranceOverride | None,
     ) -> JointTolerances:
-        """Return the joint's tolerances with a goal's own put over them."""
+        """Return the joint's tolerances, overridden by those of the goal."""
         default = self.joints.get(joint, NO_TOLERANCES)
         if path is None and goal is None:
             return default

@@ -1,4 +1,4 @@
-"""A trajectory goal's way into the motion: its checks, and the splines that follow it.
+"""From a trajectory goal to motion: its checks, and the splines that follow it.
 
 Wordings and codes are those of ROS's joint_trajectory_controller where it has any.
 Beyond ROS, which accepts them, these are rejected: numbers that are not finite,
@@ -13,7 +13,7 @@ from __future__ import annotations
 import logging
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import final
 
 from tool0.control.goal import Goal, Tolerance, TrajectoryTolerances
@@ -22,12 +22,14 @@ from tool0.control.spline import (
     Knots,
     Motion,
     MotionPlan,
+    Sample,
     hold,
     stop,
     wrap_offset,
 )
 from tool0.control.trajectory import BLOCK, MARGIN, TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Joint, JointType
+from tool0.description.units import ANGLE, LENGTH
 from tool0.errors import GoalRejectedError, did_you_mean
 
 logger = logging.getLogger(__name__)
@@ -36,8 +38,8 @@ ROUNDING = 1e-6
 """How far beyond a limit a position may be [rad | m]: limits are printed rounded."""
 
 INSTANT = 1e-6
-"""A point nearer in the future than this [s] counts as reached: less than any tick, and
-more than what sums of times are rounded by."""
+"""A point nearer in the future than this [s] counts as reached: shorter than any tick,
+and longer than the rounding errors of sums of times."""
 
 
 def check_names(
@@ -81,8 +83,8 @@ def check_points(goal: TrajectoryGoal, names: tuple[str, ...]) -> None:
         if not time > last:
             raise GoalRejectedError(
                 "Trajectory message contains waypoints that are not strictly "
-                f"increasing in time. Point {number} is at {time} s, "
-                f"the one before it at {last} s."
+                f"increasing in time. Point {number} has time_from_start {time} s, "
+                f"the one before it {last} s."
             )
     for number in goal.suspects:
         _check_counts(number, goal.points[number], names)
@@ -126,16 +128,18 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
     """Return the number of the first point still to be reached, or reject the goal.
 
     Those before it are dropped.  A point at the start, or no more than an INSTANT after
-    it, is dropped as well: there is no time to move there, ROS would jump.
+    it, is dropped as well: there is no time to move there, and ROS would jump.
     """
     earliest = max(start, now)
     n_points = len(goal.points)
     n_dropped = bisect_right(goal.times, earliest + INSTANT, key=start.__add__)
     if n_dropped == n_points:
         behind = earliest - (start + goal.times[-1])
+        is_missing = goal.times[-1] == 0.0
         raise GoalRejectedError(
             f"Dropping all {n_dropped} trajectory point(s), as they occur before the "
             f"current time.\nLast point is {behind:.3f}s in the past."
+            + ("  Its time_from_start is missing or 0." if is_missing else "")
         )
     if n_dropped > 1 or (n_dropped == 1 and start < now):
         logger.warning(
@@ -174,9 +178,11 @@ def check_position(joint: Joint, position: float, where: str) -> None:
     lowest, highest = _limits(joint)
     if not lowest <= position <= highest:
         lower, upper = joint.limits.lower, joint.limits.upper
+        quantity = LENGTH if joint.type is JointType.PRISMATIC else ANGLE
         raise GoalRejectedError(
-            f"{where} wants joint '{joint.name}' at {position:.6g}, "
+            f"{where} moves joint '{joint.name}' to {position:.6g}, "
             f"which is beyond its limits [{lower:.6g}, {upper:.6g}]"
+            + quantity.suggestion(position, lambda meant: lower <= meant <= upper)
         )
 
 
@@ -231,8 +237,8 @@ class TrajectoryReplacement:
     ) -> list[JointSpline]:
         """Return the splines that follow a goal of at least one point, or reject it.
 
-        ``names`` are the joints of the points' numbers.  Joints that are not among them
-        keep their splines, which count for the goal from now on, as in ROS.
+        ``names`` are the joints of the points' numbers.  Other joints
+        keep their splines, which belong to the goal from now on, as in ROS.
         """
         check_points(goal, names)
         start = start_time(goal, now)
@@ -290,24 +296,52 @@ class TrajectoryReplacement:
     def by_stop(
         self,
         running: Splines,
-        measured: Sequence[float],
+        positions: Sequence[float],
+        velocities: Sequence[float],
         now: float,
         handle: Goal | None,
     ) -> list[JointSpline]:
-        """Return the splines to rest: at the measured positions, or by a ramp."""
-        duration = self._stop_duration
-        if duration <= 0.0:
-            return [hold(now, position, handle) for position in measured]
-        return [
-            stop(
-                now,
-                old.sample(now),
-                duration,
-                float if joint.type is JointType.CONTINUOUS else joint.limits.clamp,
-                handle,
-            )
-            for joint, old in zip(self._joints.values(), running, strict=True)
-        ]
+        """Return the splines to rest: at the measured positions, or by a ramp.
+
+        While the joints follow a trajectory, the ramp starts from the desired motion,
+        as in ROS.  Otherwise it starts from the measured motion, within the joint's
+        velocity limit, and is as short as a joint of that speed needs: a joint that
+        sags must not travel on for the whole duration.
+        """
+        whole = self._stop_duration
+        joints = self._joints.values()
+        desired = [old.sample(now) for old in running]
+        follows = _are_followed(joints, desired, velocities)
+        splines = []
+        for joint, wanted, position, velocity in zip(
+            joints, desired, positions, velocities, strict=True
+        ):
+            measured = Sample(position, joint.clamp_velocity(velocity), 0.0)
+            start = wanted if follows else measured
+            share = 1.0 if follows else abs(measured.velocity) / joint.max_velocity
+            if not whole * share > 0.0:
+                splines.append(hold(now, position, handle))
+                continue
+            clamp = float if joint.type is JointType.CONTINUOUS else joint.limits.clamp
+            splines.append(stop(now, start, whole * share, clamp, handle))
+        return splines
+
+
+FOLLOWED = 0.1
+"""Largest velocity error of joints that follow, as a fraction of the largest desired
+velocity."""
+
+
+def _are_followed(
+    joints: Collection[Joint], desired: Sequence[Sample], velocities: Sequence[float]
+) -> bool:
+    """Return whether the joints follow: neither blocked nor overloaded."""
+    fastest = max(abs(wanted.velocity) for wanted in desired)
+    return fastest > 0.0 and all(
+        abs(wanted.velocity) <= joint.max_velocity
+        and abs(wanted.velocity - velocity) <= FOLLOWED * fastest
+        for joint, wanted, velocity in zip(joints, desired, velocities, strict=True)
+    )
 
 
 def _offset(

@@ -35,17 +35,17 @@ class GripperActionSpec:
     type: str
     joint: Joint
     interface: Interface
-    gains: Gains | None
-    """None for the position interface."""
+    gains: tuple[Gains, ...]
+    """Of the joint; none for the position interface."""
     goal_tolerance: float = 0.01
     max_effort: float
     """Limit of the effort at the start, after a cancel, and for goals without one."""
     stall_velocity_threshold: float = 0.001
     """Mean speed below which the joint counts as stalled, per second."""
     stall_timeout: float = 1.0
-    """How long it must be that slow [s]."""
+    """Time for which it must be that slow [s]."""
     allow_stalling: bool = False
-    """Whether a stall is a success: the gripper holds something."""
+    """Whether a stall is a success: the gripper holds an object."""
     action_monitor_rate: float = 20.0
     """[Hz], for interfaces that publish feedback."""
 
@@ -67,7 +67,7 @@ class GripperActionController:
 
     A goal succeeds within ``goal_tolerance``, and is aborted when the joint stalls
     before that, unless ``allow_stalling`` makes a stall a success.  Either way the
-    command stays: a gripper goes on squeezing with the goal's effort.  It behaves as
+    command stays: a gripper keeps squeezing with the goal's effort.  It behaves as
     ROS 1's controller of that name, but for these of its faults:
 
     * a stall is a *change of position* of less than ``stall_velocity_threshold *
@@ -83,7 +83,7 @@ class GripperActionController:
         self._index = index
         self._select = joint_selector((index,))
         self._state = state
-        self._pid = None if spec.gains is None else Pid([spec.gains])
+        self.pid = Pid(spec.gains) if spec.gains else None
         self._target = state.position[index]
         self._position = self._target
         self._ramp = self._target
@@ -102,11 +102,11 @@ class GripperActionController:
         position = self._position = state.position[self._index]
         if self._goal is not None:
             self._check_goal(state.time, position, self._target - position)
-        if self._pid is None:
+        if self.pid is None:
             self._effort = self._max_effort
             return (self._target,)
         error = self._advance_ramp(period) - position
-        (effort,) = self._pid.update([error], [-state.velocity[self._index]], period)
+        (effort,) = self.pid.update([error], [-state.velocity[self._index]], period)
         bound = self._max_effort
         self._effort = -bound if effort < -bound else min(effort, bound)
         return (self._effort,)
@@ -148,7 +148,7 @@ class GripperActionController:
         controller's own.  ``drive_limits`` hold meanwhile.
 
         Raises:
-            GoalRejectedError: What was commanded before goes on untouched.
+            GoalRejectedError: The previous command then continues.
         """
         if not math.isfinite(position):
             raise GoalRejectedError(f"position {position}; it must be finite")
@@ -205,9 +205,10 @@ def parse(parameters: Namespace, robot: RobotJoints) -> GripperActionSpec:
     type_name = parameters.text("type")
     interface = INTERFACE_OF_PACKAGE[type_name.partition("/")[0]]
     joint = single_joint(robot, parameters, interface)
-    gains = None
+    gains: tuple[Gains, ...] = ()
     if interface is Interface.EFFORT:
-        gains = read_gains(parameters, f"gains/{joint.name}", f"{type_name} needs")
+        why = f"{type_name} needs"
+        gains = (read_gains(parameters, f"gains/{joint.name}", why),)
     max_effort = joint.limits.effort
     if parameters.find("max_effort") is not None:
         max_effort = abs(parameters.number("max_effort"))

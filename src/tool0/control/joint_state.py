@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from tool0.control.parameters import RobotJoints
+from tool0.control.parameters import Gains, RobotJoints
 from tool0.description.model import Interface
 from tool0.description.yaml_tree import YamlEntry
 from tool0.description.yaml_values import Namespace
@@ -51,10 +51,11 @@ class JointStateSpec:
     extra_joints: tuple[ExtraJoint, ...] = ()
 
     interface: ClassVar[Interface | None] = None
+    gains: ClassVar[tuple[Gains, ...]] = ()
     waits_for_command: ClassVar[bool] = False
 
     def start(self, indices: Sequence[int], state: JointState) -> JointStateController:
-        """Return a controller, whatever the joints and their state."""
+        """Return a controller; joints and state do not matter."""
         del indices, state
         return JointStateController()
 
@@ -82,6 +83,8 @@ class JointStateSpec:
 @final
 class JointStateController:
     """Does nothing in the tick: the messages are made from snapshots."""
+
+    pid: ClassVar[None] = None
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return no command."""
@@ -160,7 +163,7 @@ _ROUNDING = 1e-9
 """[s] that sums of periods may differ from multiples of the tick."""
 
 _PAUSE = 0.5
-"""After so long a pause [s] no late publication is made up for: the publisher did not
+"""After a pause this long [s], missed publications are dropped: the publisher did not
 run.  ros_control forgets at every start."""
 
 
@@ -176,7 +179,7 @@ class PublishRate:
     def is_due(self, time: float) -> bool:
         """Return whether to publish at ``time`` [s]; the first time always.
 
-        An instant is published once, though several snapshots may have it.
+        An instant is published once, even if several snapshots have it.
         """
         if not math.isfinite(self._period) or time == self._checked:
             return False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
@@ -36,6 +37,11 @@ from tool0.control.trajectory import (
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
 from tool0.hardware.engine import JointState, joint_selector
+from tool0.hardware.limits import PUSHING
+
+RELIEF = 0.005
+"""Distance by which a stop moves back a joint that pushes at its effort limit
+[rad | m]: the contact is compressed there, by 2 mrad on Gazebo."""
 
 PREEMPTED = GoalResult(status=GoalStatus.PREEMPTED)
 
@@ -43,7 +49,7 @@ PREEMPTED = GoalResult(status=GoalStatus.PREEMPTED)
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointTrajectorySpec:
-    """Everything a JointTrajectoryController is made of."""
+    """The parameters of a JointTrajectoryController."""
 
     name: str
     type: str
@@ -85,10 +91,13 @@ class JointTrajectoryController:
 
     * a goal that violates a tolerance is aborted and the joints stop, by the same ramp
       as after a cancel, instead of executing on;
+    * where the joints do not follow, that ramp starts from the measured motion;
+    * a joint that pushes at its effort limit loses its integral in a stop, and holds
+      RELIEF less: it does not keep pushing;
     * position errors are wrapped for continuous joints only, not for joints whose
       limits span more than a turn, nor for prismatic ones;
     * without ``constraints/goal_time`` a goal gets DEFAULT_GOAL_TIME to come to rest;
-    * what ``goal_check`` says is rejected;
+    * goals are rejected as in ``goal_check``;
     * the stop ramp does not end beyond a joint's limits.
 
     As in ROS, each joint that was within its goal tolerances once counts as arrived.
@@ -107,7 +116,7 @@ class JointTrajectoryController:
         self._replacement = TrajectoryReplacement(
             spec.joint_models, spec.tolerances, spec.stop_trajectory_duration
         )
-        self._pid = Pid(spec.gains) if spec.gains else None
+        self.pid = Pid(spec.gains) if spec.gains else None
         self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
         self._monitor: GoalMonitor | None = None
         self._state = state
@@ -127,7 +136,7 @@ class JointTrajectoryController:
             sampler.advance(time)
             if monitor is not None:
                 monitor.watch(sampler, time)
-        pid = self._pid
+        pid = self.pid
         if pid is None and monitor is None:
             return sampler.desired(time)[0]
         speeds = self._select(velocity)
@@ -158,21 +167,21 @@ class JointTrajectoryController:
     # ---- requests, between ticks --------------------------------------------------
 
     def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
-        """Replace what is done by ``goal`` and return its handle, or reject it.
+        """Replace the motion by ``goal`` and return its handle, or reject it.
 
         A plan starts with the desired motion ``now``.
 
         Raises:
-            GoalRejectedError: With ROS's code; what ran before goes on untouched.
+            GoalRejectedError: With ROS's code; the previous motion then continues.
         """
         handle = Goal(self.spec.name)
         self._accept(goal, now, handle)
         return handle
 
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
-        """Replace what is done by ``goal``, without tolerances, or reject it.
+        """Replace the motion by ``goal``, without tolerances, or reject it.
 
-        The topic ``~/command`` of ROS: nobody hears whether it arrives.
+        This is ROS's topic ``~/command``: it reports no result.
         """
         self._accept(goal, now, None)
 
@@ -208,8 +217,18 @@ class JointTrajectoryController:
             self._monitor.watch(self._sampler, now)
 
     def _stop_splines(self, now: float, handle: Goal | None) -> list[JointSpline]:
-        measured = self._select(self._state.position)
-        return self._replacement.by_stop(self._sampler.splines, measured, now, handle)
+        """Return the splines to rest; drives that push at their limit release."""
+        state, select = self._state, self._select
+        positions = list(select(state.position))
+        for k, effort in enumerate(select(state.effort)):
+            limit = self.spec.joint_models[k].limits.effort
+            if 0.0 < PUSHING * limit <= abs(effort):
+                positions[k] -= math.copysign(RELIEF, effort)
+                if self.pid is not None:
+                    self.pid.reset(k)
+        return self._replacement.by_stop(
+            self._sampler.splines, positions, select(state.velocity), now, handle
+        )
 
     # ---- desired and measured motion ----------------------------------------------
 
@@ -217,7 +236,7 @@ class JointTrajectoryController:
         """Return the desired motion at ``time``.
 
         Raises:
-            ControlError: If no trajectory is known so far back.
+            ControlError: If the trajectory at that time is no longer known.
         """
         return joints_motion(self._sampler.samples(time))
 

@@ -1,4 +1,4 @@
-"""Parameters of ros_control that do nothing: ROS ignores them silently."""
+"""Unused parameters of ros_control, which ROS ignores silently."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from tool0.control.config import (
     siblings,
 )
 from tool0.control.parameters import joint_entries
-from tool0.description.finding import Finding
+from tool0.description.finding import Finding, Severity
 from tool0.description.yaml_tree import YamlEntry
-from tool0.errors import nearest_name
+from tool0.errors import is_typo, nearest_name
 
 OF_TOOL0 = ("gazebo-only", "not-enforced")
-"""Rules for what tool0 does differently from Gazebo, which is no fault of the file."""
+"""Rules about differences between tool0 and Gazebo, which are no fault of the file."""
 _JOINT_MAPPINGS = ("gains", "constraints", "velocity_ff")
 """Parameters whose keys are joints."""
 _GAZEBO_GAINS = "gazebo_ros_control/pid_gains"
 
 
 def gain_parameters() -> frozenset[str]:
-    """Return the parameters that are read of a joint's gains."""
+    """Return the parameters of a joint's gains that are used."""
     read = parameters_of("effort_controllers/JointTrajectoryController")
     return frozenset(p.rpartition("/")[2] for p in read if p.startswith("gains/"))
 
@@ -36,7 +36,7 @@ def gain_parameters() -> frozenset[str]:
 def lint(
     config: ControllerConfig, joints: Collection[str] | None = None
 ) -> tuple[Finding, ...]:
-    """Return what nothing reads, or does nothing, or is suspicious.
+    """Return unused, ineffective and suspicious parameters.
 
     ``joints`` are the robot's movable joints, if they are known.
     """
@@ -52,14 +52,19 @@ def lint(
 
 
 def _or_remove(near: str | None) -> str:
-    """Return the remedy for a name that nothing knows."""
+    """Return the remedy for an unknown name."""
     return f"did you mean '{near}'?" if near else "remove it"
+
+
+def _severity(written: str, near: str | None) -> Severity:
+    """Return an unknown name's severity: if no typo, another program may read it."""
+    return "error" if is_typo(written, near) else "warning"
 
 
 def _lint_other(
     name: str, entry: YamlEntry, known: Collection[str] | None
 ) -> Iterator[Finding]:
-    """Yield what is wrong with an entry at the top that is no controller."""
+    """Yield findings about a top-level entry that is not a controller."""
     gains = entry.find("pid_gains")
     if gains is not None:
         yield _gazebo_gains(name, gains)
@@ -78,6 +83,7 @@ def _lint_other(
             "no-type",
             "nothing reads it: without a 'type' it is no controller",
             f"is '{near}' meant to be 'type'?" if near else "give it a type, or remove",
+            _severity(near or "", "type"),
         )
 
 
@@ -116,8 +122,13 @@ def _lint_limits(limits: YamlEntry, known: Collection[str] | None) -> Iterator[F
     for joint in limits.children.values():
         for name, entry in joint.children.items():
             if name not in valid:
-                near = _or_remove(nearest_name(name, valid))
-                yield entry.finding("unread-key", "nothing reads it", near)
+                near = nearest_name(name, valid)
+                yield entry.finding(
+                    "unread-key",
+                    "nothing reads it",
+                    _or_remove(near),
+                    _severity(name, near),
+                )
             flag = f"has_{name.partition('_')[2]}_limits"
             if name.startswith(("min_", "max_")) and flag not in joint.children:
                 yield entry.finding(
@@ -153,7 +164,7 @@ class _Controller:
         return tuple(str(item.scalar) for item in joint_entries(self.entry))
 
     def findings(self) -> Iterator[Finding]:
-        """Yield what the controller does not read, or reads in vain."""
+        """Yield parameters that the controller does not read or that have no effect."""
         read = parameters_of(self.type)
         reported: list[str] = []
         for leaf in self.entry.leaves():
@@ -176,7 +187,7 @@ class _Controller:
         return "/".join("*" if part in joints else part for part in path.split("/"))
 
     def _outermost_unread(self, path: str) -> YamlEntry:
-        """Return the outermost entry on ``path`` of which nothing is read."""
+        """Return the outermost entry on ``path`` that is completely unused."""
         read = parameters_of(self.type)
         here = self.entry
         for part in path.split("/"):
@@ -206,9 +217,13 @@ class _Controller:
                 f"{self.type} has no use for {first}: its interface needs no PID",
                 "remove it",
             )
-        near = nearest_name(path.rpartition("/")[2], siblings(pattern, read))
+        written = path.rpartition("/")[2]
+        near = nearest_name(written, siblings(pattern, read))
         return entry.finding(
-            "unread-key", f"{self.kind} does not read it", _or_remove(near)
+            "unread-key",
+            f"{self.kind} does not read it",
+            _or_remove(near),
+            _severity(written, near),
         )
 
     def _not_a_joint(self, entry: YamlEntry, mapping: str, name: str) -> Finding:
@@ -218,12 +233,13 @@ class _Controller:
             if near is not None:
                 remedy = f"did you mean '{near}'?"
                 return entry.finding("unread-key", "nothing reads it", remedy)
-        remedy = _or_remove(nearest_name(name, self.joints))
+        near = nearest_name(name, self.joints)
+        remedy = _or_remove(near)
         if is_unknown:
             message = f"the robot has no joint '{name}'"
             return entry.finding("unknown-joint", message, remedy)
         message = f"'{name}' is not among the controller's joints"
-        return entry.finding("unread-key", message, remedy)
+        return entry.finding("unread-key", message, remedy, _severity(name, near))
 
 
 def _idle_integrals(entry: YamlEntry) -> Iterator[Finding]:

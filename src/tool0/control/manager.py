@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import final
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, final
 
 from tool0.control.config import Controller, ControllerConfig, ControllerSpec
-from tool0.control.parameters import RobotJoints
+from tool0.control.parameters import Gains, RobotJoints
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Joint
 from tool0.errors import ClaimError, ControlError, GoalRejectedError, did_you_mean
 from tool0.hardware.engine import JointState, as_slice
 from tool0.hardware.robot_hardware import RobotHardware
 
+TRAJECTORY_KIND: Final = "JointTrajectoryController"
+GRIPPER_KIND: Final = "GripperActionController"
+
 
 class Strictness(enum.Enum):
-    """What a switch does about requests that it cannot fulfil; numbers as in ROS."""
+    """How a switch handles requests that it cannot fulfil; numbers as in ROS."""
 
     BEST_EFFORT = 1
     """Do the rest."""
@@ -31,11 +34,59 @@ class ControllerStatus:
     """A loaded controller: controller_manager_msgs/ControllerState."""
 
     name: str
+    """Its namespace in the YAML."""
     type: str
+    """As in the YAML: ``effort_controllers/JointTrajectoryController``."""
     state: str
     """``initialized`` after loading, then ``running`` or ``stopped``."""
     claimed: tuple[tuple[str, tuple[str, ...]], ...]
     """Each command interface with the joints; claims count while it is running."""
+
+    @property
+    def joints(self) -> frozenset[str]:
+        """The joints that it drives while it is running."""
+        return frozenset(joint for _, joints in self.claimed for joint in joints)
+
+    @property
+    def kind(self) -> str:
+        """The type without its package: ``JointTrajectoryController``."""
+        return self.type.rpartition("/")[2]
+
+
+def why_not_driven(
+    statuses: Sequence[ControllerStatus],
+    joints: Collection[str],
+    kinds: Collection[str] = (TRAJECTORY_KIND,),
+) -> str:
+    """Return why no running controller of these kinds drives ``joints``, and a remedy.
+
+    The message is for a request that needs one.
+    """
+    able = [status for status in statuses if status.kind in kinds]
+    known = frozenset[str]().union(*(status.joints for status in able))
+    names = ", ".join(f"'{joint}'" for joint in joints)
+    problem = f"no running {' or '.join(kinds)} drives {names}"
+    stopped = next((s for s in able if s.joints.issuperset(joints)), None)
+    if stopped is None:
+        unknown = next((joint for joint in joints if joint not in known), "")
+        return problem + (did_you_mean(unknown, known) if unknown else "")
+    name = stopped.name
+    for other in statuses:
+        if other.state == "running" and other.joints & stopped.joints:
+            return (
+                f"{problem}: '{other.name}' is running instead of '{name}'; switch "
+                f"with `tool0 controllers switch --stop {other.name} --start {name}` "
+                f"or robot.switch(start=['{name}'], stop=['{other.name}'])"
+            )
+    return (
+        f"{problem}: controller '{name}' is {stopped.state}; start it with "
+        f"{start_command(name)}"
+    )
+
+
+def start_command(name: str) -> str:
+    """Return how to start a loaded controller, for a message."""
+    return f"`tool0 controllers start {name}` or robot.switch(start=['{name}'])"
 
 
 @final
@@ -74,7 +125,7 @@ class ControllerManager:
         self._robot = RobotJoints(joints, hardware.interfaces)
         self._loaded: dict[str, _Loaded] = {}
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
-        """Name and controller, and which slots of the command are its own."""
+        """Name and controller, and its slots of the command."""
         self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
@@ -141,7 +192,7 @@ class ControllerManager:
         Started controllers hold the measured ``state``.
 
         Raises:
-            ControlError: If it cannot be done; then nothing has changed.
+            ControlError: If the switch is impossible; nothing has changed then.
             ClaimError: If two running controllers would claim one joint.
         """
         skipped: list[str] = []
@@ -237,14 +288,14 @@ class ControllerManager:
             self._hardware.release(item.claims, state)
 
     def release_brakes(self, name: str, state: JointState) -> None:
-        """Hand a running controller its joints: its first command has come."""
+        """Hand a running controller its joints: its first command has arrived."""
         item = self._find(name)
         if item.is_waiting and item.controller is not None:
             item.is_waiting = False
             self._hardware.claim(item.claims, state)
 
     def restart(self, state: JointState) -> None:
-        """Stop every running controller and start it anew, holding ``state``.
+        """Restart every running controller, holding ``state``.
 
         For jumps of the state or of time: a reset, or the end of an emergency stop.
         """
@@ -266,7 +317,7 @@ class ControllerManager:
         )
         self._refresh()
 
-    # ---- asking -------------------------------------------------------------------
+    # ---- queries ------------------------------------------------------------------
 
     def running(self, name: str) -> Controller:
         """Return a running controller.
@@ -278,12 +329,13 @@ class ControllerManager:
         item = self._find(name)
         if item.controller is None:
             raise GoalRejectedError(
-                f"controller '{name}' is {item.state}, not running; start it first"
+                f"controller '{name}' is {item.state}, not running; start it with "
+                f"{start_command(name)}"
             )
         return item.controller
 
     def status(self, name: str) -> ControllerStatus:
-        """Return how a loaded controller is."""
+        """Return the state of a loaded controller."""
         item = self._find(name)
         interface = item.spec.interface
         return ControllerStatus(
@@ -309,11 +361,38 @@ class ControllerManager:
         """Return the parameters of a loaded controller."""
         return self._find(name).spec
 
+    def set_gains(self, name: str, joint: str, **changes: float | bool) -> Gains:
+        """Change fields of ``Gains`` of one joint, and return them all.
+
+        A running controller continues with them; they hold until it is unloaded.
+
+        Raises:
+            ControlError: If there is no such controller or joint, or it has no gains.
+            ConfigError: If the gains are impossible.
+        """
+        item = self._find(name)
+        spec, joints = item.spec, item.spec.joints
+        if not spec.gains:
+            raise ControlError(f"controller '{name}' has no gains: it is {spec.type}")
+        if joint not in joints:
+            hint = did_you_mean(joint, joints)
+            raise ControlError(f"joint '{joint}' is not one of '{name}'{hint}")
+        k = joints.index(joint)
+        gains = replace(spec.gains[k], **changes)  # type: ignore[arg-type]
+        every = (*spec.gains[:k], gains, *spec.gains[k + 1 :])
+        item.spec = replace(spec, gains=every)  # type: ignore[type-var]  # dataclasses
+        if item.controller is not None and item.controller.pid is not None:
+            item.controller.pid.set_gains(k, gains)
+        return gains
+
     def _find(self, name: str) -> _Loaded:
         item = self._loaded.get(name)
         if item is not None:
             return item
         valid = list(self._loaded)
         if name in self._config.names:
-            raise ControlError(f"controller '{name}' is not loaded; load it first")
+            raise ControlError(
+                f"controller '{name}' is not loaded; load it with "
+                f"`tool0 controllers load {name}` or robot.load('{name}')"
+            )
         raise ControlError(f"unknown controller '{name}'{did_you_mean(name, valid)}")

@@ -1,4 +1,4 @@
-"""Parameters of controllers: joints, and PID gains with the law that uses them."""
+"""Parameters of controllers: joints, and PID gains with their control law."""
 
 from __future__ import annotations
 
@@ -16,18 +16,23 @@ from tool0.errors import ConfigError, did_you_mean, nearest_name
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gains:
-    """Gains from joint units to command units.
+    """PID gains of one joint: ``p e + clamp(i ∫e dt) + d de/dt``.
 
-    As in control_toolbox, an integral without a clamp contributes nothing.
+    ``e`` is the position error [rad | m]; the command of an effort controller is an
+    effort [N·m | N].  As in control_toolbox, an integral without a clamp contributes
+    nothing.
     """
 
     p: float
+    """Command per position error [N·m/rad | N/m]."""
     i: float = 0.0
+    """Command per position error and second [N·m/(rad·s) | N/(m·s)]."""
     d: float = 0.0
+    """Command per velocity error [N·m·s/rad | N·s/m]."""
     i_min: float = 0.0
-    """Least contribution of the integral, at most 0."""
+    """Least contribution of the integral, at most 0 [N·m | N]."""
     i_max: float = 0.0
-    """Greatest contribution of the integral, at least 0."""
+    """Greatest contribution of the integral, at least 0 [N·m | N]."""
     antiwindup: bool = False
     """Clamp the integral itself, not only its contribution."""
 
@@ -42,18 +47,31 @@ class Gains:
 class Pid:
     """Per joint: ``p e + clamp(i ∫e dt) + d de/dt``; no filter, no output clamp.
 
-    A period of zero gives 0 and leaves the integral.  The errors must be finite, which
+    A period of zero returns 0 and keeps the integral.  The errors must be finite, which
     the engine (DivergenceError) and the checks of goals and commands ensure.
     """
 
     __slots__ = ("_integrals", "_rows")
 
     def __init__(self, gains: Sequence[Gains]) -> None:
-        self._rows = [
-            (k, g.p, g.i, g.d, g.i_min, g.i_max, g.antiwindup)
-            for k, g in enumerate(gains)
-        ]
+        self._rows = [_row(k, g) for k, g in enumerate(gains)]
         self._integrals = [0.0] * len(self._rows)
+
+    def reset(self, joint: int) -> None:
+        """Reset the integral of one joint, by its number."""
+        self._integrals[joint] = 0.0
+
+    def set_gains(self, k: int, gains: Gains) -> None:
+        """Change the gains of joint ``k``.
+
+        The contribution of the integral stays, within the new clamp, so that a new
+        ``i`` causes no jump; without ``i`` the integral is reset.
+        """
+        _, _, i, _, i_min, i_max, _ = self._rows[k]
+        term = min(max(i * self._integrals[k], i_min), i_max)
+        term = min(max(term, gains.i_min), gains.i_max)
+        self._integrals[k] = term / gains.i if gains.i else 0.0
+        self._rows[k] = _row(k, gains)
 
     def update(
         self, errors: Sequence[float], error_rates: Sequence[float], period: float
@@ -77,6 +95,11 @@ class Pid:
                     integrals[k] = term / i
             commands.append(p * error + term + d * error_rates[k])
         return commands
+
+
+def _row(k: int, gains: Gains) -> tuple[int, float, float, float, float, float, bool]:
+    g = gains
+    return k, g.p, g.i, g.d, g.i_min, g.i_max, g.antiwindup
 
 
 INTERFACE_OF_PACKAGE = {
@@ -124,7 +147,7 @@ def controlled_joint(
 ) -> Joint:
     """Return the joint called ``name``, if it takes ``interface``; None is any.
 
-    ``entry`` is where a file names it, for messages.
+    ``entry`` is its place in the file, for messages.
     """
     joint = robot.joints.get(name)
     wanted = "any interface" if interface is None else f"'{interface.value}'"
@@ -179,7 +202,7 @@ def single_joint(
 def read_gains(parameters: Namespace, path: str, why: str) -> Gains:
     """Return the gains at ``path``; ``p`` is required, as in control_toolbox.
 
-    ``why`` says who needs them, for the message that they are missing.
+    ``why`` is the reason for the message if they are missing.
     """
     gains = parameters.namespace(path)
     if gains is None:

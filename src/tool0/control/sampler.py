@@ -81,7 +81,7 @@ class TrajectorySampler:
         return self.errors(time, self._zeros, self._zeros)
 
     def samples(self, time: float) -> list[Sample]:
-        """Return the desired motion of every joint at any time that is known."""
+        """Return the desired motion of every joint at any known time."""
         earliest = max(spline.begin for spline in self.splines)
         if not time >= earliest:
             raise ControlError(
@@ -151,7 +151,7 @@ class GoalMonitor:
     def check(
         self, time: float, errors: list[float], rates: list[float]
     ) -> GoalResult | None:
-        """Return how the goal ends by the errors at ``time``; None if it goes on."""
+        """Return how the goal ends by the errors at ``time``; None if it continues."""
         if self._on_path and (
             self._checks_path_velocity or max(map(abs, errors)) > self._path_limit
         ):

@@ -1,7 +1,7 @@
 """The motion of one joint: polynomial segments through the knots of its trajectories.
 
-Segments are made when they are asked for, so that a trajectory of very many points
-costs no more to accept than one of a few.
+Segments are created on demand, so that accepting a trajectory of very many points
+costs no more than one of a few.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tool0.errors import GoalRejectedError
 Polynomial = tuple[float, ...]
 """``(t0, c0 … c5, 2 c2, 3 c3, 4 c4, 5 c5)``: position and velocity by Horner's rule.
 
-``t = time - t0``; the velocity's coefficients are ready, since the tick wants both.
+``t = time - t0``; the velocity's coefficients are ready, since the tick needs both.
 """
 
 
@@ -30,7 +30,7 @@ _ALMOST_PI = math.pi - 1e-9
 
 
 class Motion(NamedTuple):
-    """Where a joint is, and how it moves; None for what is not prescribed."""
+    """Position and motion of a joint; None for values that are not prescribed."""
 
     position: float
     velocity: float | None = None
@@ -39,11 +39,11 @@ class Motion(NamedTuple):
 
 
 MotionPlan = Sequence[Sequence[tuple[float, Motion]]]
-"""For each joint, how it is to move when [s after the start of the plan]."""
+"""For each joint, its motions at times [s after the start of the plan]."""
 
 
 class Sample(NamedTuple):
-    """A motion of which everything is known."""
+    """A completely known motion."""
 
     position: float
     velocity: float
@@ -97,6 +97,16 @@ class Segment:
         """The polynomial of resting at the end."""
         return resting(self.sample(self.end).position)
 
+    def peak_velocity(self) -> float:
+        """Return the largest speed on the segment, which is no quintic [rad/s | m/s].
+
+        The velocity of a cubic is largest at an end or where its acceleration is 0.
+        """
+        _, _, c2, c3, _, _ = self.coefficients
+        turn = self.start - c2 / (3.0 * c3) if c3 else self.start
+        times = self.start, min(max(turn, self.start), self.end), self.end
+        return max(abs(self.sample(time).velocity) for time in times)
+
     def is_bounded(self, bound: float = IMPLAUSIBLE) -> bool:
         """Return whether neither position nor speed can exceed ``bound``.
 
@@ -110,7 +120,7 @@ class Segment:
 
 
 def resting(position: float) -> Polynomial:
-    """Return the polynomial of staying at ``position``."""
+    """Return the constant polynomial at ``position``."""
     return (0.0, position, *[0.0] * 9)
 
 
@@ -170,7 +180,7 @@ def wrap_offset(previous: float, following: float) -> float:
 
 
 class Knots(NamedTuple):
-    """Where one joint is to be, and when."""
+    """The knots of one joint: motions and their times."""
 
     times: Sequence[float]
     """After the start of the trajectory [s], increasing."""
@@ -198,7 +208,7 @@ class SplineSection(NamedTuple):
     origin: tuple[float, Motion]
     """Time [s] and motion at the start of that segment."""
     span: range
-    """The segments that are left of the section; at least one."""
+    """The remaining segments of the section; at least one."""
     goal: Goal | None
     """Whose tolerances hold."""
     tolerances: JointTolerances
@@ -207,14 +217,14 @@ class SplineSection(NamedTuple):
 
     @property
     def begin(self) -> float:
-        """Start of the first segment that is left [s]."""
+        """Start of the first remaining segment [s]."""
         number = self.span[0]
         if number == self.first:
             return self.origin[0]
         return self.start + self.knots.times[number - 1]
 
     def active_number(self, time: float) -> int:
-        """Return which segment that is left is active at ``time``, or the nearest."""
+        """Return the remaining segment that is active at ``time``, or the nearest."""
         # Only the times between segments are looked at.
         return bisect_right(
             self.knots.times,
@@ -264,7 +274,7 @@ class JointSpline(NamedTuple):
 
     @property
     def target(self) -> float:
-        """Where the joint is to end up [rad | m]."""
+        """The joint's final position [rad | m]."""
         last = self._last_segment()
         return last.sample(last.end).position
 

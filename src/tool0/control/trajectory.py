@@ -1,8 +1,8 @@
 """Trajectory goals, states and setpoints, as values.
 
-A goal may have many thousands of points.  What can be known of them without the
-controller is worked out when the goal is made, in the thread that makes it: so that
-accepting it, between two ticks, need not look at every point.
+A goal may have many thousands of points.  Checks that do not need the controller run
+when the goal is created, in the caller's thread, so that accepting it between two ticks
+need not look at every point.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 MANY = 50
-"""From so many points on, numpy is quicker than looking at each point."""
+"""From this many points on, numpy is faster than a loop over the points."""
 
 BLOCK = 1024
 """Points that numpy examines in one go: less than a millisecond, during which no other
@@ -47,19 +47,21 @@ MARGIN = IMPLAUSIBLE / 2.0
 @final
 @dataclass(frozen=True, slots=True)
 class TrajectoryPoint:
-    """Where the joints should be, a time after the trajectory's start.
+    """Desired motion of the joints at a time after the trajectory's start.
 
-    Units are [rad] or [m], and those per second and per second squared.
+    Each sequence has shape (n_joints,), in the order of the goal's joints.
     """
 
     positions: Sequence[float]
-    """One per joint, in the order of the goal's joints."""
+    """[rad | m]"""
     velocities: Sequence[float] | None = None
-    """None leaves them open: the motion to and from this point is linear."""
+    """[rad/s | m/s]; None leaves them open: the motion to and from this point is
+    linear."""
     accelerations: Sequence[float] | None = None
-    """None leaves them open: the motion to and from this point is cubic at most."""
+    """[rad/s² | m/s²]; None leaves them open: the motion to and from this point is
+    cubic at most."""
     time_from_start: float = 0.0
-    """[s]"""
+    """Simulated time after the start of the trajectory [s]."""
 
     def __post_init__(self) -> None:
         _set(self, "positions", _floats("positions", self.positions))
@@ -76,7 +78,7 @@ class TrajectoryPoint:
 class TrajectoryGoal:
     """A trajectory with its tolerances: control_msgs/FollowJointTrajectoryGoal.
 
-    No points mean: stop.
+    No points mean stop.
     """
 
     points: Sequence[TrajectoryPoint]
@@ -140,9 +142,11 @@ class JointsMotion:
     """How several joints move: trajectory_msgs/JointTrajectoryPoint."""
 
     positions: tuple[float, ...]
+    """[rad | m], shape (n_joints,)."""
     velocities: tuple[float, ...]
+    """[rad/s | m/s], shape (n_joints,)."""
     accelerations: tuple[float, ...] = ()
-    """Empty where they are not known."""
+    """[rad/s² | m/s²], shape (n_joints,); empty where they are not known."""
     time_from_start: float = 0.0
     """[s]"""
 
@@ -153,23 +157,26 @@ class TrajectoryState:
     """Desired and measured motion of a controller's joints, and the difference."""
 
     joint_names: tuple[str, ...]
+    """The controller's joints: the order of the other fields."""
     time: float
     """Simulated time of the update that it describes [s]."""
     desired: JointsMotion
+    """The setpoint."""
     actual: JointsMotion
+    """The measured motion."""
     error: JointsMotion
     """desired - actual; the shortest way round for a continuous joint."""
 
 
-_set = object.__setattr__  # for the fields of what is frozen once it is made
+_set = object.__setattr__  # for the fields of frozen instances
 
 
 def _floats(name: str, values: Iterable[object]) -> tuple[float, ...]:
     try:
         return tuple(map(float, values))  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise GoalRejectedError(
-            f"{name} of a trajectory point must be numbers, got {values!r}"
+            f"{name} of a trajectory point must be numbers, got {values!r:.80}"
         ) from None
 
 
@@ -233,11 +240,10 @@ def _numbers(points: Sequence[TrajectoryPoint], n_joints: int) -> FloatArray | N
 
 
 class Setpoint(NamedTuple):
-    """Where one controller wants its joints: at one instant, and in the end.
+    """Setpoints of one controller: at one instant, and at the end of its motion.
 
-    A named tuple of values that do not change, since the loop makes one a hundred times
-    a second.  The numbers are worked out when they are read, in the thread that reads
-    them.
+    A named tuple of immutable values, since the loop creates one a hundred times a
+    second.  The numbers are computed when they are read, in the reader's thread.
     """
 
     joint_models: tuple[Joint, ...]
@@ -254,7 +260,7 @@ class Setpoint(NamedTuple):
         return tuple(joint.name for joint in self.joint_models)
 
     def target(self) -> tuple[float, ...]:
-        """Return where the joints are to end up [rad | m]."""
+        """Return the final positions of the joints [rad | m]."""
         return tuple(spline.target for spline in self.splines)
 
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:

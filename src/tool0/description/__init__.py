@@ -1,1 +1,1 @@
-"""The robot as data: xacro, URDF, and the model they give."""
+"""The robot as data: xacro, URDF, and the resulting model."""

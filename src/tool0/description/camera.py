@@ -1,4 +1,4 @@
-"""Cameras as frozen values: where one is, and how it forms its picture."""
+"""Cameras as frozen values: pose and projection."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LARGEST = 4096
-"""Pixels along an edge: what every OpenGL can draw into."""
+"""Largest width and height [pixels] that every OpenGL supports."""
 
 _NAME = re.compile(r"[A-Za-z]\w*")
 
@@ -34,28 +34,27 @@ _NAME = re.compile(r"[A-Za-z]\w*")
 class Camera:
     """A pinhole camera without distortion; its pixels are square.
 
-    Its frame is an optical one (REP-103): z looks forward, x goes right in the
-    picture and y down.
+    Its frame is an optical frame (REP-103): z forward, x right and y down in the image.
     """
 
     name: str
-    """ROS topics and frames start with it."""
+    """Prefix of its ROS topics and frames."""
     link: str | None = None
-    """What carries it; None stands still in the robot's root."""
+    """The link that carries it; None for the robot's root."""
     pose: Pose = field(default_factory=Pose)
-    """Of the optical frame, in the link."""
+    """Pose of the optical frame in the link."""
     width: int = 640
     """[pixels]"""
     height: int = 480
     """[pixels]"""
     field_of_view: float = math.radians(45.0)
-    """From the upper to the lower edge of the picture [rad]."""
+    """Vertical field of view [rad]."""
     near: float = 0.01
-    """Nearer points along z are not seen [m]."""
+    """Depth below which points are invisible [m]."""
     far: float = 10.0
-    """Farther points along z are not seen [m]."""
+    """Depth beyond which points are invisible [m]."""
     location: SourceLocation | None = field(default=None, compare=False, repr=False)
-    """Where it is written, for messages."""
+    """Its source location, for messages."""
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
@@ -84,15 +83,15 @@ class Camera:
 
     @property
     def focal_length(self) -> float:
-        """In pixels, along both edges."""
+        """Focal length [pixels], in both directions."""
         return self.height / (2.0 * math.tan(self.field_of_view / 2.0))
 
     @property
     def intrinsics(self) -> NDArray[np.float64]:
         """``K``, shape (3, 3): ``K @ p_optical`` is ``z * (u, v, 1)`` in pixels.
 
-        The middle of the upper left pixel is (0, 0), as in ROS and OpenCV; so that of
-        the picture is ((width - 1) / 2, (height - 1) / 2).
+        The centre of the top left pixel is (0, 0), as in ROS and OpenCV; the centre of
+        the image is ((width - 1) / 2, (height - 1) / 2).
         """
         import numpy as np
 
@@ -106,7 +105,7 @@ class Camera:
         return to_transform(self.pose)
 
     def check_on(self, model: RobotModel) -> None:
-        """Raise ConfigError unless the robot has the link that carries it."""
+        """Raise ConfigError if the robot lacks the link that carries it."""
         if self.link is None:
             return
         try:
@@ -124,10 +123,10 @@ def looking(
 ) -> Pose:
     """Return the pose of an optical frame that looks from one point at another [m].
 
-    ``at`` is in the middle of the picture, and ``up`` points up in it.
+    ``at`` is at the centre of the image, and ``up`` points upwards in it.
 
     Raises:
-        ConfigError: If the points coincide, or ``up`` points at what is looked at.
+        ConfigError: If the points coincide, or ``up`` is parallel to the view.
     """
     (x, y, z), (ux, uy, uz) = position, up
     forward = _unit(tuple(b - a for a, b in zip(position, at, strict=True)))
@@ -135,7 +134,7 @@ def looking(
     if forward is None or right is None:
         raise ConfigError(
             f"a camera at {tuple(position)} cannot look at {tuple(at)} with "
-            f"{tuple(up)} up; move it, or choose another direction for up"
+            f"{tuple(up)} up; move it, or change up"
         )
     down = cross(forward, right)
     a, b, c = zip(right, down, forward, strict=True)
@@ -152,8 +151,8 @@ def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
     )
     if len(model.flanges) != 1:
         return (scene,)
-    # Beside the gripper's body, in the plane between its fingers, where a bracket of a
-    # depth camera holds it; the fingertips are in the lower part of the picture.  The
+    # Beside the gripper's body, in the plane between its fingers, like a depth camera
+    # on a bracket; the fingertips are in the lower part of the image.  The
     # field of view is that of the depth image of a RealSense D435 (87° x 58°,
     # https://www.intelrealsense.com/depth-camera-d435/), whose picture is wider.
     wrist = Camera(
@@ -170,7 +169,7 @@ def merged(*groups: Iterable[Camera]) -> dict[str, Camera]:
     """Return cameras by name; those of later groups replace earlier ones.
 
     Raises:
-        ConfigError: If one group has a name twice.
+        ConfigError: If a name occurs twice in one group.
     """
     found: dict[str, Camera] = {}
     for group in groups:

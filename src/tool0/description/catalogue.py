@@ -1,20 +1,21 @@
 """The built-in robots, and the description of any robot.
 
 The built-in arms and grippers are the folders in ``tool0_description/config``: an arm
-has ``default_kinematics.yaml``, a gripper has ``kinematics.yaml``.  With a robot come
-its poses, its controllers and the names of its parts for people.
+has ``default_kinematics.yaml``, a gripper has ``kinematics.yaml``.  They also contain
+poses, controllers and display names of the parts.
 """
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from tool0.description.config import Argument, DescriptionConfig
+from tool0.description.config import SPAWN_Z, Argument, DescriptionConfig
 from tool0.description.expansion import expand
 from tool0.description.model import RobotModel
 from tool0.description.packages import find_package
@@ -22,6 +23,7 @@ from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file, to_text
 from tool0.description.yaml_tree import read_verbatim
 from tool0.errors import DescriptionError, SourceLocation, did_you_mean
+from tool0.user_data import expanded
 
 if TYPE_CHECKING:
     from xml.dom.minidom import Document
@@ -31,6 +33,8 @@ MESHES = ("tool0", "upstream")
 GRIPPER_MODELS = ("mimic", "linkage")
 
 _PREFIX = re.compile(r"\w*")
+_UPRIGHT = 0.01
+"""Largest tilt of an arm that stands on a pedestal [rad]."""
 
 Poses = Mapping[str, Mapping[str, float]]
 """Pose → joint → position [rad | m]."""
@@ -39,7 +43,7 @@ Poses = Mapping[str, Mapping[str, float]]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DisplayName:
-    """The name of a link or a joint for people."""
+    """The display name of a link or joint."""
 
     en: str
     zh: str
@@ -51,8 +55,9 @@ class RobotDescription:
     """A robot: the model for the engines, and the URDF for everything else."""
 
     model: RobotModel
+    """Links, joints, drives and grippers, checked."""
     source: Path
-    """The xacro or URDF file it was read from."""
+    """The xacro or URDF file that it was read from."""
     arm: str | None = None
     """Name of the arm in the catalogue; None for your own file."""
     gripper: str | None = None
@@ -84,17 +89,22 @@ def grippers() -> tuple[str, ...]:
     return _models("kinematics.yaml")
 
 
-def load_description(config: DescriptionConfig) -> RobotDescription:
+def load_description(
+    config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
+) -> RobotDescription:
     """Return the robot that ``config`` describes; a catalogue arm stands in ``world``.
+
+    Its pedestal reaches to the ground, ``spawn_z`` [m] below ``world``.
 
     Raises:
         DescriptionError: If a name, an argument or a file is missing or wrong.
-        ModelError: If no robot could have the parameters.
+        ModelError: If the parameters are physically impossible.
     """
     if config.robot is not None:
         return load_robot(config.robot, config.args)
     defaults = {"arm": "ur5", "gripper": "2f85", "prefix": ""}
     given = {**defaults, **_to_texts(config.xacro_arguments())}
+    given.setdefault("pedestal_height", _pedestal_height(given, spawn_z))
     arm, gripper, prefix = given["arm"], given["gripper"], given["prefix"]
     gripper_model = given.get("gripper_model", GRIPPER_MODELS[0])
     _check("arm", arm, arms())
@@ -103,13 +113,13 @@ def load_description(config: DescriptionConfig) -> RobotDescription:
     _check("gripper model", gripper_model, GRIPPER_MODELS)
     if not _PREFIX.fullmatch(prefix):
         raise DescriptionError(
-            f"the prefix '{prefix}' has characters that no name may have; "
+            f"the prefix '{prefix}' has characters that names must not have; "
             "use letters, digits and underscores, such as left_"
         )
     if gripper == NO_GRIPPER and gripper_model != GRIPPER_MODELS[0]:
         raise DescriptionError(
             f"gripper_model {gripper_model} needs a gripper "
-            f"({', '.join(grippers())}), and there is none"
+            f"({', '.join(grippers())}), but the robot has none"
         )
     path = _package() / "urdf" / "ur_robotiq.urdf.xacro"
     document = expand(path, given)
@@ -141,16 +151,16 @@ def load_robot(
 
     Raises:
         DescriptionError: If the file, or a file it refers to, cannot be read.
-        ModelError: If no robot could have its parameters.
+        ModelError: If its parameters are physically impossible.
     """
-    path = Path(path).expanduser()
+    path = expanded(path)
     if not path.is_file():
         raise DescriptionError(f"there is no file '{path}'; check the path")
     given = _to_texts(args or {}, ours=False)
     if path.suffix == ".urdf":
         if given:
             raise DescriptionError(
-                f"'{path}' is plain URDF and takes no arguments, got "
+                f"'{path}' is plain URDF, which takes no arguments, got "
                 f"{', '.join(given)}; name it *.xacro if it is xacro"
             )
         document = parse_file(path)
@@ -167,7 +177,7 @@ def config_file(folder: str, file: str) -> Path:
 def named_poses(description: RobotDescription) -> Poses:
     """Return the built-in poses of a robot; your own file has none.
 
-    A pose of both arm and gripper, such as ``home``, places both.
+    If the arm and the gripper both have a pose such as ``home``, it sets both.
     """
     poses: dict[str, dict[str, float]] = {}
     for folder in description.folders:
@@ -178,7 +188,7 @@ def named_poses(description: RobotDescription) -> Poses:
 
 
 def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
-    """Return the names of links and joints for people; your own file has none."""
+    """Return the display names of links and joints; your own file has none."""
     return {
         description.prefix + part: DisplayName(en=names["en"], zh=names["zh"])
         for folder in description.folders
@@ -191,12 +201,12 @@ def default_controllers(
 ) -> tuple[str, SourceLocation]:
     """Return the YAML of a robot's controllers, and the location of its first line.
 
-    The joints in it carry the robot's prefix; no line moves, so that the lines of
+    Its joints have the robot's prefix; line breaks are unchanged, so line numbers in
     messages are those of the file.  ``file`` may be
     ``controllers_gripper_action.yaml``, which drives the gripper by an action.
 
     Raises:
-        DescriptionError: If there are none, as for your own file.
+        DescriptionError: If there are none, as for your own robot file.
     """
     if description.arm is None:
         raise DescriptionError(
@@ -220,6 +230,28 @@ def default_controllers(
     return text, SourceLocation(path, 1)
 
 
+def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
+    """Return the height from the ground to the arm's base [m]; 0 if it is tilted."""
+    try:
+        z = float(given.get("base_xyz", "0 0 0").split()[2])
+        roll, pitch, _ = map(float, given.get("base_rpy", "0 0 0").split())
+    except (IndexError, ValueError):  # the xacro complains
+        return "0"
+    height = round(spawn_z + z, 9)
+    stands = 0.0 < height < math.inf and math.hypot(roll, pitch) < _UPRIGHT
+    return repr(height if stands else 0.0)
+
+
+def all_default_controllers() -> Iterator[tuple[str, SourceLocation]]:
+    """Yield the YAML of all built-in controllers, those of most parts first."""
+    paths = (_package() / "config").glob("*/controllers.yaml")
+    folders = sorted(
+        (path.parent.name for path in paths), key=lambda name: (-name.count("_"), name)
+    )
+    for path in (config_file(folder, "controllers.yaml") for folder in folders):
+        yield path.read_text(encoding="utf-8"), SourceLocation(path, 1)
+
+
 def _package() -> Path:
     return find_package("tool0_description")
 
@@ -238,9 +270,9 @@ def _check(kind: str, name: str, valid: tuple[str, ...]) -> None:
 
 
 def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, str]:
-    """Return the arguments as text, as xacro wants them, without those left out.
+    """Return the given arguments as text for xacro.
 
-    In ``ours`` each ``…_params`` is a path, made absolute here: xacro would resolve a
+    In ``ours``, each ``…_params`` is a path, made absolute here: xacro would resolve a
     relative one from the folder of its own file.
     """
     texts = {}
@@ -248,7 +280,7 @@ def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, s
         if isinstance(value, bool):
             texts[name] = "true" if value else "false"
         elif isinstance(value, Path) or (ours and name.endswith("_params") and value):
-            texts[name] = str(Path(str(value)).expanduser().absolute())
+            texts[name] = str(expanded(str(value)).absolute())
         elif isinstance(value, Sequence) and not isinstance(value, str):
             texts[name] = " ".join(map(str, value))
         elif value is not None:
@@ -256,8 +288,8 @@ def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, s
     return texts
 
 
-def _load(folder: str, what: str) -> Mapping[str, Any]:  # Any: as the YAML has it
-    """Return what ``config/<folder>/<what>.yaml`` lists; nothing without the file."""
+def _load(folder: str, what: str) -> Mapping[str, Any]:  # Any: any YAML value
+    """Return the content of ``config/<folder>/<what>.yaml``; empty without the file."""
     path = config_file(folder, f"{what}.yaml")
     entries = read_verbatim(path).root.children[what].children if path.is_file() else {}
     return {name: entry.plain() for name, entry in entries.items()}

@@ -12,6 +12,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Final, Literal, final
 
+from tool0.description.units import Metres, Radians
 from tool0.errors import ConfigError
 
 Argument = str | bool | int | float | Path | Sequence[float] | None
@@ -28,6 +29,9 @@ class Unset(Enum):
         return self.value
 
 
+SPAWN_Z: Final = 0.1
+"""Default height of a robot's root above the ground [m], as in ur_gazebo: the
+outstretched arm must clear the ground."""
 UNSET: Final = Unset.UNSET
 """A value that was not given, where None means something else."""
 
@@ -35,7 +39,7 @@ UNSET: Final = Unset.UNSET
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DescriptionConfig:
-    """Which robot: an arm and a gripper of the catalogue, or your own file.
+    """The robot: an arm and a gripper of the catalogue, or your own file.
 
     Each field except ``robot`` and ``args`` is the argument of the same name in
     ``tool0_description/urdf/ur_robotiq.urdf.xacro``.  A field that is not given (None)
@@ -51,24 +55,27 @@ class DescriptionConfig:
     gripper: str | Unset | None = UNSET
     """The gripper on the arm's tool0, or none; 2f85 if not given."""
     gripper_model: Literal["mimic", "linkage"] | None = None
-    """mimic: the fingers follow the drive; linkage: five-bar fingers that wrap around
-    an object (MuJoCo only)."""
+    """mimic (the default): the fingers follow the drive; linkage: five-bar fingers
+    that wrap around an object (MuJoCo only)."""
     prefix: str | None = None
-    """Prefix of all link and joint names, such as left_."""
+    """Prefix of all link and joint names, such as `left_`."""
     robot: File | None = None
     """Your own URDF or xacro file, instead of an arm and a gripper."""
     args: Mapping[str, Argument] | None = None
-    """Further arguments of the xacro file; they override the fields."""
-    mount_xyz: Sequence[float] | None = None
+    """Arguments of the xacro file; they override the other options."""
+    mount_xyz: Sequence[Metres] | None = None
     """Position of the gripper in tool0 [m]."""
-    mount_rpy: Sequence[float] | None = None
+    mount_rpy: Sequence[Radians] | None = None
     """Orientation of the gripper in tool0: roll, pitch, yaw [rad]."""
-    base_xyz: Sequence[float] | None = None
+    base_xyz: Sequence[Metres] | None = None
     """Position of the arm in the world [m]."""
-    base_rpy: Sequence[float] | None = None
+    base_rpy: Sequence[Radians] | None = None
     """Orientation of the arm in the world: roll, pitch, yaw [rad]."""
+    pedestal_height: float | None = None
+    """Height of the pedestal below the arm's base [m], 0 for none.  If not given, it
+    reaches from an upright arm to the ground."""
     meshes: Literal["tool0", "upstream"] | None = None
-    """tool0: the built-in meshes; upstream: those of ur_description and of
+    """tool0 (the default): the built-in meshes; upstream: those of ur_description and
     robotiq_2f_85_gripper_visualization."""
     joint_limit_params: File | None = None
     """YAML file with the arm's joint limits, as in ur_description."""
@@ -89,7 +96,7 @@ class DescriptionConfig:
     hardware_interface/EffortJointInterface."""
     safety_limits: bool = False
     """Add soft limits to the arm's joints."""
-    safety_pos_margin: float | None = None
+    safety_pos_margin: Radians | None = None
     """Distance of the soft limits from the hard limits [rad]."""
     safety_k_position: float | None = None
     """Position gain of the soft limits [1/s]."""

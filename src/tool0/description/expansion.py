@@ -14,6 +14,7 @@ import logging
 import os
 import re
 import threading
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -36,10 +37,9 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
     """Return the xacro file ``path``, expanded with ``args``.
 
     Raises:
-        DescriptionError: With file, line, macro and includes, if it cannot be.
+        DescriptionError: If that fails, with file, line, macro and includes.
     """
-    import xacro
-
+    xacro = _imported()
     start = str(path.absolute())
     with _LOCK:
         run = _Expansion(xacro)
@@ -59,9 +59,18 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
     return document
 
 
+def _imported() -> ModuleType:
+    """Return xacro; Python 3.10 warns of its private names while it is imported."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        import xacro
+
+    return xacro  # type: ignore[no-any-return]  # it has no types
+
+
 @final
 class _Expansion:
-    """What xacro calls during one expansion instead of its own functions."""
+    """Replacements of xacro's functions during one expansion."""
 
     def __init__(self, xacro: ModuleType) -> None:
         self._xacro = xacro
@@ -69,7 +78,7 @@ class _Expansion:
         """The arguments that the files declare or read."""
 
     def parse(self, inp: None, filename: str) -> Document:
-        """Replace ``xacro.parse``: elements have their lines."""
+        """Replace ``xacro.parse``: elements know their lines."""
         path = Path(filename)
         if not path.is_file():
             self._xacro.filestack.pop()  # as xacro does: this file was never entered
@@ -105,7 +114,7 @@ class _Expansion:
             case "eval", *_:
                 return self._evaluate(text)
         raise DescriptionError(
-            f"nothing reads {text}; valid: $(find PACKAGE), $(dirname), $(arg NAME), "
+            f"{text} is unknown; valid: $(find PACKAGE), $(dirname), $(arg NAME), "
             "$(env NAME), $(optenv NAME DEFAULT), $(eval EXPRESSION), $(cwd)"
         )
 
@@ -147,12 +156,12 @@ class _Expansion:
 
 @final
 class Parameters(dict[str, Any]):
-    """A mapping of YAML whose keys are attributes, too: ``limits.elbow.upper``.
+    """A YAML mapping whose keys are also attributes: ``limits.elbow.upper``.
 
-    A key that is missing is an AttributeError with file, line and the nearest key.
+    A missing key raises AttributeError with file, line and the nearest key.
     """
 
-    _place = ""  # in the class, so that no key of YAML is hidden by an attribute
+    _place = ""  # in the class, so that no attribute hides a key of the YAML
 
     def __getattr__(self, key: str) -> Any:
         try:
@@ -178,7 +187,7 @@ def _wrapped(entry: YamlEntry) -> Any:
 
 @contextmanager
 def _substituted(xacro: ModuleType, run: _Expansion) -> Iterator[None]:
-    """Replace the parts of xacro that need ROS by ``run``; restore them at the end."""
+    """Replace the parts of xacro that need ROS with ``run``, until the end."""
     replacements = {
         "eval_extension": run.substitute,
         "parse": run.parse,
@@ -269,7 +278,7 @@ def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
 
 
 def _describe(xacro: ModuleType, error: Exception) -> DescriptionError:
-    """Return ``error`` as one of ours: what, where, in which macro and include."""
+    """Return ``error`` as a DescriptionError with location, macros and includes."""
     cause: object = error
     while isinstance(cause, xacro.XacroException) and cause.exc is not None:
         cause = cause.exc
@@ -277,7 +286,7 @@ def _describe(xacro: ModuleType, error: Exception) -> DescriptionError:
     if isinstance(cause, DescriptionError):
         message, location = cause.message, cause.location or location
     elif isinstance(cause, RecursionError):
-        message = "a macro or property calls itself without end"
+        message = "a macro or property calls itself endlessly"
     else:
         message = " ".join(str(error).split()) or repr(error)
         message = message.replace(" (<expression>, line 1)", "")
@@ -289,7 +298,7 @@ def _describe(xacro: ModuleType, error: Exception) -> DescriptionError:
 def _failing_line(
     xacro: ModuleType, traceback: TracebackType | None
 ) -> SourceLocation | None:
-    """Return where the innermost element that xacro worked on was written."""
+    """Return the location of the innermost element that xacro was processing."""
     found = None
     while traceback is not None:
         frame = traceback.tb_frame

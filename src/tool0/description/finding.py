@@ -1,4 +1,4 @@
-"""Findings: what is wrong in a user's file, where, and what would be right."""
+"""Findings: mistakes in a user's file, with location and remedy."""
 
 from __future__ import annotations
 
@@ -13,24 +13,26 @@ _LONGEST = 100
 _MOST_QUOTED = 8
 
 Severity = Literal["error", "warning"]
-"""An error fails or does something else than intended; a warning is suspicious."""
+"""An error fails or does something unintended; a warning is suspicious."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """One fault in a user's file."""
+    """One mistake in a user's file."""
 
     location: SourceLocation
+    """File and line."""
     rule: str
-    """The kind of fault, the same in every file: ``unread-key``."""
+    """The kind of mistake, the same in every file: ``unread-key``."""
     severity: Severity = "error"
+    """``error``: it fails or does something unintended; ``warning``: suspicious."""
     key: str = ""
-    """What it is about: a parameter's full name, an element, a joint."""
+    """Its subject: a parameter's full name, an element, a joint."""
     message: str
-    """What is wrong and why that matters."""
+    """What is wrong, and why it matters."""
     remedy: str = ""
-    """What to write or to do instead; empty if the message says it all."""
+    """What to write or do instead; empty if the message is sufficient."""
 
     @property
     def text(self) -> str:
@@ -88,7 +90,7 @@ def quoted(names: Iterable[str]) -> str:
 
 
 def short(text: str) -> str:
-    """Return ``text`` without its middle if it is too long for a sentence."""
+    """Return ``text``, with its middle omitted if it is too long for a sentence."""
     if len(text) <= _LONGEST:
         return text
     half = _LONGEST // 2 - 1

@@ -82,7 +82,7 @@ def _displacement(joint: Joint, q: float) -> Transform:
 
 
 def joint_position(joint: Joint, position: Mapping[str, float]) -> float:
-    """Return the position of ``joint``: as given, else by its mimic relation or 0."""
+    """Return the position of ``joint``: as given, by its mimic relation, or 0."""
     mimic = joint.mimic
     if mimic is None or joint.name in position:
         return position.get(joint.name, 0.0)
@@ -100,7 +100,7 @@ def joint_positions(
         otherwise: Positions of the rest; mimic joints follow their master.
 
     Raises:
-        ModelError: For a joint that the robot lacks or that cannot be placed.
+        ModelError: For an unknown joint, or one that cannot be placed.
         LimitsError: For a position outside the joint's limits, or not a number.
     """
     joints = {joint.name: joint for joint in model.movable_joints}
@@ -136,7 +136,7 @@ class FrameMotion:
     """[rad/s]"""
 
     def carry(self, fixed: Transform) -> FrameMotion:
-        """Return the motion of a frame that is fixed to this one at ``fixed``."""
+        """Return the motion of a frame fixed to this one at ``fixed``."""
         pose = self.pose @ fixed
         arm = subtract(pose.position, self.pose.position)
         return FrameMotion(
@@ -173,7 +173,7 @@ def link_motions(
     """Return how every link moves in the root link.
 
     Positions [rad | m] are by joint, as for ``link_poses``; so are velocities [rad/s |
-    m/s], of which mimic joints that are left out follow, and others are 0.
+    m/s].  Without a given velocity, mimic joints follow, and other joints are at rest.
     """
     found = {model.root: FrameMotion()}
     for joint in model.joints:

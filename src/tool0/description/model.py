@@ -1,4 +1,4 @@
-"""The robot as frozen values: what a strict reading of a URDF gives.
+"""The robot as frozen values, the result of a strict URDF parser.
 
 Lengths are [m], angles [rad], masses [kg], inertias [kg·m²], efforts [N·m] for a
 revolute joint and [N] for a prismatic one.  Frames are those of URDF and REP-103.
@@ -15,6 +15,7 @@ from typing import TypeVar, final
 
 from tool0.description.shapes import RGBA, Geometry
 from tool0.description.transform import Pose, Vector3
+from tool0.description.units import LENGTH
 from tool0.errors import LimitsError, ModelError, SourceLocation, did_you_mean
 
 Item = TypeVar("Item")
@@ -22,9 +23,9 @@ Item = TypeVar("Item")
 FLANGE = "tool0"
 """Name of the link at the end of an arm, after a prefix (REP-199)."""
 DEFAULT_TURN_VELOCITY = 1.0
-"""Velocity of turning joints without a velocity limit [rad/s]; chosen to be slow."""
+"""Velocity of revolute joints without a velocity limit [rad/s]; chosen to be slow."""
 DEFAULT_SLIDE_VELOCITY = 0.25
-"""The same of prismatic joints [m/s]."""
+"""The same for prismatic joints [m/s]."""
 
 
 @final
@@ -46,8 +47,8 @@ class Inertial:
     def principal_moments(self) -> Vector3:
         """The eigenvalues of the inertia [kg·m²], smallest first.
 
-        In closed form, as https://en.wikipedia.org/wiki/Eigenvalue_algorithm gives it
-        for symmetric 3 by 3 matrices: NumPy is slow to import.
+        In closed form for symmetric 3 by 3 matrices, see
+        https://en.wikipedia.org/wiki/Eigenvalue_algorithm: NumPy is slow to import.
         """
         a, b, c = self.ixx, self.iyy, self.izz
         d, e, f = self.ixy, self.ixz, self.iyz
@@ -87,7 +88,7 @@ class Surface:
     """A surface made for gripping: the link has one in ``<gazebo reference=…>``."""
 
     mu1: float | None = None
-    """Coulomb's coefficient; None if absent."""
+    """Coulomb friction coefficient; None if absent."""
 
 
 @final
@@ -112,13 +113,15 @@ class JointType(enum.Enum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointLimits:
-    """What one joint may do.  Infinity means unlimited; NaN is rejected.
+    """The limits of one joint.  Infinity means unlimited; NaN is rejected.
 
     Units are [rad] and [N·m] for a revolute joint, [m] and [N] for a prismatic one.
     """
 
     lower: float = -math.inf
+    """Smallest position."""
     upper: float = math.inf
+    """Largest position."""
     velocity: float = math.inf
     """Largest speed in either direction, per second."""
     effort: float = math.inf
@@ -143,7 +146,7 @@ class JointLimits:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SafetyController:
-    """Soft limits, as URDF's ``<safety_controller>`` writes them."""
+    """Soft limits, as in URDF's ``<safety_controller>``."""
 
     soft_lower_limit: float = -math.inf
     soft_upper_limit: float = math.inf
@@ -169,7 +172,7 @@ class Spring:
     stiffness: float
     """[N·m/rad | N/m]"""
     reference: float = 0.0
-    """Where it is slack [rad | m]."""
+    """Position at which the spring is slack [rad | m]."""
 
 
 @final
@@ -187,7 +190,7 @@ class Joint:
     friction: float = 0.0
     mimic: Mimic | None = None
     passive: bool = False
-    """Whether only a loop holds it: it mimics while nothing touches the loop."""
+    """Whether only a loop drives it: it mimics while nothing touches the loop."""
     spring: Spring | None = None
     safety: SafetyController | None = None
 
@@ -197,12 +200,16 @@ class Joint:
 
     @property
     def max_velocity(self) -> float:
-        """Its velocity limit [rad/s | m/s]; a modest default where there is none."""
+        """Its velocity limit [rad/s | m/s], or a slow default."""
         if math.isfinite(self.limits.velocity):
             return self.limits.velocity
         if self.type is JointType.PRISMATIC:
             return DEFAULT_SLIDE_VELOCITY
         return DEFAULT_TURN_VELOCITY
+
+    def clamp_velocity(self, velocity: float) -> float:
+        """Return the allowed velocity nearest to ``velocity`` [rad/s | m/s]."""
+        return min(max(velocity, -self.max_velocity), self.max_velocity)
 
 
 class Interface(enum.Enum):
@@ -216,28 +223,28 @@ class Interface(enum.Enum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Transmission:
-    """A motor that drives a joint: what makes the joint controllable."""
+    """A motor that drives a joint and makes it controllable."""
 
     name: str
     joint: str
     interface: Interface
     mechanical_reduction: float = 1.0
     rotor_inertia: float = 0.0
-    """Inertia of the motor's rotor, at the motor [kg·m²]."""
+    """Inertia of the rotor, on the motor side [kg·m²]."""
     gravity_compensation: bool = False
-    """Whether the drive compensates gravity by itself, so that effort acts in addition.
-    True of drives with so large a reduction that gravity hardly matters."""
+    """Whether the drive compensates gravity itself, and effort acts in addition: for
+    drives with such a large reduction that gravity hardly matters."""
 
     @property
     def armature(self) -> float:
-        """Rotor inertia as the joint feels it [kg·m²]."""
+        """Rotor inertia reflected to the joint [kg·m²]."""
         return self.rotor_inertia * self.mechanical_reduction**2
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopJoint:
-    """Two points of different links that are one: it closes a loop, as no tree can."""
+    """Two points of different links that coincide: it closes a kinematic loop."""
 
     name: str
     links: tuple[str, str]
@@ -248,25 +255,31 @@ class LoopJoint:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParallelGripper:
-    """How a parallel gripper's opening follows from its driven joint.
+    """The relation between the opening of a parallel gripper and its driven joint.
 
-    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``: the pads ride
-    on parallelogram linkages, so that each moves on a circle.
+    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``: parallelogram
+    linkages move each pad on a circle.
     """
 
     name: str
+    """In the description, prefix included."""
     joint: str
+    """The driven joint."""
     pad_offset: float
+    """[m]"""
     pad_cos: float
+    """[m]"""
     pad_sin: float
+    """[m]"""
     max_opening: float
+    """Largest distance between the pads [m]."""
     speed: tuple[float, float]
     """Slowest and fastest closing speed, between the pads [m/s]."""
     force: tuple[float, float]
     """Weakest and strongest grip, at each pad [N]."""
     passive: tuple[tuple[str, Mimic], ...] = ()
-    """Joints of its linkage, and how they follow its joint while the pads are parallel:
-    fingers that wrap around an object leave that relation."""
+    """Mimic relations of the linkage's joints, valid while the pads are parallel: not
+    for fingers that wrap around an object."""
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [rad]."""
@@ -282,13 +295,14 @@ class ParallelGripper:
             raise ModelError(
                 f"opening {opening} m of gripper '{self.name}' is outside "
                 f"[0, {self.max_opening}] m"
+                + LENGTH.suggestion(opening, lambda meant: meant <= self.max_opening)
             )
         radius = math.hypot(self.pad_cos, self.pad_sin)
         phase = math.atan2(self.pad_sin, self.pad_cos)
         return phase + math.acos((opening / 2.0 - self.pad_offset) / radius)
 
     def lever(self, position: float) -> float:
-        """Return |d opening / d position| [m/rad]; torque = grip force · lever."""
+        """Return ``|d opening / d position|`` [m/rad]; torque = grip force · lever."""
         return 2.0 * abs(
             self.pad_sin * math.cos(position) - self.pad_cos * math.sin(position)
         )
@@ -300,35 +314,42 @@ class RobotModel:
     """A checked tree of links and joints."""
 
     name: str
+    """Of the robot, in the URDF."""
     root: str
+    """The link without a parent: poses are in its frame."""
     links: tuple[Link, ...]
     """In the order of the URDF."""
     joints: tuple[Joint, ...]
     """Depth first from the root, children in the order of the URDF."""
     transmissions: tuple[Transmission, ...] = ()
+    """The drives: one per driven joint."""
     grippers: tuple[ParallelGripper, ...] = ()
+    """Its parallel grippers."""
     loops: tuple[LoopJoint, ...] = ()
+    """Pairs of links connected in a point, beyond the tree."""
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )
-    """Where ``link:NAME`` and ``joint:NAME`` are written, for messages."""
+    """Source locations of ``link:NAME`` and ``joint:NAME``, for messages."""
 
     @cached_property
     def link_by_name(self) -> dict[str, Link]:
+        """Its links by name."""
         return {link.name: link for link in self.links}
 
     @cached_property
     def joint_by_name(self) -> dict[str, Joint]:
+        """Its joints by name."""
         return {joint.name: joint for joint in self.joints}
 
     @cached_property
     def parent_joint(self) -> dict[str, Joint]:
-        """The joint above each link but the root."""
+        """The parent joint of each link except the root."""
         return {joint.child: joint for joint in self.joints}
 
     @cached_property
     def child_joints(self) -> dict[str, tuple[Joint, ...]]:
-        """The joints below each link."""
+        """The child joints of each link."""
         below: dict[str, list[Joint]] = {link.name: [] for link in self.links}
         for joint in self.joints:
             below[joint.parent].append(joint)
@@ -336,10 +357,12 @@ class RobotModel:
 
     @cached_property
     def movable_joints(self) -> tuple[Joint, ...]:
+        """The joints that are not fixed, depth first."""
         return tuple(joint for joint in self.joints if joint.is_movable)
 
     @cached_property
     def transmission_by_joint(self) -> dict[str, Transmission]:
+        """The drive of each driven joint."""
         return {item.joint: item for item in self.transmissions}
 
     @cached_property
@@ -348,7 +371,7 @@ class RobotModel:
         return tuple(link.name for link in self.links if link.name.endswith(FLANGE))
 
     def links_from(self, name: str) -> tuple[str, ...]:
-        """Return the link ``name`` and all beyond it, or raise ModelError."""
+        """Return the link ``name`` and all links beyond it, or raise ModelError."""
         found = [self.link(name).name]
         for joint in self.child_joints[name]:
             found += self.links_from(joint.child)

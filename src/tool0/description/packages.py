@@ -1,8 +1,8 @@
 """Finding ROS packages and the files inside them, without ROS.
 
-The bundled packages are found first, then those of ``ROS_PACKAGE_PATH``, each entry of
-which is a package itself or a folder above packages.  ``preferring`` puts the packages
-of a workspace before both.
+Bundled packages come first, then those of ``ROS_PACKAGE_PATH``, each entry of which is
+a package or a folder that contains packages.  ``preferring`` puts the packages of a
+workspace before both.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from tool0.errors import DescriptionError, SourceLocation, did_you_mean
+from tool0.user_data import expanded
 
 BUNDLED = Path(__file__).resolve().parent.parent / "ros_packages"
 
@@ -40,7 +41,7 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
     search_path = [
         path
         for entry in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)
-        if entry and (path := Path(entry).expanduser()).is_dir()
+        if entry and (path := expanded(entry)).is_dir()
     ]
     for entry in search_path:
         for folder in crawl(entry):
@@ -50,7 +51,7 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
     looked = ", ".join(map(str, (BUNDLED, *search_path)))
     raise DescriptionError(
         f"there is no ROS package '{name}' in {looked}{did_you_mean(name, seen)}; "
-        "add the folder that holds it to ROS_PACKAGE_PATH",
+        "add its parent folder to ROS_PACKAGE_PATH",
         location,
     )
 
@@ -66,14 +67,14 @@ def preferring(packages: Mapping[str, Path]) -> Iterator[None]:
 
 
 def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:
-    """Return the path that ``package://…``, ``file://…`` or a plain path means.
+    """Return the path of ``package://…``, ``file://…`` or a plain path.
 
-    A relative path counts from the folder of the file it is written in.  The
-    caller checks whether the file exists.
+    A relative path is relative to the file that contains it.  The caller checks
+    whether the file exists.
     """
     scheme, separator, rest = uri.partition("://")
     if not separator:
-        path = Path(uri).expanduser()
+        path = expanded(uri)
         if path.is_absolute() or location is None or location.file is None:
             return path
         return location.file.parent / path
@@ -83,7 +84,7 @@ def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:
     if scheme == "file":
         return Path("/" + rest.lstrip("/"))
     raise DescriptionError(
-        f"nothing reads '{scheme}://' in '{uri}'; "
+        f"'{scheme}://' in '{uri}' is not supported; "
         "write package://PACKAGE/PATH, file:///PATH or a path",
         location,
     )
@@ -102,7 +103,7 @@ def crawl(root: Path) -> Iterator[Path]:
 
 
 def package_name(folder: Path) -> str:
-    """Return what the package in ``folder`` calls itself."""
+    """Return the name in the manifest of the package in ``folder``."""
     text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
     match = _NAME.search(text)
     return match.group(1) if match else folder.name

@@ -1,10 +1,12 @@
 """A simple model from the text of an untrusted URDF or SDF.
 
-A simple model is one rigid body with one collision shape.
+A simple model is one rigid body with one collision shape or several.
 """
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import final
 from xml.dom.minidom import Document, Element
@@ -12,9 +14,19 @@ from xml.dom.minidom import Document, Element
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel
 from tool0.description.scene import DEFAULT_FRICTION, SceneObject
-from tool0.description.shapes import RGBA, SHAPES, Geometry, read_geometry, sizes
+from tool0.description.shapes import (
+    RGBA,
+    SHAPES,
+    Compound,
+    Geometry,
+    Solid,
+    parts_of,
+    read_geometry,
+    sizes,
+)
 from tool0.description.transform import Pose, Transform, to_pose, to_transform
 from tool0.description.urdf import read_model
+from tool0.description.urdf_elements import read_inertial
 from tool0.description.xml_source import (
     child_number,
     children,
@@ -27,6 +39,8 @@ from tool0.description.xml_source import (
     to_numbers,
 )
 from tool0.errors import DescriptionError, ModelError, SourceLocation
+
+logger = logging.getLogger(__name__)
 
 MAX_LENGTH = 1_000_000
 """Of the text [characters]: far more than one body needs, and read within a second."""
@@ -68,9 +82,10 @@ class RigidModel:
 
     name: str
     """As in its text."""
-    geometry: Geometry
+    geometry: Solid
     link: str = "link"
-    collision: str = "collision"
+    collisions: tuple[str, ...] = ("collision",)
+    """The name of each part of the shape."""
     T_model_link: Transform = field(default_factory=Transform)
     T_model_shape: Transform = field(default_factory=Transform)
     """Where the origin of the shape, which is the object's, sits in the model."""
@@ -97,7 +112,7 @@ def read_rigid_model(text: str) -> RigidModel:
     """Return the model that ``text`` describes, in URDF or SDF.
 
     Raises:
-        DescriptionError: If it cannot be read, or is no single body of one shape.
+        DescriptionError: If it cannot be read, or is no single body.
         ModelError: If nothing could be like this.
     """
     if len(text) > MAX_LENGTH:
@@ -122,11 +137,12 @@ def _bounded(model: RigidModel) -> RigidModel:
     Raises:
         ModelError: If its size, its mass or an offset is too large.
     """
-    extents = sizes(model.geometry)
+    parts = parts_of(model.geometry)
+    extents = [size for geometry, _ in parts for size in sizes(geometry)]
+    frames = (model.placement, model.T_model_link, model.T_model_shape)
     offsets = [
-        value
-        for frame in (model.placement, model.T_model_link, model.T_model_shape)
-        for value in frame.position
+        *(value for frame in frames for value in frame.position),
+        *(value for _, pose in parts for value in pose.xyz),
     ]
     if not all(abs(value) <= MAX_SIZE for value in (*extents, *offsets)):
         raise ModelError(
@@ -142,6 +158,7 @@ def _bounded(model: RigidModel) -> RigidModel:
 
 
 def _read_urdf(document: Document, robot: Element) -> RigidModel:
+    _replace_impossible_inertia(robot)
     model = read_model(document)
     if model.movable_joints:
         names = ", ".join(f"'{joint.name}'" for joint in model.movable_joints)
@@ -150,29 +167,67 @@ def _read_urdf(document: Document, robot: Element) -> RigidModel:
             "body can be spawned; write fixed joints, or leave them out"
         )
     shapes = [(link, shape) for link in model.links for shape in link.collisions]
-    if len(shapes) != 1:
+    if not shapes:
         raise DescriptionError(
-            f"model '{model.name}' has {len(shapes)} <collision> shapes; what is "
-            "spawned has exactly one"
+            f"model '{model.name}' has no <collision> shape; give its link one"
         )
-    ((link, shape),) = shapes
     poses = link_poses(model)
     base = model.root
     if base == _WORLD and model.child_joints[base]:
         base = model.child_joints[base][0].child
-    mu1 = None if link.surface is None else link.surface.mu1
+    frictions = (link.surface.mu1 for link, _ in shapes if link.surface is not None)
     extensions = list(children(robot, "gazebo"))
+    geometry, T_model_shape = _joined(
+        poses[base],
+        [
+            (shape.geometry, poses[link.name] @ to_transform(shape.origin))
+            for link, shape in shapes
+        ],
+    )
     return RigidModel(
         name=model.name,
-        geometry=shape.geometry,
+        geometry=geometry,
         link=base,
-        collision=f"{link.name}_collision",
+        collisions=tuple(
+            f"{link.name}_collision" + (f"_{number}" if number else "")
+            for link in model.links
+            for number in range(len(link.collisions))
+        ),
         T_model_link=poses[base],
-        T_model_shape=poses[link.name] @ to_transform(shape.origin),
+        T_model_shape=T_model_shape,
         mass=_urdf_mass(model, extensions),
-        friction=DEFAULT_FRICTION if mu1 is None else mu1,
+        friction=next((mu for mu in frictions if mu is not None), DEFAULT_FRICTION),
         rgba=_urdf_colour(model, extensions),
     )
+
+
+def _joined(
+    T_model_link: Transform, placed: Sequence[tuple[Geometry, Transform]]
+) -> tuple[Solid, Transform]:
+    """Return shapes, each with its pose in the model, as one; and its pose there.
+
+    The origin of several is their link's.
+    """
+    if len(placed) == 1:
+        return placed[0]
+    T_link_model = T_model_link.inverse()
+    parts = tuple((shape, to_pose(T_link_model @ pose)) for shape, pose in placed)
+    return Compound(parts=parts), T_model_link
+
+
+def _replace_impossible_inertia(robot: Element) -> None:
+    """Make each inertia possible: an object's own follows from its shape and mass."""
+    for link in children(robot, "link"):
+        tensor = _descendant(link, "inertial", "inertia")
+        try:
+            read_inertial(link, link.getAttribute("name"))
+        except ModelError as error:
+            if tensor is None or error.location != locate(tensor):
+                raise
+            logger.warning("%s; it is not used: shape and mass decide", error)
+            for axes, moment in {"xx yy zz": "1", "xy xz yz": "0"}.items():
+                for axis in axes.split():
+                    tensor.setAttribute(f"i{axis}", moment)
 
 
 def _urdf_mass(model: RobotModel, extensions: list[Element]) -> float | None:
@@ -205,6 +260,11 @@ def _gazebo_colour(element: Element | None) -> RGBA | None:
 
 
 def _read_sdf(sdf: Element) -> RigidModel:
+    for element in children(sdf, "include"):
+        raise DescriptionError(
+            "<include> is not supported: give the <model> itself, not its URI",
+            locate(element),
+        )
     model = required_child(sdf, "model")
     name = required(model, "name")
     for tag in _MANY:
@@ -215,23 +275,39 @@ def _read_sdf(sdf: Element) -> RigidModel:
                 locate(element),
             )
     link = _one(model, "link", name)
-    shape = _one(link, "collision", name)
+    shapes = list(children(link, "collision"))
+    if not shapes:
+        raise DescriptionError(
+            f"link '{required(link, 'name')}' of model '{name}' has no <collision>; "
+            "give it one",
+            locate(link),
+        )
     is_static = _flag(model, "static") or _is_bolted(model, name)
     inertial = only_child(link, "inertial")
     mass = None if inertial is None else child_number(inertial, "mass")
-    ode = _descendant(shape, "surface", "friction", "ode")
-    mu = None if ode is None else child_number(ode, "mu")
+    surfaces = (_descendant(shape, "surface", "friction", "ode") for shape in shapes)
+    frictions = (child_number(ode, "mu") for ode in surfaces if ode is not None)
     T_model_link = _sdf_pose(link)
+    geometry, T_model_shape = _joined(
+        T_model_link,
+        [
+            (
+                _sdf_geometry(required_child(shape, "geometry")),
+                T_model_link @ _sdf_pose(shape),
+            )
+            for shape in shapes
+        ],
+    )
     return RigidModel(
         name=name,
-        geometry=_sdf_geometry(required_child(shape, "geometry")),
+        geometry=geometry,
         link=required(link, "name"),
-        collision=required(shape, "name"),
+        collisions=tuple(required(shape, "name") for shape in shapes),
         T_model_link=T_model_link,
-        T_model_shape=T_model_link @ _sdf_pose(shape),
+        T_model_shape=T_model_shape,
         placement=_sdf_pose(model),
         mass=None if is_static else _DEFAULT_MASS if mass is None else mass,
-        friction=DEFAULT_FRICTION if mu is None else mu,
+        friction=next((mu for mu in frictions if mu is not None), DEFAULT_FRICTION),
         rgba=_sdf_colour(link),
     )
 

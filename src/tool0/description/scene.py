@@ -10,19 +10,19 @@ from typing import final
 
 from tool0.description.camera import Camera
 from tool0.description.model import RobotModel
-from tool0.description.shapes import RGBA, Box, Geometry, check_geometry
+from tool0.description.shapes import RGBA, Box, Solid, check_solid
 from tool0.description.transform import Pose, Vector3, to_transform
 from tool0.errors import ConfigError, SourceLocation
 
 DEFAULT_FRICTION = 1.0
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
-"""Orange: no part of the bundled robots has it."""
+"""Orange, which no part of the bundled robots has."""
 
 GROUND = "ground"
 """Name of the ground plane in contacts and warnings."""
 
 STILL_RGBA: RGBA = (0.78, 0.74, 0.66, 1.0)
-"""Of fixed objects without a colour: pale wood."""
+"""Colour of fixed objects by default: pale wood."""
 PALETTE: tuple[RGBA, ...] = (
     (0.90, 0.60, 0.00, 1.0),  # orange
     (0.00, 0.62, 0.45, 1.0),  # bluish green
@@ -31,11 +31,11 @@ PALETTE: tuple[RGBA, ...] = (
     (0.84, 0.37, 0.00, 1.0),  # vermilion
     (0.00, 0.45, 0.70, 1.0),  # blue
 )
-"""Of movable objects that name no colour, in turn: distinct for colour-blind people,
-too (Okabe and Ito, https://jfly.uni-koeln.de/color/)."""
+"""Default colours of movable objects, in turn: distinct also for colour-blind people
+(Okabe and Ito, https://jfly.uni-koeln.de/color/)."""
 
 DEFAULT_WALL = 0.004
-"""Thickness of floor and walls [m]: of a common plastic box."""
+"""Thickness of floor and walls [m], as of a common plastic box."""
 
 _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 
@@ -43,22 +43,23 @@ _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SceneObject:
-    """A rigid object of one shape, of uniform density.
+    """A rigid object of one shape or several, of uniform density.
 
-    The smaller friction of two objects that touch is what counts, as in ODE; the
-    ground and the robot's links are rough, its pads have their own.
+    Between two objects the smaller friction applies, as in ODE.  The ground and the
+    robot's links have a high friction; its pads have their own.
     """
 
     name: str
-    geometry: Geometry
-    """Centred at the object's origin; a mesh has the origin that its file has, and
-    touches others by its convex hull."""
+    """Letters, digits, ``_``, ``-``, ``.`` and single spaces."""
+    geometry: Solid
+    """Centred at the object's origin; a mesh keeps the origin of its file, and collides
+    by its convex hull; the parts of a compound have poses in the object's frame."""
     pose: Pose = field(default_factory=Pose)
-    """At the start and after a reset, in the robot's root."""
+    """Pose at the start and after a reset, in the robot's root."""
     mass: float | None = None
-    """[kg]; None is a fixed object."""
+    """Mass [kg]; None for a fixed object."""
     friction: float = DEFAULT_FRICTION
-    """Coulomb's coefficient for sliding, as ``mu1`` of Gazebo."""
+    """Coulomb friction coefficient, as Gazebo's ``mu1``."""
     rgba: RGBA = DEFAULT_RGBA
     """Each within 0 … 1."""
 
@@ -69,13 +70,13 @@ class SceneObject:
                 "use letters, digits, '_', '-', '.' and single spaces"
             )
         of = f"of object '{self.name}'"
-        check_geometry(self.geometry, of)
+        check_solid(self.geometry, of)
         if not all(map(math.isfinite, (*self.pose.xyz, *self.pose.rpy))):
             raise ConfigError(f"the pose {of} must be finite, got {self.pose}")
         if self.mass is not None and not 0.0 < self.mass < math.inf:
             raise ConfigError(
                 f"the mass {of} must be above 0 kg and finite, got {self.mass:g}; "
-                "leave it out for what stands still"
+                "omit it for a fixed object"
             )
         if not 0.0 <= self.friction < math.inf:
             raise ConfigError(
@@ -90,13 +91,14 @@ class SceneObject:
 @final
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Objects with a name each, in the order of every list of their poses."""
+    """Objects with unique names; lists of their poses have the same order."""
 
     objects: tuple[SceneObject, ...] = ()
+    """Each with a name of its own."""
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )
-    """Where the object of each name is written, for messages."""
+    """Source location of each object by name, for messages."""
     cameras: tuple[Camera, ...] = ()
     """In addition to the default cameras of every robot."""
 
@@ -131,19 +133,19 @@ def bin_walls(
     friction: float = DEFAULT_FRICTION,
     rgba: RGBA = STILL_RGBA,
 ) -> tuple[SceneObject, ...]:
-    """Return floor and walls of a bin that is open above.
+    """Return the floor and walls of a bin that is open at the top.
 
     Args:
-        name: They are called ``name.floor``, ``.front`` (+x), ``.back``, ``.left``
-            (+y) and ``.right``.
-        size: Outer edges x, y, z [m].
+        name: Prefix of the objects ``name.floor``, ``.front`` (+x), ``.back``,
+            ``.left`` (+y) and ``.right``.
+        size: Outer dimensions x, y, z [m].
         wall: Thickness of floor and walls [m].
-        pose: Of the centre of the outer box, in the robot's root.
+        pose: Pose of the centre of the outer box, in the robot's root.
         friction: Of each of the five.
         rgba: Of each of the five.
 
     Raises:
-        ConfigError: If the walls leave no room inside, or a value cannot be.
+        ConfigError: If the walls leave no room inside, or a value is invalid.
     """
     x, y, z = size
     if not 0.0 < 2 * wall < min(x, y) or not wall < z:

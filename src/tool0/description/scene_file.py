@@ -1,25 +1,29 @@
-"""A scene's YAML file, read into values, and the scenes that come with tool0.
+"""Reads scenes from YAML files, and lists the built-in scenes.
 
-The keys are those of ``SceneObject`` and ``Camera``, but that the geometry goes by its
-kind, and a camera's pose may name a point to look at::
+The keys are those of ``SceneObject`` and ``Camera``, except that the key of the shape
+is its kind, and that a camera's pose may have a point to look at::
 
     objects:
       - {name: table, box: {size: [0.6, 0.8, 0.04]}, pose: {xyz: [0.6, 0, 0]}}
       - {name: can, cylinder: {radius: 0.03, length: 0.1}, mass: 0.2, friction: 0.6}
       - {name: part, mesh: {file: part.stl, scale: [0.001, 0.001, 0.001]}, mass: 0.1}
       - {name: tray, bin: {size: [0.3, 0.2, 0.1], wall: 0.004}}
+      - name: mug  # one rigid body; a shape has a pose in it
+        mass: 0.3
+        shapes:
+          - {cylinder: {radius: 0.04, length: 0.1}}
+          - {box: {size: [0.03, 0.01, 0.06]}, pose: {xyz: [0.055, 0, 0]}}
     cameras:
       - {name: above, pose: {xyz: [0.5, 0, 1.2], look_at: [0.5, 0, 0], up: [1, 0, 0]}}
       - {name: palm, link: tool0, pose: {xyz: [0, 0, 0.1], rpy: [0, 0, 0]}, far: 2}
 
-A bin is an open box that stands still; it becomes the objects ``tray.floor``,
-``tray.front``, ….
+A bin is a fixed open box; it becomes the objects ``tray.floor``, ``tray.front``, ….
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
@@ -37,6 +41,7 @@ from tool0.description.scene import (
 from tool0.description.shapes import (
     RGBA,
     SHAPES,
+    Compound,
     Geometry,
     check_geometry,
     read_geometry,
@@ -50,6 +55,7 @@ from tool0.errors import (
     SourceLocation,
     did_you_mean,
 )
+from tool0.user_data import expanded
 
 Item = TypeVar("Item", SceneObject, Camera)
 
@@ -57,7 +63,8 @@ SCENE_FOLDER = Path(__file__).resolve().parent.parent / "scenes"
 
 _ZERO = (0.0, 0.0, 0.0)
 _BIN = "bin"
-_KINDS = (*SHAPES, _BIN)
+_SEVERAL = "shapes"
+_KINDS = (*SHAPES, _BIN, _SEVERAL)
 _SHAPE_KEYS = {
     "box": ("size",),
     "cylinder": ("radius", "length"),
@@ -70,25 +77,25 @@ _CAMERA_PIXELS = ("width", "height")
 
 
 def shipped_scenes() -> dict[str, Path]:
-    """Return the file of each built-in scene, by its name."""
+    """Return the files of the built-in scenes by name."""
     return {path.stem: path for path in sorted(SCENE_FOLDER.glob("*.yaml"))}
 
 
 def scene_path(given: Path | str) -> Path:
-    """Return the file of a scene that is given by path or built-in name.
+    """Return the file of a scene, given by path or built-in name.
 
-    A file comes before a built-in scene of the same name.
+    A file has precedence over a built-in scene of the same name.
 
     Raises:
-        ConfigError: If it is only a name, and there is neither.
+        ConfigError: If it is only a name, and neither exists.
     """
-    path = Path(given).expanduser()
+    path = expanded(given)
     if path.suffix or path.name != str(given) or path.is_file():
         return path
     shipped = shipped_scenes()
     if path.name not in shipped:
         raise ConfigError(
-            f"no scene '{path.name}'{did_you_mean(path.name, list(shipped))}; name a "
+            f"no scene '{path.name}'{did_you_mean(path.name, list(shipped))}; give a "
             f"YAML file, or a built-in one: {', '.join(shipped)}"
         )
     return shipped[path.name]
@@ -98,7 +105,7 @@ def load_scene(path: Path | str) -> Scene:
     """Return the objects in a YAML file, or in the built-in scene of that name.
 
     Raises:
-        ConfigError: If anything in it is wrong, with file and line.
+        ConfigError: If it contains a mistake, with file and line.
     """
     tree = read_files([scene_path(path)])
     tree.require_unique_keys()
@@ -113,7 +120,7 @@ def load_scene(path: Path | str) -> Scene:
 def _read_list(
     root: Namespace, kind: str, read: Callable[[YamlEntry], tuple[Item, ...]]
 ) -> tuple[tuple[Item, ...], dict[str, SourceLocation]]:
-    """Return what the entries of a list describe, and where each name is written."""
+    """Return the items that a list describes, and the location of each name."""
     found: list[Item] = []
     locations: dict[str, SourceLocation] = {}
     for entry in root.items(kind):
@@ -140,21 +147,12 @@ def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...
     else:
         rgba = STILL_RGBA if mass is None else next(colors)
     name = values.text("name")
-    kinds = [kind for kind in _KINDS if values.find(kind) is not None]
-    shape = values.namespace(kinds[0]) if len(kinds) == 1 else None
-    if shape is None:
-        raise ConfigError(
-            f"object '{name}' has {' and '.join(kinds) or 'no shape'}; "
-            f"give it one of {', '.join(_KINDS)}",
-            entry.location,
-        )
-    shape.only(*_SHAPE_KEYS[kinds[0]])
+    kind = _kind(values, _KINDS, f"object '{name}'")
     friction = values.number("friction", DEFAULT_FRICTION)
-    if kinds == [_BIN]:
+    if kind == _BIN:
+        shape = _shape(values, kind)
         if mass is not None:
-            raise ConfigError(
-                f"bin '{name}' stands still; leave out its mass", entry.location
-            )
+            raise ConfigError(f"bin '{name}' is fixed; omit its mass", entry.location)
         with _located(shape.entry):
             return bin_walls(
                 name,
@@ -164,9 +162,10 @@ def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...
                 friction=friction,
                 rgba=rgba,
             )
-    geometry = _geometry(kinds[0], shape)
-    with _located(shape.entry):
-        check_geometry(geometry, f"of object '{name}'")
+    of = f"of object '{name}'"
+    geometry = (
+        _compound(values, of) if kind == _SEVERAL else _geometry(kind, values, of)
+    )
     with _located(entry):
         item = SceneObject(
             name=name,
@@ -179,7 +178,44 @@ def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...
     return (item,)
 
 
-def _geometry(kind: str, shape: Namespace) -> Geometry:
+def _kind(values: Namespace, kinds: Sequence[str], owner: str) -> str:
+    """Return the only one of the ``kinds`` that is given."""
+    given = [kind for kind in kinds if values.find(kind) is not None]
+    if len(given) != 1:
+        raise ConfigError(
+            f"{owner} has {' and '.join(given) or 'no shape'}; "
+            f"give it one of {', '.join(kinds)}",
+            values.location,
+        )
+    return given[0]
+
+
+def _shape(values: Namespace, kind: str) -> Namespace:
+    """Return the sizes of a shape."""
+    shape = values.namespace(kind) or values
+    shape.only(*_SHAPE_KEYS[kind])
+    return shape
+
+
+def _compound(values: Namespace, of: str) -> Compound:
+    """Return the list of ``shapes``, each with a pose in the object's frame."""
+    parts = []
+    for number, entry in enumerate(values.items(_SEVERAL), start=1):
+        part = Namespace(entry)
+        part.only("pose", *SHAPES)
+        of_part = f"shape {number} {of}"
+        kind = _kind(part, SHAPES, of_part)
+        parts.append((_geometry(kind, part, f"of {of_part}"), _pose(part)))
+    if not parts:
+        location = (values.find(_SEVERAL) or values.entry).location
+        raise ConfigError(f"the list 'shapes' {of} is empty; give shapes", location)
+    return Compound(parts=tuple(parts))
+
+
+def _geometry(kind: str, values: Namespace, of: str) -> Geometry:
+    """Return the shape that ``values`` have of a kind; ``of`` names its owner."""
+    shape = _shape(values, kind)
+
     def numbers(
         name: str, count: int, default: tuple[float, ...] | None = None
     ) -> tuple[float, ...]:
@@ -190,9 +226,12 @@ def _geometry(kind: str, shape: Namespace) -> Geometry:
         return shape.text("file"), (shape.find("file") or shape.entry).location
 
     try:
-        return read_geometry(kind, numbers, uri)
+        geometry = read_geometry(kind, numbers, uri)
     except DescriptionError as error:
         raise ConfigError(error.message, error.location) from None
+    with _located(shape.entry):
+        check_geometry(geometry, of)
+    return geometry
 
 
 def _camera(entry: YamlEntry) -> Camera:

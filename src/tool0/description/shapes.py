@@ -1,18 +1,25 @@
-"""Shapes of links and objects, and the mesh files that some of them come from."""
+"""Shapes of links and objects, and their mesh files."""
 
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Callable
 from dataclasses import dataclass
+from numbers import Real
 from pathlib import Path
 from typing import final
 
 from tool0.description.packages import resolve_uri
-from tool0.description.transform import Vector3
+from tool0.description.transform import Pose, Vector3
 from tool0.errors import ConfigError, DescriptionError, SourceLocation
 
 MESH_SUFFIXES = (".dae", ".obj", ".stl")
+MOST_MESH_BYTES = 100_000_000
+_STL_HEADER, _STL_TRIANGLE = 84, 50
+"""Of binary STL [bytes]: name and number of triangles; normal, corners, two spare."""
+_STL_TRAILER = 1024
+"""Some programs write something after the triangles [bytes]."""
 SHAPES = ("box", "cylinder", "sphere", "mesh")
 
 RGBA = tuple[float, float, float, float]
@@ -21,8 +28,10 @@ RGBA = tuple[float, float, float, float]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Box:
+    """A box, centred at its origin."""
+
     size: Vector3
-    """Full edge lengths."""
+    """Full edge lengths along x, y and z [m]."""
 
 
 @final
@@ -31,26 +40,75 @@ class Cylinder:
     """A cylinder about z, centred at its origin."""
 
     radius: float
+    """[m]"""
     length: float
+    """Along z [m]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sphere:
+    """A sphere, centred at its origin."""
+
     radius: float
+    """[m]"""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
+    """A mesh from a file; ``mesh`` makes one."""
+
     uri: str
-    """As written: ``package://…``, ``file://…`` or a path."""
+    """As in the source: ``package://…``, ``file://…`` or a path."""
     path: Path
     """The file it resolves to; it exists."""
     scale: Vector3 = (1.0, 1.0, 1.0)
+    """Factors from the file's numbers to metres, along x, y and z."""
 
 
 Geometry = Box | Cylinder | Sphere | Mesh
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compound:
+    """Several shapes that are one rigid body, of the same density.
+
+    Where shapes overlap, the mass counts twice.
+    """
+
+    parts: tuple[tuple[Geometry, Pose], ...]
+    """Each shape, and its pose in the body's frame."""
+
+    def __post_init__(self) -> None:
+        try:
+            is_valid = bool(self.parts) and all(
+                isinstance(shape, Geometry) and isinstance(pose, Pose)
+                for shape, pose in self.parts
+            )
+        except (TypeError, ValueError):
+            is_valid = False
+        if not is_valid or not isinstance(self.parts, tuple):
+            raise ConfigError(
+                "the parts of a compound are a tuple of (shape, Pose) pairs, at least "
+                f"one, got {self.parts!r:.80}"
+            )
+
+
+Solid = Geometry | Compound
+"""The shape of an object."""
+
+
+def parts_of(solid: Solid) -> tuple[tuple[Geometry, Pose], ...]:
+    """Return the shapes of an object, and their poses in its frame."""
+    return solid.parts if isinstance(solid, Compound) else ((solid, Pose()),)
+
+
+def part_names(name: str, solid: Solid) -> tuple[str, ...]:
+    """Return a name for each part: ``name``, ``name_1``, ``name_2``, …, as Gazebo."""
+    count = len(parts_of(solid))
+    return (name, *(f"{name}_{number}" for number in range(1, count)))
 
 
 def read_geometry(
@@ -61,7 +119,7 @@ def read_geometry(
     """Return the shape of a kind in ``SHAPES``, its sizes unchecked.
 
     Args:
-        kind: Its kind.
+        kind: The kind of shape.
         numbers: Reads ``size``, ``radius``, ``length`` or ``scale``, by name, count and
             an optional default: attributes, child elements or YAML values.
         uri: Returns the URI of a mesh, and where it is written.
@@ -84,7 +142,7 @@ def read_geometry(
 
 
 def sizes(geometry: Geometry) -> tuple[float, ...]:
-    """Return all sizes of a shape [m]; of a mesh, its scale."""
+    """Return the sizes of a shape [m], or the scale of a mesh."""
     match geometry:
         case Box(size=size):
             return size
@@ -96,10 +154,31 @@ def sizes(geometry: Geometry) -> tuple[float, ...]:
             return scale
 
 
+def check_solid(solid: Solid, of: str) -> None:
+    """Raise ConfigError unless sizes and poses are valid; ``of`` names the owner."""
+    if not isinstance(solid, Compound):
+        check_geometry(solid, of)
+        return
+    for number, (geometry, pose) in enumerate(solid.parts, start=1):
+        check_geometry(geometry, f"of shape {number} {of}")
+        if not all(map(math.isfinite, (*pose.xyz, *pose.rpy))):
+            raise ConfigError(
+                f"the pose of shape {number} {of} must be finite, got {pose}"
+            )
+
+
 def check_geometry(geometry: Geometry, of: str) -> None:
-    """Raise ConfigError unless its sizes are possible; ``of`` names its owner."""
-    values = sizes(geometry)
+    """Raise ConfigError unless the sizes are valid; ``of`` names the owner."""
     kind = type(geometry).__name__.lower()
+    try:
+        values = tuple(float(x) for x in sizes(geometry) if isinstance(x, Real))
+        is_number = len(values) == len(sizes(geometry))
+    except (TypeError, OverflowError):
+        is_number = False
+    if not is_number:
+        raise ConfigError(
+            f"the sizes of the {kind} {of} must be numbers, got {sizes(geometry)!r:.80}"
+        )
     if isinstance(geometry, Box) and len(values) != 3:
         raise ConfigError(f"the box {of} has three edges, got {len(values)}")
     if isinstance(geometry, Mesh):
@@ -119,7 +198,7 @@ def _find_mesh(uri: str, location: SourceLocation | None) -> Path:
     path = resolve_uri(uri, location)
     if path.suffix.lower() not in MESH_SUFFIXES:
         raise DescriptionError(
-            f"nothing reads the mesh '{uri}'; convert it to one of "
+            f"the format of the mesh '{uri}' is not supported; convert it to one of "
             f"{', '.join(MESH_SUFFIXES)}",
             location,
         )
@@ -127,16 +206,43 @@ def _find_mesh(uri: str, location: SourceLocation | None) -> Path:
         raise DescriptionError(
             f"there is no mesh '{path}' (written '{uri}'); check the path", location
         )
+    problem = _size_problem(path)
+    if problem:
+        raise DescriptionError(f"the mesh '{path}' {problem}", location)
     return path.absolute()
 
 
-def mesh(file: Path | str, scale: float | Vector3 = 1.0) -> Mesh:
-    """Return the shape in a file, STL or OBJ: a path, ``package://`` or ``file://``.
+def _size_problem(path: Path) -> str:
+    """Return what is wrong with a mesh's size, before all of it is read."""
+    try:
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            header = file.read(_STL_HEADER)
+    except OSError as error:
+        return f"cannot be read: {error.strerror}"
+    if size > MOST_MESH_BYTES:
+        limit = MOST_MESH_BYTES // 10**6
+        return f"has {size / 1e6:,.0f} MB; use one of at most {limit} MB"
+    is_text = header.startswith(b"solid")
+    if path.suffix.lower() != ".stl" or is_text or len(header) < _STL_HEADER:
+        return ""
+    (count,) = struct.unpack_from("<I", header, _STL_HEADER - 4)
+    needed = _STL_HEADER + _STL_TRIANGLE * count
+    if needed <= size <= needed + _STL_TRAILER:
+        return ""
+    return (
+        f"is no binary STL: its header says {count:,} triangles, which take "
+        f"{needed:,} bytes, and the file has {size:,}"
+    )
 
-    Its lengths times ``scale``, for all or each direction, are [m]: 0.001 for mm.
+
+def mesh(file: Path | str, scale: float | Vector3 = 1.0) -> Mesh:
+    """Return the shape in an STL or OBJ file: a path, ``package://`` or ``file://``.
+
+    ``scale``, for all or each direction, converts its lengths to [m]: 0.001 for mm.
 
     Raises:
-        DescriptionError: If it is not there, or of a kind that nothing reads.
+        DescriptionError: If it is missing, or its format is not supported.
     """
     three = (scale, scale, scale) if isinstance(scale, (int, float)) else scale
     return Mesh(uri=str(file), path=_find_mesh(str(file), None), scale=three)

@@ -1,4 +1,4 @@
-"""Rigid transforms in plain floats: poses of URDF, matrices and quaternions."""
+"""Rigid transforms in plain floats: URDF poses, matrices and quaternions."""
 
 from __future__ import annotations
 
@@ -19,13 +19,15 @@ Quaternion = tuple[float, float, float, float]
 Rotation = tuple[Vector3, Vector3, Vector3]
 """Rows of a rotation matrix."""
 
+FARTHEST = 1e6
+"""Largest coordinate of a requested pose [m]."""
 _IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
-    """A frame in its parent, as URDF's ``<origin>`` writes it."""
+    """A frame in its parent, as in URDF's ``<origin>``."""
 
     xyz: Vector3 = (0.0, 0.0, 0.0)
     """[m]"""
@@ -41,9 +43,10 @@ class Transform:
     position: Vector3 = (0.0, 0.0, 0.0)
     """[m]"""
     rotation: Rotation = _IDENTITY
+    """Rows of the rotation matrix, shape (3, 3)."""
 
     def __matmul__(self, other: Transform) -> Transform:
-        """Return the pose of ``other``'s frame in the frame that this one is in."""
+        """Return the pose of ``other``, given in this frame, in the parent frame."""
         x, y, z = self.apply(other.position)
         columns = tuple(zip(*other.rotation, strict=True))
         rows = tuple(
@@ -68,7 +71,7 @@ class Transform:
         return Transform(rotation=self.rotation).apply(vector)
 
     def inverse(self) -> Transform:
-        """Return the transform that undoes this one."""
+        """Return the inverse transform."""
         a, b, c = zip(*self.rotation, strict=True)
         transposed = Transform(rotation=(a, b, c))
         x, y, z = transposed.apply(self.position)
@@ -135,7 +138,7 @@ def pose_matrix(pose: Pose) -> NDArray[np.float64]:
 
 
 def to_pose(transform: Transform) -> Pose:
-    """Return ``transform`` as URDF's ``<origin>`` would write it."""
+    """Return ``transform`` in the form of URDF's ``<origin>``."""
     (xx, _, _), (yx, yy, yz), (zx, zy, zz) = transform.rotation
     horizontal = math.hypot(xx, yx)
     if horizontal > 1e-9:  # [1] above that, roll and yaw are distinct
@@ -146,7 +149,7 @@ def to_pose(transform: Transform) -> Pose:
 
 
 def from_quaternion(position: Sequence[float], quat_wxyz: Sequence[float]) -> Transform:
-    """Return the transform with a quaternion of any length above 0."""
+    """Return the transform with a quaternion of any positive length."""
     px, py, pz = position
     length = math.hypot(*quat_wxyz)
     w, x, y, z = (part / length for part in quat_wxyz)
@@ -175,20 +178,21 @@ AnyPose = Transform | Pose | Iterable[Sequence[float]]
 def as_matrix(pose: AnyPose) -> NDArray[np.float64]:
     """Return a pose as a homogeneous matrix, shape (4, 4).
 
-    A rotation that is not quite orthogonal is replaced by the nearest that is.
+    A rotation that is not exactly orthogonal is replaced by the nearest orthogonal one.
 
     Raises:
-        ModelError: If it is no pose.
+        ModelError: If it is not a pose.
     """
     import numpy as np
 
-    if isinstance(pose, Pose):
-        pose = to_transform(pose)
-    if isinstance(pose, Transform):
-        pose = pose.matrix
+    given: object = pose
     try:
-        T = np.array(pose, dtype=float)
-    except (TypeError, ValueError):
+        if isinstance(given, Pose):
+            given = to_transform(given)
+        if isinstance(given, Transform):
+            given = given.matrix
+        T = np.array(given, dtype=float)
+    except (TypeError, ValueError, OverflowError):
         raise ModelError(
             f"a pose must be a Transform, a Pose or a (4, 4) array, got {pose!r:.80}"
         ) from None
@@ -196,11 +200,15 @@ def as_matrix(pose: AnyPose) -> NDArray[np.float64]:
         raise ModelError(
             f"a pose must be finite and of shape (4, 4), got {T.shape}: {T.tolist()}"
         )
+    if np.abs(T).max() > FARTHEST:
+        raise ModelError(
+            f"a pose must be within {FARTHEST:g} m, got {T.flat[np.abs(T).argmax()]:g}"
+        )
     R = T[:3, :3]
     is_rotation = np.abs(R @ R.T - np.eye(3)).max() < 1e-3 and np.linalg.det(R) > 0
     if not is_rotation or np.abs(T[3] - [0, 0, 0, 1]).max() > 1e-9:
         raise ModelError(
-            "the array is no pose: need a rotation above left and 0 0 0 1 below, "
+            "the array is not a pose: need a rotation at top left and 0 0 0 1 below, "
             f"got {T.tolist()}"
         )
     U, _, Vt = np.linalg.svd(R)
@@ -219,7 +227,7 @@ def subtract(a: Vector3, b: Vector3) -> Vector3:
 
 
 def cross(a: Vector3, b: Vector3) -> Vector3:
-    """Return the vector product of a and b."""
+    """Return the cross product of a and b."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],

@@ -1,4 +1,4 @@
-"""A strict reading of URDF: a ``RobotModel``, or an error with file and line.
+"""Strict URDF parser: returns a ``RobotModel``, or an error with file and line.
 
 Besides the tree it reads ``<transmission>`` as ros_control does,
 ``<gazebo reference=…>`` (surfaces and springs) as Gazebo does, and elements of our own:
@@ -51,18 +51,18 @@ Item = TypeVar("Item", Link, Joint)
 _Locations = dict[str, SourceLocation]
 
 LOOP_GAP = 1e-5
-"""How far apart the two ends of a loop may lie in its rest position [m]."""
+"""Largest distance between the ends of a loop in its rest position [m]."""
 _SURFACE = ("mu1", "mu2", "kp", "kd", "minDepth", "maxVel")
 
 
 def read_model(document: Document) -> RobotModel:
     """Return the robot that ``document`` describes.
 
-    Elements that URDF does not know are ignored, as ROS ignores them.
+    Unknown elements are ignored, as in ROS.
 
     Raises:
         DescriptionError: If something is missing or cannot be read.
-        ModelError: If no robot could be like this.
+        ModelError: If the robot is physically impossible.
     """
     robot = document.documentElement
     if robot is None or robot.tagName != "robot":
@@ -168,7 +168,7 @@ def _order(
 
 
 def _loop(above: Mapping[str, Joint], start: Joint) -> list[str]:
-    """Return the joints of the loop that is met going up from ``start``."""
+    """Return the joints of the loop found by going up from ``start``."""
     path: list[str] = []
     joint = start
     while joint.name not in path:
@@ -178,7 +178,7 @@ def _loop(above: Mapping[str, Joint], start: Joint) -> list[str]:
 
 
 def _check_mimics(joints: Mapping[str, Joint], locations: _Locations) -> None:
-    """Raise ModelError unless each mimic joint follows one that follows none."""
+    """Raise ModelError unless each mimic joint follows a joint that mimics none."""
     for joint in joints.values():
         if joint.mimic is None:
             continue
@@ -211,8 +211,8 @@ def _apply_gazebo(
             joints[name] = _with_spring(joints[name], element)
         elif name in links:
             links[name] = _with_surface(links[name], element)
-        elif name:  # without a name it is for the whole model: Gazebo's own matter
-            logger.warning(  # as Gazebo does; published robots have such
+        elif name:  # without a name it is for the whole model: left to Gazebo
+            logger.warning(  # as in Gazebo; published robots contain such references
                 "%s: <gazebo> refers to '%s', which is no link: it has no effect%s",
                 locate(element),
                 name,
@@ -230,7 +230,7 @@ def _with_spring(joint: Joint, element: Element) -> Joint:
 
 
 def _with_surface(link: Link, element: Element) -> Link:
-    """Return ``link`` with what one ``<gazebo>`` adds; a link may have several."""
+    """Return ``link`` with the properties of one ``<gazebo>``; it may have several."""
     flag = only_child(element, "selfCollide")
     if flag is not None:
         choice(text_of(flag).lower(), ("true", "1", "false", "0"), flag, "boolean")
@@ -247,7 +247,7 @@ def _with_surface(link: Link, element: Element) -> Link:
 
 
 def _mark_passive(robot: Element, joints: dict[str, Joint]) -> None:
-    """Mark the joints that only a loop holds."""
+    """Mark the joints that only a loop drives."""
     for element in children(robot, "passive_joint"):
         name = required(element, "name")
         what = "<passive_joint> names the unknown joint"

@@ -1,7 +1,7 @@
-"""Reading one element of URDF: ``<link>``, ``<joint>`` and what belongs to a joint.
+"""Parses the elements of URDF: ``<link>``, ``<joint>`` and the parts of a joint.
 
-``<loop_joint>`` and ``<parallel_gripper>`` are our own; other readers of URDF ignore
-elements they do not know.
+``<loop_joint>`` and ``<parallel_gripper>`` are our own; other URDF parsers ignore
+unknown elements.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 _LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
 _WITH_AXIS = (*_LIMITED, JointType.CONTINUOUS, JointType.PLANAR)
 _INTERFACE_PACKAGE = "hardware_interface/"
-# The slack of the triangle inequality, for numbers rounded by CAD programs.
+# Tolerance of the triangle inequality, for numbers rounded by CAD programs.
 _ROUNDING = 1e-3
 
 
@@ -65,7 +65,7 @@ def read_link(element: Element, materials: Mapping[str, RGBA]) -> Link:
     name = required(element, "name")
     return Link(
         name=name,
-        inertial=_read_inertial(element, name),
+        inertial=read_inertial(element, name),
         visuals=tuple(
             Visual(
                 geometry=_read_geometry(child),
@@ -81,7 +81,8 @@ def read_link(element: Element, materials: Mapping[str, RGBA]) -> Link:
     )
 
 
-def _read_inertial(link: Element, name: str) -> Inertial | None:
+def read_inertial(link: Element, name: str) -> Inertial | None:
+    """Return the <inertial> of a link, or None; ModelError if no body is like this."""
     element = only_child(link, "inertial")
     if element is None:
         return None
@@ -90,7 +91,7 @@ def _read_inertial(link: Element, name: str) -> Inertial | None:
     if not mass > 0:
         raise ModelError(
             f"link '{name}' has mass {mass:g} kg; give a mass above zero, "
-            "or leave <inertial> out for a frame without mass",
+            "or omit <inertial> for a frame without mass",
             locate(mass_element),
         )
     tensor = required_child(element, "inertia")
@@ -102,7 +103,7 @@ def _read_inertial(link: Element, name: str) -> Inertial | None:
 
 
 def _check_inertia(inertial: Inertial, name: str, element: Element) -> None:
-    """Raise ModelError unless some body of positive mass has this inertia."""
+    """Raise ModelError unless a body of positive mass can have this inertia."""
     low, middle, high = inertial.principal_moments
     moments = f"principal moments {low:.4g}, {middle:.4g}, {high:.4g} kg·m²"
     if not low > 0:
@@ -132,7 +133,7 @@ def _read_geometry(owner: Element) -> Geometry:
     location = locate(shape)
     if shape.tagName == "capsule":
         raise DescriptionError(
-            "no engine reads <capsule>; write a cylinder and two spheres", location
+            "no engine supports <capsule>; write a cylinder and two spheres", location
         )
     geometry = read_geometry(
         choice(shape.tagName, SHAPES, shape, "geometry"),
@@ -222,11 +223,11 @@ def _read_limits(element: Element, name: str, kind: JointType) -> JointLimits:
             raise LimitsError(
                 f"{kind.value} joint '{name}' lacks "
                 '<limit lower="…" upper="…" effort="…" velocity="…"/>; '
-                "a joint that turns without end is of type continuous",
+                "a joint without limits is of type continuous",
                 locate(element),
             )
         return JointLimits()
-    # urdfdom requires velocity and effort; a joint without end may leave them out
+    # urdfdom requires velocity and effort; continuous joints may omit them
     otherwise = None if is_limited else math.inf
     velocity = number(child, "velocity", otherwise)
     effort = number(child, "effort", otherwise)
@@ -254,14 +255,14 @@ def _read_safety(element: Element) -> SafetyController | None:
     if not safety.soft_lower_limit <= safety.soft_upper_limit:
         raise LimitsError(
             f"soft lower limit {safety.soft_lower_limit} is above "
-            f"soft upper limit {safety.soft_upper_limit}; take a smaller margin",
+            f"soft upper limit {safety.soft_upper_limit}; use a smaller margin",
             locate(child),
         )
     return safety
 
 
 def read_transmission(element: Element) -> Transmission:
-    """Return the transmission that ``element`` describes, as ros_control reads it."""
+    """Return the transmission that ``element`` describes, as in ros_control."""
     joint = required_child(element, "joint")
     actuator = only_child(element, "actuator")
     reduction = inertia = None

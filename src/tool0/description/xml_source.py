@@ -1,8 +1,8 @@
-"""XML whose elements know the file and line they were written on, and typed reading.
+"""XML whose elements know their file and line, and typed access to their values.
 
 The location follows an element when xacro clones a macro's body, so that an error in
-expanded XML points at the macro's source.  Comments and the white space between
-elements are left out: nothing reads them, and xacro is much faster without.
+expanded XML points at the macro's source.  Comments and white space between elements
+are omitted: nothing needs them, and xacro is much faster without.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from tool0.description.transform import Pose, Vector3
 from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
 
 MAX_DEPTH = 500
-"""Of elements in elements; minidom climbs to the top for each that is added."""
+"""Largest nesting depth; minidom climbs to the top for each added element."""
 
 
 @final
 class LocatedElement(Element):
-    """An element of the DOM that remembers where it was written.
+    """A DOM element that remembers its source location.
 
-    Its attributes are a plain dict.  minidom keeps each as a node of its own, in two
-    dicts, which makes up a third of the time that an expansion takes.
+    Its attributes are a plain dict.  minidom keeps each as a node in two dicts, which
+    takes a third of the time of an expansion.
     """
 
     def __init__(self, tag: str, location: SourceLocation | None = None) -> None:
@@ -37,7 +37,7 @@ class LocatedElement(Element):
 
     @property
     def attributes(self) -> Any:  # type: ignore[override]  # a NamedNodeMap in minidom
-        """A copy of the attributes; xacro only goes through ``items`` and ``keys``."""
+        """A copy of the attributes; xacro only uses ``items`` and ``keys``."""
         return dict(self._values)
 
     def hasAttribute(self, name: str) -> bool:
@@ -61,7 +61,7 @@ class LocatedElement(Element):
         return node
 
     def cloneNode(self, deep: bool) -> LocatedElement:
-        """Return a copy that was written at the same place."""
+        """Return a copy with the same source location."""
         clone = LocatedElement(self.tagName, self.location)
         clone.ownerDocument = self.ownerDocument
         clone._values = dict(self._values)
@@ -74,7 +74,7 @@ class LocatedElement(Element):
     def writexml(
         self, writer: Any, indent: str = "", addindent: str = "", newl: str = ""
     ) -> None:
-        """Write the element and all below it; text alone stays on its line."""
+        """Write the element and its children; text alone stays on its line."""
         attributes = "".join(
             f' {name}="{value.translate(_ESCAPES)}"'
             for name, value in self._values.items()
@@ -95,7 +95,7 @@ class LocatedElement(Element):
 _ESCAPES = str.maketrans(
     {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;"}
 )
-"""How text stands in XML, between tags or double quotes."""
+"""Escaping of text in XML, between tags or double quotes."""
 
 
 def parse_file(path: Path) -> Document:
@@ -123,7 +123,7 @@ def parse_text(text: str | bytes, file: Path | None = None) -> Document:
 
 
 def locate(node: Node | None) -> SourceLocation | None:
-    """Return where ``node``, or the nearest element around it, was written."""
+    """Return the source location of ``node``, or of the nearest enclosing element."""
     while node is not None:
         if isinstance(node, LocatedElement) and node.location is not None:
             return node.location
@@ -143,7 +143,7 @@ def to_text(document: Document) -> str:
     for element in document.getElementsByTagName("*"):
         for child in list(element.childNodes):
             if not isinstance(child, Element) and not (child.nodeValue or "").strip():
-                element.removeChild(child)  # xacro leaves blank text behind
+                element.removeChild(child)  # xacro leaves blank text
     return document.toprettyxml(indent="  ")
 
 
@@ -213,10 +213,10 @@ class _Builder:
     def _doctype(
         self, _name: str, _system: str | None, _public: str | None, declares: bool
     ) -> None:
-        """Refuse declarations: nested entities grow a small file to gigabytes."""
+        """Reject declarations: nested entities expand a small file to gigabytes."""
         if declares:
             raise DescriptionError(
-                "declarations in <!DOCTYPE …> are refused; remove them, "
+                "declarations in <!DOCTYPE …> are not allowed; remove them, "
                 "and write xacro properties instead of entities",
                 self._here(),
             )
@@ -260,7 +260,7 @@ def required_child(element: Element, tag: str) -> Element:
 
 
 def number(element: Element, attribute: str, default: float | None = None) -> float:
-    """Return ``attribute`` as a number; without ``default`` it must be there."""
+    """Return ``attribute`` as a number; without ``default`` it is required."""
     (value,) = numbers(element, attribute, 1, None if default is None else [default])
     return value
 
@@ -315,7 +315,7 @@ def origin(element: Element) -> Pose:
 
 
 def not_negative(value: float, what: str, element: Element) -> float:
-    """Return ``value``, or raise ModelError; ``what`` comes before it."""
+    """Return ``value``, or raise ModelError with ``what`` before it."""
     if not value >= 0:
         raise ModelError(f"{what} {value:g}; it must not be negative", locate(element))
     return value
@@ -343,7 +343,7 @@ def choice(text: str, valid: Sequence[str], element: Element, what: str) -> str:
 def require_known(
     name: str, valid: Collection[str], what: str, location: SourceLocation | None
 ) -> None:
-    """Raise ModelError unless ``name`` is one of ``valid``; ``what`` comes first."""
+    """Raise ModelError, starting with ``what``, unless ``name`` is in ``valid``."""
     if name not in valid:
         raise ModelError(f"{what} '{name}'{did_you_mean(name, list(valid))}", location)
 

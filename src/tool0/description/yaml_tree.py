@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
@@ -20,10 +21,12 @@ if TYPE_CHECKING:
 
 Scalar = str | float | int | bool | None
 Constructor = Callable[[Any, Any], Any]
-"""Value of a tagged scalar, from PyYAML's loader and the node."""
+"""Constructs a tagged scalar from PyYAML's loader and the node."""
 
 MOST_ENTRIES = 30_000
-"""Of one text: a few lines of aliases can stand for billions."""
+"""Largest number of values in one text: a few lines of aliases can mean billions."""
+MOST_LEVELS = 100
+"""Largest depth of lists and mappings in each other."""
 _ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
 """rosparam's ``deg(90)`` and ``rad(pi/2)``, of which only numbers are understood."""
 
@@ -31,7 +34,7 @@ _ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
 @final
 @dataclass(slots=True)
 class YamlEntry:
-    """A value of YAML: a scalar, a list or a mapping."""
+    """A YAML value: a scalar, a list or a mapping."""
 
     key: str
     """The full name: ``arm_controller/gains/elbow_joint/p``."""
@@ -48,22 +51,22 @@ class YamlEntry:
 
     @property
     def is_null(self) -> bool:
-        """Whether nothing stands after the key."""
+        """Whether the key has no value."""
         return self.value is None
 
     @property
     def scalar(self) -> Scalar:
-        """The number, text or truth value; None if it is anything else."""
+        """The number, string or boolean; None for other values."""
         return None if isinstance(self.value, list | dict) else self.value
 
     @property
     def items(self) -> list[YamlEntry]:
-        """The elements of a list; empty if it is none."""
+        """The elements of a list; empty if it is not a list."""
         return self.value if isinstance(self.value, list) else []
 
     @property
     def children(self) -> dict[str, YamlEntry]:
-        """The entries of a mapping by key; empty if it is none."""
+        """The entries of a mapping by key; empty if it is not a mapping."""
         return self.value if isinstance(self.value, dict) else {}
 
     def find(self, path: str) -> YamlEntry | None:
@@ -74,13 +77,13 @@ class YamlEntry:
         return entry
 
     def describe(self) -> str:
-        """Return what a message calls the value."""
+        """Return a description of the value for messages."""
         if self.is_mapping:
             return "a mapping"
         return "a list" if self.is_list else f"{self.scalar!r}"
 
     def plain(self) -> object:
-        """Return the value as Python's own: dicts, lists, scalars."""
+        """Return the value as Python dicts, lists and scalars."""
         if self.is_mapping:
             return {name: child.plain() for name, child in self.children.items()}
         return [item.plain() for item in self.items] if self.is_list else self.scalar
@@ -94,7 +97,7 @@ class YamlEntry:
         )
 
     def leaves(self) -> Iterator[YamlEntry]:
-        """Yield every value that is no mapping, depth first."""
+        """Yield every value that is not a mapping, depth first."""
         if not self.is_mapping:
             yield self
         for child in self.children.values():
@@ -110,14 +113,14 @@ class Tree:
         default_factory=lambda: YamlEntry("", SourceLocation(None), {})
     )
     findings: list[Finding] = field(default_factory=list)
-    """What is suspicious, yet can be read."""
+    """Suspicious, but readable entries."""
 
     def load(self, text: str, location: SourceLocation) -> None:
-        """Put the parameters of a YAML text over those that are there.
+        """Merge the parameters of a YAML text into the existing ones, replacing values.
 
         Raises:
-            ConfigError: If it is not YAML, or not a mapping; ``location`` is that of
-                its first line.
+            ConfigError: If it is not YAML, or not a mapping; ``location`` is the
+                location of its first line.
         """
         entry = _TreeReader(location, self.findings).read(text)
         if entry is not None and not entry.is_mapping:
@@ -129,7 +132,7 @@ class Tree:
             _merge(self.root, entry)
 
     def require_unique_keys(self) -> None:
-        """Raise ConfigError for the first key that stands twice."""
+        """Raise ConfigError for the first duplicate key."""
         for finding in self.findings:
             raise ConfigError(
                 f"'{finding.key}' stands twice; {finding.remedy}", finding.location
@@ -137,7 +140,7 @@ class Tree:
 
 
 def read_files(files: list[Path]) -> Tree:
-    """Return the parameters of all files, of which later ones override.
+    """Return the parameters of all files; later files override earlier ones.
 
     Raises:
         ConfigError: If a file cannot be read, is not YAML, or not a mapping.
@@ -149,9 +152,9 @@ def read_files(files: list[Path]) -> Tree:
 
 
 def read_verbatim(file: Path, units: Mapping[str, Constructor] | None = None) -> Tree:
-    """Return what a YAML file holds; the root is null if it is empty.
+    """Return the content of a YAML file; the root is null if it is empty.
 
-    Keys and texts are taken as they are, without rosparam's slashes and angles.
+    Keys and strings are used as they are, without rosparam's slashes and angles.
     ``units`` constructs tagged scalars by tag, such as ``!degrees``.
 
     Raises:
@@ -172,8 +175,58 @@ def _text_of(file: Path) -> str:
         ) from None
 
 
+def require_yaml(text: str, location: SourceLocation) -> None:
+    """Raise ConfigError if a text cannot be parsed, or is nested too deeply.
+
+    Parsing needs no recursion, composing does: the C library overflows the stack.
+    """
+    import yaml
+
+    depth = 0
+    try:
+        for event in yaml.parse(text, Loader=_loader()):
+            if isinstance(event, yaml.CollectionStartEvent):
+                depth += 1
+                if depth > MOST_LEVELS:
+                    raise _too_deep(_line_of(event.start_mark, location))
+            elif isinstance(event, yaml.CollectionEndEvent):
+                depth -= 1
+    except yaml.YAMLError as error:
+        raise _not_yaml(error, location) from None
+
+
+def _loader() -> Any:
+    import yaml
+
+    return getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+def _not_yaml(error: yaml.YAMLError, location: SourceLocation) -> ConfigError:
+    import yaml
+
+    if not isinstance(error, yaml.MarkedYAMLError):
+        return ConfigError(f"not YAML: {error}", location)
+    context = f" ({error.context})" if error.context else ""
+    return ConfigError(
+        f"not YAML: {error.problem or error}{context}",
+        _line_of(error.problem_mark, location),
+    )
+
+
+def _too_deep(where: SourceLocation) -> ConfigError:
+    return ConfigError(
+        f"more than {MOST_LEVELS} lists and mappings are nested here", where
+    )
+
+
+def _line_of(mark: Any, first: SourceLocation) -> SourceLocation:
+    """Return where a mark of PyYAML's is, in a text whose first line is ``first``."""
+    line = (first.line or 1) + (0 if mark is None else mark.line)
+    return SourceLocation(first.file, line)
+
+
 def _merge(target: YamlEntry, source: YamlEntry) -> None:
-    """Put ``source`` over ``target``; both are mappings."""
+    """Merge ``source`` into ``target``; both are mappings."""
     for name, child in source.children.items():
         present = target.children.get(name)
         if present is not None and present.is_mapping and child.is_mapping:
@@ -202,39 +255,21 @@ class _TreeReader:
         self._loader = yaml.SafeLoader("")
 
     def read(self, text: str) -> YamlEntry | None:
-        """Return what the text holds; None if that is nothing."""
+        """Return the root entry of the text; None if it is empty."""
         import yaml
 
-        loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+        require_yaml(text, self._location)
         try:
-            node: yaml.Node | None = yaml.compose(text, Loader=loader)
-        except yaml.MarkedYAMLError as error:
-            mark = error.problem_mark
-            line = (self._location.line or 1) + (mark.line if mark is not None else 0)
-            raise ConfigError(
-                f"not YAML: {error.problem or error}"
-                + (f" ({error.context})" if error.context else ""),
-                SourceLocation(self._location.file, line),
-            ) from None
+            node: yaml.Node | None = yaml.compose(text, Loader=_loader())
         except yaml.YAMLError as error:
-            raise ConfigError(f"not YAML: {error}", self._location) from None
+            raise _not_yaml(error, self._location) from None
         return None if node is None else self._entry(node, "")
 
     def _entry(self, node: yaml.Node, key: str) -> YamlEntry:
         import yaml
 
         where = self._where(node)
-        self._left -= 1
-        if self._left < 0:
-            raise ConfigError(
-                f"holds more than {MOST_ENTRIES:,} values, its aliases counted; "
-                "look for aliases of aliases",
-                where,
-            )
-        if any(node is outer for outer in self._open):
-            raise ConfigError(f"'{key}' contains itself by an alias", where)
-        self._open.append(node)
-        try:
+        with self._opened(node, key, where):
             if isinstance(node, yaml.MappingNode):
                 return self._mapping(node, key)
             if isinstance(node, yaml.SequenceNode):
@@ -244,16 +279,35 @@ class _TreeReader:
                 ]
                 return YamlEntry(key, where, items)
             return YamlEntry(key, where, self._scalar(node, key, where))
+
+    @contextmanager
+    def _opened(
+        self, node: yaml.Node, key: str, where: SourceLocation
+    ) -> Iterator[None]:
+        """Count a node, and raise ConfigError if aliases make too much of the text."""
+        self._left -= 1
+        if self._left < 0:
+            raise ConfigError(
+                f"holds more than {MOST_ENTRIES:,} values, its aliases counted; "
+                "look for aliases of aliases",
+                where,
+            )
+        if any(node is outer for outer in self._open):
+            raise ConfigError(f"'{key}' contains itself by an alias", where)
+        if len(self._open) >= MOST_LEVELS:
+            raise _too_deep(where)
+        self._open.append(node)
+        try:
+            yield
         finally:
             self._open.pop()
 
     def _mapping(self, node: yaml.Node, key: str) -> YamlEntry:
         result = YamlEntry(key, self._where(node), {})
         seen: set[str] = set()
-        for name_node, value in self._pairs(node):
-            name = str(name_node.value)
+        for name, name_node, value in self._pairs(node, key):
             where = self._where(name_node)
-            path = self._path(name_node, key)
+            path = self._path(name, name_node, key)
             child = self._entry(value, _joined(key, path))
             child.location = where
             if name in seen:
@@ -268,48 +322,64 @@ class _TreeReader:
             _merge(result, YamlEntry(key, where, {path[0]: child}))
         return result
 
-    def _path(self, name_node: yaml.Node, key: str) -> list[str]:
+    def _path(self, name: str, name_node: yaml.Node, key: str) -> list[str]:
         """Return the names in a key: in ROS ``a/b`` is ``b`` in the namespace ``a``."""
-        name = str(name_node.value)
         where = self._where(name_node)
         if self._units is not None:
-            if not isinstance(name_node.value, str) or not name:
-                raise ConfigError(f"a key under '{key or '/'}' is no name", where)
+            if not name:
+                raise ConfigError(f"a key under '{key or '/'}' is empty", where)
             return [name]
         if not name_node.tag.endswith(":str"):
             raise ConfigError(
-                f"key {name!r} under '{key or '/'}' must be a text; quote it", where
+                f"key {name!r} under '{key or '/'}' must be a string; quote it", where
             )
         path = [part for part in name.split("/") if part]
         if not path:
             raise ConfigError(f"key {name!r} names no parameter", where)
         return path
 
-    def _pairs(self, node: yaml.Node) -> Iterator[tuple[yaml.Node, yaml.Node]]:
+    def _pairs(
+        self, node: yaml.Node, key: str
+    ) -> Iterator[tuple[str, yaml.Node, yaml.Node]]:
         """Yield keys and values, those of ``<<`` first unless they are overridden."""
         import yaml
 
-        own = [pair for pair in node.value if not pair[0].tag.endswith(":merge")]
-        names = {str(name.value) for name, _ in own}
-        for name, value in node.value:
-            if not name.tag.endswith(":merge"):
+        own = [
+            (self._name(name, key), name, value)
+            for name, value in node.value
+            if not name.tag.endswith(":merge")
+        ]
+        names = {name for name, *_ in own}
+        for merge, value in node.value:
+            if not merge.tag.endswith(":merge"):
                 continue
+            where = self._where(merge)
             sources = value.value if isinstance(value, yaml.SequenceNode) else [value]
             for source in sources:
                 if not isinstance(source, yaml.MappingNode):
-                    raise ConfigError("'<<' needs a mapping", self._where(name))
-                for merged_name, merged in self._pairs(source):
-                    if str(merged_name.value) not in names:
-                        names.add(str(merged_name.value))
-                        yield merged_name, merged
+                    raise ConfigError("'<<' needs a mapping", where)
+                with self._opened(source, f"{key}/<<", where):
+                    merged = list(self._pairs(source, key))
+                for pair in merged:
+                    if pair[0] not in names:
+                        names.add(pair[0])
+                        yield pair
         yield from own
 
+    def _name(self, node: yaml.Node, key: str) -> str:
+        """Return a key, which must be a scalar."""
+        if not isinstance(node.value, str):
+            raise ConfigError(
+                f"a key under '{key or '/'}' is a list or a mapping; it must be a text",
+                self._where(node),
+            )
+        return node.value
+
     def _where(self, node: yaml.Node) -> SourceLocation:
-        line = (self._location.line or 1) + node.start_mark.line
-        return SourceLocation(self._location.file, line)
+        return _line_of(node.start_mark, self._location)
 
     def _scalar(self, node: yaml.Node, key: str, where: SourceLocation) -> Scalar:
-        """Return the value that ROS's parameter server would hold."""
+        """Return the value as ROS's parameter server would store it."""
         import yaml
 
         text = str(node.value)

@@ -17,12 +17,12 @@ from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 class Namespace:
     """A mapping of values; every getter raises ConfigError with file and line.
 
-    So does the constructor if ``entry`` is no mapping.
+    The constructor does so, too, if ``entry`` is not a mapping.
     """
 
     entry: YamlEntry
     lookups: set[str] = field(default_factory=set)
-    """The full key of everything that was looked up so far."""
+    """The full keys looked up so far."""
 
     def __post_init__(self) -> None:
         if not self.entry.is_mapping:
@@ -38,21 +38,21 @@ class Namespace:
         return self.entry.key.rpartition("/")[2]
 
     def find(self, path: str) -> YamlEntry | None:
-        """Return what stands at ``a/b``, or None."""
+        """Return the entry at ``a/b``, or None."""
         self.lookups.add(f"{self.entry.key}/{path}")
         return self.entry.find(path)
 
     def namespace(self, path: str) -> Namespace | None:
-        """Return the mapping at ``path``, or None if there is nothing."""
+        """Return the mapping at ``path``, or None if there is none."""
         entry = self.find(path)
         return None if entry is None else Namespace(entry, self.lookups)
 
     def accept(self, *paths: str) -> None:
-        """Count parameters as known that ROS reads and this program has no use for."""
+        """Mark parameters as known that ROS reads and tool0 does not need."""
         self.lookups.update(f"{self.entry.key}/{path}" for path in paths)
 
     def read_keys(self) -> frozenset[str]:
-        """Return the keys that were looked up, without the mappings around them."""
+        """Return the keys that were looked up, without their parent mappings."""
         keys = {key.removeprefix(f"{self.entry.key}/") for key in self.lookups}
         outer = {
             "/".join(parts[:n])
@@ -62,7 +62,7 @@ class Namespace:
         return frozenset(keys - outer)
 
     def only(self, *valid: str) -> None:
-        """Raise ConfigError if there is a key that is not one of ``valid``."""
+        """Raise ConfigError if there is a key outside ``valid``."""
         for name, entry in self.entry.children.items():
             if name not in valid:
                 raise ConfigError(
@@ -94,7 +94,7 @@ class Namespace:
         return (x, y, z)
 
     def items(self, path: str) -> tuple[YamlEntry, ...]:
-        """Return the elements of the list at ``path``; none if it is not there."""
+        """Return the elements of the list at ``path``; none if it is absent."""
         entry = self.find(path)
         if entry is None or entry.is_null:
             return ()
@@ -125,7 +125,7 @@ class Namespace:
         return entry.scalar
 
     def texts(self, path: str) -> tuple[str, ...]:
-        """Return the list of texts at ``path``, with at least one element."""
+        """Return the list of strings at ``path``, with at least one element."""
         entry = self._required(path, "a list of names")
         texts = tuple(
             item.scalar for item in entry.items if isinstance(item.scalar, str)

@@ -1,1 +1,1 @@
-"""Physics engines behind the Engine port."""
+"""Physics engines that implement the ``Engine`` protocol."""

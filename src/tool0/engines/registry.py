@@ -1,7 +1,7 @@
 """The physics engines by name: their options and constructors.
 
-A further engine is an ``EngineDefinition`` given to ``register_engine``.  A simulator
-is imported in ``create`` only, so the options are known where it is not installed.
+To add an engine, pass an ``EngineDefinition`` to ``register_engine``.  Only ``create``
+imports the simulator, so the options are known even if it is not installed.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ class EngineSettings:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EngineDefinition:
-    """How an engine is made."""
+    """The name, options and constructor of an engine."""
 
     options: type[Any]  # a different dataclass for each engine
     """The engine's own options: a frozen dataclass with a default for each field."""
     create: Callable[[RobotDescription, EngineSettings, Any], Engine]
     """Start the engine with a robot, from settings and an instance of ``options``.
 
-    It imports the simulator.  It raises ConfigError for what the engine cannot do, and
+    It imports the simulator.  It raises ConfigError for unsupported settings, and
     EngineUnavailableError if the simulator is missing.
     """
 
@@ -48,13 +48,13 @@ class EngineDefinition:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MujocoEngineOptions:
-    """MuJoCo has no options of its own."""
+    """MuJoCo has no specific options."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GazeboEngineOptions:
-    """The options that only Gazebo has."""
+    """The options of Gazebo only."""
 
     world: Path | str | None = None
     """A world file; None for an empty world with the ground at z = 0."""
@@ -148,7 +148,7 @@ def make_engine(
     Raises:
         EngineUnavailableError: If there is no such engine, or it cannot start here.
         ConfigError: If the engine has no such option, or cannot simulate the robot.
-        ModelError: If the engine refuses the robot or an object.
+        ModelError: If the engine rejects the robot or an object.
     """
     definition = _definition(name)
     known = [field.name for field in fields(definition.options)]

@@ -1,1 +1,1 @@
-"""The narrow waist: joint state in, joint effort out, once per step."""
+"""The interface between control and physics: joint states in, efforts out."""

@@ -1,10 +1,10 @@
-"""The robot as rigid bodies: their masses, and what loads and moves the joints.
+"""The robot as rigid bodies: masses, gravity loads of the joints, and mass matrix.
 
-Fixed links are merged into the movable link they ride on.  Loads and the mass matrix
-need no engine: every joint is turned so that it acts along its own z axis; one pass
-from the root outwards places the bodies, and sums over what lies beyond a joint give
-its load.  It is needed every tick, so it is computed with plain floats: a pass over 12
-joints costs less than one NumPy call per joint would.
+Fixed links are merged into their movable parent link.  Loads and the mass matrix need
+no engine: every joint frame is rotated so that the joint acts along its z axis; one
+pass from the root outwards computes the body frames, and sums over the bodies beyond a
+joint give its load.  The tick needs it, so it is computed with plain floats: a pass
+over 12 joints costs less than one NumPy call per joint.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class BodyInertia:
 
     @staticmethod
     def of(inertial: Inertial, frame: Matrix) -> BodyInertia:
-        """Return ``inertial`` seen from the frame in which its link has ``frame``."""
+        """Return ``inertial`` in the frame in which its link has the pose ``frame``."""
         pose = frame @ pose_matrix(inertial.origin)
         i = inertial
         tensor = np.array(
@@ -62,7 +62,7 @@ class BodyInertia:
 @final
 @dataclass(frozen=True, slots=True)
 class MovingBody:
-    """A movable link with every link fixed to it."""
+    """A movable link with all links fixed to it."""
 
     joint: Joint
     parent: int
@@ -115,7 +115,7 @@ def total_inertia(
 
 
 def check_masses(model: RobotModel, bodies: Sequence[MovingBody]) -> None:
-    """Raise ModelError if a body has no mass, which no physics can move."""
+    """Raise ModelError if a body has no mass: no engine can move it."""
     for body in bodies:
         if not body.inertia.mass > 0.0:
             joint = body.joint
@@ -148,17 +148,17 @@ STANDARD_GRAVITY: Vector3 = (0.0, 0.0, -9.81)
 
 @final
 class JointDynamics:
-    """Gravity and spring load and mass matrix, mimic joints counted to their master.
+    """Gravity and spring loads and mass matrix, including mimic joints in their master.
 
-    Passive joints are, too: while nothing touches their linkage, they do mimic.
+    Passive joints count as mimic joints: they mimic while nothing touches the linkage.
     """
 
     def __init__(self, model: RobotModel, gravity: Vector3 = STANDARD_GRAVITY) -> None:
-        """Take the robot's figures; ``gravity`` [m/s²] is in the axes of its root."""
+        """Read the model; ``gravity`` [m/s²] is in the axes of its root."""
         bodies = moving_bodies(model)
         self._n = len(bodies)
         self._gravity = math.hypot(*gravity)
-        # Seen from a root that is turned so, things fall along -z.
+        # In the rotated root, gravity points along -z.
         upright = _upright(gravity)
         index = {body.joint.name: i for i, body in enumerate(bodies)}
         self._parent = [body.parent for body in bodies]
@@ -174,7 +174,7 @@ class JointDynamics:
             for body in bodies
             for transmission in [model.transmission_by_joint.get(body.joint.name)]
         ]
-        # Turn each body's frame so that its joint acts along z.
+        # Rotate each body's frame so that its joint acts along z.
         turns = [turn_z_to(body.joint.axis) for body in bodies]
         self._placement: list[tuple[float, ...]] = []
         self._mass: list[float] = []
@@ -199,7 +199,7 @@ class JointDynamics:
         """
         frames = self.frames(position)
         mass = self._mass.copy()
-        moment_x = [0.0] * self._n  # Σ m x and Σ m y of all that a joint carries [kg·m]
+        moment_x = [0.0] * self._n  # Σ m x and Σ m y beyond a joint [kg·m]
         moment_y = [0.0] * self._n
         for i, (frame, center) in enumerate(zip(frames, self._center, strict=True)):
             cx, cy, cz = center
@@ -259,7 +259,7 @@ class JointDynamics:
     def frames(self, position: Sequence[float]) -> list[tuple[float, ...]]:
         """Return each body's axes x, y, z and origin in the root, 12 floats each.
 
-        Where gravity is not along -z, in the root turned so that it is.
+        If gravity is not along -z, in the root rotated so that it is.
         """
         frames: list[tuple[float, ...]] = []
         cos, sin = math.cos, math.sin
@@ -308,7 +308,7 @@ class JointDynamics:
 def _master(
     model: RobotModel, joint: Joint, index: dict[str, int]
 ) -> tuple[int, float]:
-    """Return the joint that drives ``joint`` and how fast it turns against it."""
+    """Return the joint that drives ``joint``, and the ratio of their velocities."""
     multiplier = 1.0
     while joint.mimic is not None:
         multiplier *= joint.mimic.multiplier
@@ -317,7 +317,7 @@ def _master(
 
 
 def _upright(gravity: Vector3) -> Matrix:
-    """Return the turn, shape (3, 3), after which ``gravity`` points along -z."""
+    """Return the rotation, shape (3, 3), that turns ``gravity`` towards -z."""
     x, y, z = gravity
     if x == y == 0.0 and z <= 0.0:
         return np.eye(3)

@@ -17,8 +17,8 @@ class JointState(NamedTuple):
     """The measured state of every movable joint at one instant.
 
     Lists have shape (n_joints,), ordered as the engine's ``joint_names``.  A named
-    tuple of plain lists: the tick makes one a thousand times a second, and plain
-    floats are what Python computes with fastest.
+    tuple of plain lists: the tick creates one a thousand times a second, and plain
+    floats are the fastest in Python.
     """
 
     time: float
@@ -32,13 +32,13 @@ class JointState(NamedTuple):
 
 
 JointSelector = Callable[[list[float]], Sequence[float]]
-"""Takes some joints out of a list of all joints."""
+"""Selects some joints from a list of all joints."""
 
 
 def joint_selector(indices: Sequence[int]) -> JointSelector:
-    """Return the function that takes ``indices`` out of a list.
+    """Return the function that selects ``indices`` from a list.
 
-    It runs in C: a slice where the joints stand side by side, as they mostly do.
+    It runs in C: a slice if the joints are contiguous, as they mostly are.
     """
     run = as_slice(indices)
     if run is not None:
@@ -47,7 +47,7 @@ def joint_selector(indices: Sequence[int]) -> JointSelector:
 
 
 def as_slice(indices: Sequence[int]) -> slice | None:
-    """Return the slice that is ``indices``, or None if they do not stand in a row."""
+    """Return the slice of ``indices``, or None if they are not contiguous."""
     first = indices[0] if indices else 0
     if list(indices) == list(range(first, first + len(indices))):
         return slice(first, first + len(indices))
@@ -60,32 +60,40 @@ class ObjectState:
     """Pose and velocity of a scene object, in the robot's root."""
 
     name: str
+    """Of the object."""
     position: tuple[float, float, float]
-    """[m]"""
+    """Of its origin [m]."""
     quat_wxyz: tuple[float, float, float, float]
+    """Its orientation, a unit quaternion."""
     linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Velocity of its origin [m/s]."""
     angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """[rad/s]"""
+    """Angular velocity [rad/s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """The resultant of all contact points between two things.
+    """The resultant of all contact points between two links or objects.
 
     Links and objects have their own names, also links that are fixed to others; the
     engine's own ground is ``ground``.  Vectors are in the axes of the robot's root.
     """
 
     first: str
+    """A link or an object."""
     second: str
+    """What it touches."""
     point: tuple[float, float, float]
-    """Mean of the contact points, weighted by their normal forces [m]."""
+    """Mean of the contact points, weighted by their normal forces, in the root [m]."""
     force: tuple[float, float, float]
-    """That ``first`` exerts on ``second`` [N]."""
+    """Force that ``first`` exerts on ``second`` [N]."""
     torque: tuple[float, float, float]
-    """That ``first`` exerts on ``second``, about ``point`` [N·m]."""
+    """Torque that ``first`` exerts on ``second``, about ``point`` [N·m]."""
+
+
+Wrench = tuple[Vector3, Vector3]
+"""A force [N] at a body's centre of mass and a torque [N·m], in the root's axes."""
 
 
 class World(Protocol):
@@ -109,10 +117,10 @@ class World(Protocol):
     def spawn(self, item: SceneObject) -> None:
         """Add an object at rest; everything else keeps its state.
 
-        If it is refused, nothing has changed.
+        If that fails, nothing has changed.
 
         Raises:
-            ModelError: If the engine cannot have such an object.
+            ModelError: If the engine does not support such an object.
             EngineError: If the name is taken, or the engine refuses.
         """
 
@@ -120,26 +128,44 @@ class World(Protocol):
         """Remove an object, or raise EngineError if there is none."""
 
     def place(self, state: ObjectState) -> None:
-        """Set an object's pose and velocity; its quaternion has length one.
+        """Set the pose and velocity of an object; the quaternion must have length one.
 
-        A reset puts it back where it was spawned, or began.
+        A reset returns it to where it was at the start, or was spawned.
 
         Raises:
             EngineError: If there is none, or it has no mass and a velocity is given.
         """
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Return the contacts of the last step, one item for each pair.
+        """Return the contacts of the last step, one per pair.
 
         An attachment counts as a contact.  Empty before the first step after a reset.
-        An engine may begin to record with the first call, which then returns none.
+        An engine may start recording with the first call, which then returns none.
+        """
+
+    def center_of_mass(self, name: str) -> Vector3:
+        """Return where the body of a link or object has its centre of mass [m].
+
+        In the robot's root; links that are fixed to each other are one body.
+
+        Raises:
+            EngineError: If there is no such link or object, or it cannot move.
+        """
+
+    def hold_wrenches(self, wrenches: Mapping[str, Wrench]) -> None:
+        """Let these act, by link or object, from now on, and no others.
+
+        Those on links of one body add up.  A reset removes all.
+
+        Raises:
+            EngineError: As ``center_of_mass``; then nothing has changed.
         """
 
     def attach(self, name: str, link: str) -> None:
         """Fix a movable object to a link at its current pose, until it is detached.
 
-        No hand does this: it is for ``--grasp-assist`` only.  A reset, a deletion and
-        a placement detach it.
+        No real hand does this: it is for ``--grasp-assist`` only.  Resetting, deleting
+        and placing the object detach it.
 
         Raises:
             ModelError: If there is no such link.
@@ -148,14 +174,14 @@ class World(Protocol):
         """
 
     def detach(self, name: str) -> None:
-        """Release an object; one that is not attached is left alone."""
+        """Release an object, if it is attached."""
 
 
 class Engine(Protocol):
     """Physics, as the control loop sees it: read, write, step, in that order.
 
     Every sequence has shape (n_joints,), ordered as ``joint_names``: all movable
-    joints of the robot, mimic joints included.  The rest is in ``world``.
+    joints of the robot, including mimic joints.  ``world`` has everything else.
     """
 
     @property
@@ -174,20 +200,20 @@ class Engine(Protocol):
         """The objects around the robot."""
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Put joints at ``position`` [rad | m], at rest, and objects where they began.
+        """Put joints at ``position`` [rad | m], at rest, and objects at their start.
 
-        Simulated time is ``time`` [s] then.
+        Set simulated time to ``time`` [s].
         """
 
     def read(self) -> JointState:
         """Return the measured state: a copy, never a view into the engine.
 
         Raises:
-            DivergenceError: If the state is not finite.
+            DivergenceError: If the state is not finite, or a velocity is absurd.
         """
 
     def write(self, effort: Sequence[float]) -> None:
-        """Hold ``effort`` [N·m | N] until the next call.
+        """Apply ``effort`` [N·m | N] until the next call.
 
         Raises:
             DivergenceError: If it is not finite.
@@ -197,11 +223,27 @@ class Engine(Protocol):
         """Advance simulated time by ``dt``."""
 
     def close(self) -> None:
-        """End the engine and what it started; closing twice is allowed."""
+        """End the engine and its processes; closing twice is allowed."""
+
+
+LARGEST_VELOCITY = 1e4
+"""Speed from which a simulation counts as diverged [rad/s | m/s].  No drive and no fall
+gets near it, and growing numbers pass it some steps before infinity."""
+
+
+def has_diverged(velocity: Sequence[float]) -> bool:
+    """Return whether a velocity is not finite or absurd [rad/s | m/s]."""
+    return not math.hypot(*velocity) < LARGEST_VELOCITY  # NaN, too
+
+
+def fastest(velocity: Sequence[float]) -> int:
+    """Return the number of the first velocity that is not finite, or the largest."""
+    sizes = [abs(v) if math.isfinite(v) else math.inf for v in velocity]
+    return sizes.index(max(sizes))
 
 
 def check_dt(dt: float) -> None:
-    """Raise ConfigError unless ``dt`` [s] can be the length of a step."""
+    """Raise ConfigError unless ``dt`` [s] is a valid step length."""
     if not 0.0 < dt < math.inf:
         raise ConfigError(f"the step must be above 0 s and finite, got {dt}")
 
@@ -218,8 +260,7 @@ def check_new_name(objects: Mapping[str, SceneObject], name: str) -> None:
     """Raise EngineError if there is an object ``name`` already."""
     if name in objects:
         raise EngineError(
-            f"there is an object '{name}' already; "
-            "remove it first, or take another name"
+            f"there is already an object '{name}'; remove it first, or use another name"
         )
 
 
@@ -238,6 +279,11 @@ def check_attachable(objects: Mapping[str, SceneObject], name: str) -> None:
             f"object '{name}' has no mass and is static; only a movable object can be "
             "attached"
         )
+
+
+def immovable(name: str) -> EngineError:
+    """Return the error for a wrench on what cannot move."""
+    return EngineError(f"'{name}' stands still: no force moves it")
 
 
 def check_placement(objects: Mapping[str, SceneObject], state: ObjectState) -> None:

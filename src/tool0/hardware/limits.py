@@ -1,17 +1,17 @@
-"""Limits of joints as ros_control enforces them, and lower ones of a goal's drive.
+"""Joint limits, enforced as in ros_control, and lower drive limits of a goal.
 
 Saturation is that of joint_limits_interface (ros_control noetic,
 ``joint_limits_interface.h``), ``EffortJointSaturationHandle`` and
 ``EffortJointSoftLimitsHandle``: the effort is clamped, a joint beyond a position limit
-gets no effort outwards, one beyond its speed no effort that drives it on.  Two things
-differ, on purpose:
+gets no outward effort, one beyond its speed no accelerating effort.  There are two
+intentional differences:
 
-* A drive whose rotor inertia is known keeps to its speed by that
-  (``SpeedLimiter``).  ROS switches the whole effort on and off there, and a light
-  joint then runs far above its limit on average.
-* ``k_velocity = 0`` means "no soft limit on effort".  ROS takes it as a window of
-  width zero, so that the UR description's own ``safety_limits:=true`` makes an
-  effort-controlled arm limp.
+* A drive whose rotor inertia is known, or whose effort would take the joint beyond
+  its speed limit within one step, keeps to its speed (``SpeedLimiter``).  ROS switches
+  the whole effort on and off there, and a light joint then runs far above its limit.
+* ``k_velocity = 0`` means "no soft limit on effort".  ROS uses a window of width zero,
+  so with ``safety_limits:=true`` of the UR description an effort-controlled arm is
+  limp.
 """
 
 from __future__ import annotations
@@ -26,22 +26,32 @@ from tool0.errors import ControlError
 from tool0.hardware.engine import JointState
 
 STOP_TOLERANCE = 1e-4
-"""How far into its stop a joint may rest before effort outwards ends [rad | m].
+"""How far a joint may press into its stop before outward effort is cut [rad | m].
 
-A position limit is a contact, and contacts give way a little.  Without this margin the
-effort would switch on and off a thousand times a second on a joint held at its stop.
+A stop is a contact, and contacts yield a little.  Without this margin, the effort of a
+joint held at its stop would switch on and off a thousand times a second.
 """
+
+
+PUSHING = 0.9
+"""Part of its effort limit from which a drive counts as pushing at it: a servo limits
+the accelerations of coupled joints together, and stays a little below."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EffortLimits:
-    """All that limits the effort of one joint, whatever the goal."""
+    """The limits of one joint, independent of the goal."""
 
     hard: JointLimits
     soft: SafetyController | None = None
-    armature: float = 0.0
-    """Inertia of the rotor as the joint feels it [kg·m²]; 0 if not known."""
+    inertia: float = 0.0
+    """Rotor inertia reflected to the joint, or the inertia of a light joint
+    [kg·m² | kg]; 0 if neither applies."""
+    is_light: bool = False
+    """Whether the drive could exceed the speed limit within one step.  Such a joint
+    gets no outward effort within one step's travel of its stop, because the stop acts
+    only after the joint has passed it."""
 
 
 @final
@@ -49,7 +59,7 @@ class EffortLimiter:
     """Saturates the effort of every driven joint, each step."""
 
     def __init__(self, drives: Mapping[int, EffortLimits], dt: float) -> None:
-        """Take the limits of the driven joints, by index, and the step [s]."""
+        """Set the limits of the driven joints, by index, and the step [s]."""
         self._drives = drives
         self._soft = [
             (i, drive.hard, drive.soft)
@@ -62,11 +72,11 @@ class EffortLimiter:
 
     @property
     def drive_limits(self) -> Mapping[int, DriveLimits]:
-        """The limits of goals, by the joint's index."""
+        """The limits set by goals, by the joint's index."""
         return self._drive_limits
 
     def set_drive_limits(self, index: int, limits: DriveLimits | None) -> None:
-        """Limit a drive below its joint's limits; None lifts that."""
+        """Limit a drive below its joint's limits; None removes this limit."""
         if limits == self._drive_limits.get(index):
             return
         if limits is None:
@@ -76,19 +86,19 @@ class EffortLimiter:
         drive = self._drives[index]
         if index not in self._speed_limiters:
             self._speed_limiters[index] = self._speed_limiter(drive)
-        elif limits is None and drive.armature == 0.0:
+        elif limits is None and drive.inertia == 0.0:
             del self._speed_limiters[index]
         if index in self._speed_limiters:
             self._speed_limiters[index].drive_limits = limits
         self._rows = list(self._saturated())
 
     def restart(self) -> None:
-        """Lift the limits of goals, and forget how the rotors answered."""
+        """Remove the limits of goals, and the history of the rotors."""
         self._drive_limits.clear()
         self._speed_limiters = {
             i: self._speed_limiter(drive)
             for i, drive in self._drives.items()
-            if drive.armature > 0.0
+            if drive.inertia > 0.0
         }
         self._rows = list(self._saturated())
 
@@ -123,16 +133,16 @@ class EffortLimiter:
             effort[i] = _soften(effort[i], position[i], velocity[i], hard, soft)
 
     def _speed_limiter(self, drive: EffortLimits) -> SpeedLimiter:
-        return SpeedLimiter(drive.hard, armature=drive.armature, dt=self._dt)
+        return SpeedLimiter(drive.hard, inertia=drive.inertia, dt=self._dt)
 
     def _saturated(self) -> Iterator[tuple[int, float, float, float, float]]:
-        """Yield all that ``saturate`` needs of each joint."""
+        """Yield everything that ``saturate`` needs, joint by joint."""
         for i, drive in self._drives.items():
             hard = drive.hard
-            # A drive with a speed limiter keeps to its speed by that.
+            # The speed limiter of a drive keeps its speed.
             speed = math.inf if i in self._speed_limiters else hard.velocity
-            lower, upper = hard.lower - STOP_TOLERANCE, hard.upper + STOP_TOLERANCE
-            yield i, hard.effort, lower, upper, speed
+            margin = -hard.velocity * self._dt if drive.is_light else STOP_TOLERANCE
+            yield i, hard.effort, hard.lower - margin, hard.upper + margin, speed
 
 
 def velocity_window(
@@ -162,30 +172,30 @@ def _soften(
 
 
 EASE = 0.05
-"""Shortest time in which a drive lets go of all its effort when its limits get lower
-[s]: several times the 13 ms at which rotor and pads swing on what they squeeze, so that
-a weaker grip stays a grip.  A guess: no datasheet tells a 2F-85's."""
+"""Shortest time in which a drive removes all its effort when its limits decrease [s]:
+several times the 13 ms period of rotor and pads on a squeezed object, so that a weaker
+grip does not lose it.  A guess: the datasheet of the 2F-85 has no value."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveLimits:
-    """Speed and force that a goal allows a gripper, as rSP and rFR of a real 2F-85 do.
+    """Speed and force limits of a gripper goal, as rSP and rFR of a real 2F-85.
 
-    Speed and force are those of the pads, so that the joint's limits follow from its
+    Speed and force are those of the pads; the limits of the joint follow from its
     position: ``velocity = speed / lever``, ``effort = force · lever``.
 
     Raises:
-        ControlError: If a value is beyond what the gripper can do.
+        ControlError: If a value is out of the gripper's range.
     """
 
     gripper: ParallelGripper
     speed: float | None = None
-    """Of the pads towards each other [m/s]; None for the joint's limit."""
+    """Speed of the pads relative to each other [m/s]; None for the joint's limit."""
     force: float | None = None
-    """At each pad [N]; None for the joint's limit."""
+    """Force at each pad [N]; None for the joint's limit."""
     effort: float | None = None
-    """Instead of a force: torque of the driven joint [N·m]."""
+    """Torque of the driven joint [N·m], instead of a force."""
 
     def __post_init__(self) -> None:
         if self.force is not None and self.effort is not None:
@@ -220,23 +230,23 @@ def _check(
 
 @final
 class SpeedLimiter:
-    """Bounds the effort of one drive so that it keeps to its speed.
+    """Limits the effort of one drive so that it does not exceed its speed.
 
-    A rotor of known inertia gets no more effort than takes it to the largest speed
-    within the step, beyond what held it back during the last one.  So it keeps the
-    speed against friction, does not run above it when it comes free, and presses with
-    all its effort where something stops it.
+    A rotor of known inertia gets at most the effort that brings it to the largest speed
+    within the step, in addition to the resistance in the last step.  It therefore keeps
+    the speed against friction, does not exceed it when it is released, and presses with
+    its full effort against an obstacle.
     """
 
-    def __init__(self, hard: JointLimits, *, armature: float, dt: float) -> None:
-        """Begin with a rotor that nothing holds back.
+    def __init__(self, hard: JointLimits, *, inertia: float, dt: float) -> None:
+        """Start with a rotor without resistance.
 
-        ``armature`` is its inertia as the joint feels it [kg·m²], 0 if unknown; ``dt``
-        [s] the length of a step.
+        ``inertia`` is its inertia reflected to the joint [kg·m²], 0 if unknown; ``dt``
+        is the length of a step [s].
         """
         self._effort = hard.effort
         self._speed = hard.velocity
-        self._rotor = armature / dt if armature > 0.0 else math.inf
+        self._rotor = inertia / dt if inertia > 0.0 else math.inf
         self._ease = hard.effort * dt / EASE
         self._velocity: float | None = None
         self.drive_limits: DriveLimits | None = None
@@ -250,13 +260,13 @@ class SpeedLimiter:
         position: float,
         velocity: float,
     ) -> float:
-        """Return ``effort`` [N·m | N] as far as it is allowed.
+        """Return ``effort`` [N·m | N] within the limits.
 
         Args:
-            effort: What is wanted.
-            applied: What was applied during the last step.
-            gravity: The part of ``effort`` that compensates gravity, which the limits
-                of a goal do not count.
+            effort: The requested effort.
+            applied: The effort applied in the last step.
+            gravity: The part of ``effort`` that compensates gravity; the limits of a
+                goal do not apply to it.
             position: Of the joint [rad | m].
             velocity: Of the joint [rad/s | m/s].
         """
@@ -270,7 +280,7 @@ class SpeedLimiter:
             return effort  # as nearly always: nothing binds
         if self.drive_limits is not None:
             grip, fastest = self.drive_limits.at(position)
-            # What squeezes with more lets go step by step.
+            # A stronger grip is released step by step.
             lowest = min(gravity - grip, applied + self._ease)
             highest = max(gravity + grip, applied - self._ease)
             effort = min(max(effort, lowest), highest)
@@ -283,7 +293,7 @@ class SpeedLimiter:
         held_back = 0.0
         if before is not None:
             held_back = applied - (velocity - before) * self._rotor
-        # To slow down, it lets go, but it never drops the weight.
+        # To slow down, it reduces the effort, but never drops the weight.
         if effort > gravity:
             room = (speed - velocity) * self._rotor + held_back
             return min(effort, max(room, min(0.0, gravity)))

@@ -1,12 +1,13 @@
 """Joint commands in, joint efforts out: interfaces, servos, limits and brakes.
 
-A joint is driven in one of three ways: by its controller's effort; by its controller's
-position or velocity, through a servo; or by the brake, when nobody claims it.
+A joint is driven in one of three ways: by the effort of its controller; by the position
+or velocity of its controller, through a servo; or by the brake, if no controller claims
+it.
 
-Gazebo's position interface teleports the joint unless gains are given; ours never
-does.  A servo's effort is gravity compensation plus a PD law on the joint's own
-inertia, so that every joint answers alike whatever hangs on it, plus a slow integral
-against payloads.
+Without gains, Gazebo's position interface sets the joint position directly; ours never
+does.  The effort of a servo is gravity compensation, plus a PD law scaled by the
+inertia, so that every joint has the same response for any load, plus a slow integral
+that compensates payloads.
 """
 
 from __future__ import annotations
@@ -16,7 +17,13 @@ from collections.abc import Mapping, Sequence
 from operator import mul, truediv
 from typing import final
 
-from tool0.description.model import Interface, JointLimits, RobotModel, SafetyController
+from tool0.description.model import (
+    Interface,
+    Joint,
+    JointLimits,
+    RobotModel,
+    SafetyController,
+)
 from tool0.description.transform import Vector3
 from tool0.errors import ModelError, did_you_mean
 from tool0.hardware.bodies import STANDARD_GRAVITY, JointDynamics
@@ -29,9 +36,9 @@ from tool0.hardware.limits import (
 )
 
 POSE_PERIOD = 64
-"""Steps after which values that depend on the pose alone and need not be exact are
-renewed: the mass matrix of servos, and gravity compensation.  In 64 ms the fastest
-wrist turns 0.2 rad."""
+"""Steps between updates of values that depend only on the pose and need not be exact:
+the mass matrix of servos, and gravity compensation.  In 64 ms the fastest wrist turns
+0.2 rad."""
 
 
 @final
@@ -66,11 +73,24 @@ class RobotHardware:
             for name in self.joint_names
             if name in model.transmission_by_joint
         }
+        self._armatures = {
+            name: model.transmission_by_joint[name].armature for name in self.interfaces
+        }
+        self._dynamics = JointDynamics(model, gravity)
+        inertias = self._dynamics.mass_matrix([0.0] * len(joint_names)).diagonal()
+        # Joints that others mimic are left to ROS's rule, as the recordings have it.
+        masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
+        inertia_by_joint = {
+            joint.name: math.inf if joint.name in masters else float(inertia)
+            for joint, inertia in zip(model.movable_joints, inertias, strict=True)
+        }
         self._drives = {
-            name: EffortLimits(
-                hard=overrides.get(name, model.joint_by_name[name].limits),
-                soft=model.joint_by_name[name].safety,
-                armature=model.transmission_by_joint[name].armature,
+            name: _effort_limits(
+                model.joint_by_name[name],
+                overrides.get(name),
+                self._armatures[name],
+                inertia_by_joint[name],
+                dt,
             )
             for name in self.interfaces
         }
@@ -78,7 +98,6 @@ class RobotHardware:
         self.command = [0.0] * len(self.joint_names)
         """Commands of the claiming controllers, in the unit of their interface."""
         self._dt = dt
-        self._dynamics = JointDynamics(model, gravity)
         self._to_model = [self.index[joint.name] for joint in model.movable_joints]
         """Engine index of each of the model's movable joints."""
         self._limiter = EffortLimiter(
@@ -87,9 +106,9 @@ class RobotHardware:
         self._is_stopped = False
         self._steps = 0
         self._masses: list[tuple[int, list[float]]] = []
-        """Of each joint with a servo, its row of those joints' mass matrix."""
+        """For each joint with a servo, its row of the mass matrix of these joints."""
         self._fastest: list[float] = []
-        """Of each joint with a servo, the acceleration that its drive can give."""
+        """For each joint with a servo, the largest acceleration of its drive."""
         self._servos: dict[int, Servo] = {}
         self._compensated = [
             self.index[name]
@@ -99,8 +118,8 @@ class RobotHardware:
         ]
         self._compensation: list[tuple[int, float]] = []
         self._gravity_effort = [0.0] * len(self.joint_names)
-        """The part of the effort that compensates gravity, where a drive has limits
-        [N·m | N]."""
+        """The part of the effort that compensates gravity [N·m | N], where a drive has
+        limits."""
         self._claimed: set[str] = set()
         for name in self.interfaces:
             self._select_servo(name, 0.0)
@@ -118,7 +137,7 @@ class RobotHardware:
             self._hold(name, state)
 
     def claim(self, joints: Sequence[str], state: JointState) -> None:
-        """Hand ``joints`` to a controller, holding still until its first command."""
+        """Give ``joints`` to a controller; they hold still until its first command."""
         for name in joints:
             self._claimed.add(name)
             self._limiter.set_drive_limits(self.index[name], None)
@@ -139,18 +158,18 @@ class RobotHardware:
             self._select_servo(name, state.position[self.index[name]])
 
     def set_stopped(self, engaged: bool, state: JointState) -> None:
-        """Brake every joint whoever claims it, or give the joints back."""
+        """Brake every joint, even if claimed, or give the joints back."""
         self._is_stopped = engaged
         self.restart(state)
 
     @property
     def drive_limits(self) -> Mapping[str, DriveLimits]:
-        """The limits of drives below those of their joints now, by joint."""
+        """The current limits of drives below those of their joints, by joint."""
         found = self._limiter.drive_limits
         return {self.joint_names[i]: limits for i, limits in found.items()}
 
     def set_drive_limits(self, joint: str, limits: DriveLimits | None) -> None:
-        """Limit the drive of ``joint`` below the joint's limits; None lifts that."""
+        """Limit the drive of ``joint`` below the joint's limits; None removes that."""
         i = self.index[joint]
         self._limiter.set_drive_limits(i, limits)
         servo = self._servos.get(i)
@@ -171,7 +190,7 @@ class RobotHardware:
         return effort
 
     def _select_servo(self, name: str, position: float) -> None:
-        """Give the joint the servo, or brake, that its claim and interface call for."""
+        """Give the joint the servo or brake for its claim and interface."""
         i, interface = self.index[name], self.interfaces[name]
         drive = self._drives[name]
         self._servos.pop(i, None)
@@ -181,7 +200,10 @@ class RobotHardware:
             self._servos[i] = Brake()
         elif interface is Interface.POSITION:
             self._servos[i] = PositionServo(
-                position, drive.hard, drive.soft, is_stiff=drive.armature > 0.0
+                position,
+                drive.hard,
+                drive.soft,
+                is_stiff=self._armatures[name] > 0.0,
             )
         elif interface is Interface.VELOCITY:
             self._servos[i] = VelocityServo(drive.hard, drive.soft)
@@ -206,10 +228,10 @@ class RobotHardware:
         return ordered
 
     def _run_servos(self, effort: list[float], state: JointState) -> None:
-        """Set the efforts that accelerate the joints as their servos want.
+        """Set the efforts for the accelerations that the servos request.
 
-        All at once, by the mass matrix: in some poses (straight up) an arm's joints
-        are so coupled that servos which each see their own inertia alone would shake.
+        The mass matrix is used for all joints together: in some poses (straight up)
+        the joints of an arm are so coupled that servos with separate inertias vibrate.
         """
         if not self._masses or self._steps % POSE_PERIOD == 0:
             self._masses = self._servo_masses(state)
@@ -234,7 +256,7 @@ class RobotHardware:
         rows = [self._to_model.index(i) for i in self._servos]
         efforts = [self.limits[self.joint_names[i]].effort for i in self._servos]
         inertia = matrix.diagonal()[rows].tolist()
-        # Other drives must not make up for one that is at its limit.
+        # Other drives must not compensate for one that is at its limit.
         self._fastest = list(map(truediv, efforts, inertia))
         return [
             (i, matrix[row, rows].tolist())
@@ -242,23 +264,44 @@ class RobotHardware:
         ]
 
 
+def _effort_limits(
+    joint: Joint,
+    limits: JointLimits | None,
+    armature: float,
+    inertia: float,
+    dt: float,
+) -> EffortLimits:
+    """Return the limits of a drive; ``inertia`` counts for a light joint."""
+    hard = limits or joint.limits
+    is_light = not armature and hard.effort * dt > hard.velocity * inertia
+    return EffortLimits(
+        hard=hard,
+        soft=joint.safety,
+        inertia=inertia if is_light else armature,
+        is_light=is_light,
+    )
+
+
 BANDWIDTH = 80.0
-"""Natural frequency of a servo [rad/s]: 1 kHz steps are 12 times shorter."""
+"""Natural frequency of a servo [rad/s]; steps of 1 ms are 12 times shorter."""
 DAMPING_RATIO = 1.0
 STIFF_BANDWIDTH = 200.0
-"""The same where the inertia of a known rotor leads, whatever the joint carries: a
-gripper squeezes with all its force from 5 mm on that are left to its target."""
+"""The same where a known rotor inertia dominates, whatever the load: a gripper grips
+with its full force if it is stopped 5 mm or more from its target."""
 STOPPED = 0.005
-"""How far behind a stiff servo counts as stopped by something [rad | m]."""
+"""Lag from which a stiff servo counts as blocked [rad | m]."""
 INTEGRAL_RATE = 4.0
-"""How fast a constant disturbance is taken over by the integral [1/s]."""
+"""Rate at which the integral compensates a constant disturbance [1/s]."""
+BLOCKED = 0.02
+"""Lag at a standstill from which any servo counts as blocked [rad | m]: more than a
+load causes."""
 STANDSTILL = 0.02
-"""Slowest motion that a brake does not call rest [rad/s | m/s]."""
+"""Velocity below which a brake considers the joint at rest [rad/s | m/s]."""
 
 
 @final
 class PositionServo:
-    """Drives one joint to a position, no faster than its limits allow."""
+    """Drives one joint to a position within its speed limit."""
 
     def __init__(
         self,
@@ -275,7 +318,7 @@ class PositionServo:
         self._target = limits.clamp(position)
         self._integral = 0.0  # [1/s²], an acceleration
         self.speed = math.inf
-        """Largest speed below the limits, as a goal may say [rad/s | m/s]."""
+        """Speed limit of a goal, below that of the joint [rad/s | m/s]."""
 
     def acceleration(
         self, command: float, position: float, velocity: float, dt: float
@@ -285,14 +328,15 @@ class PositionServo:
         lag = previous - position
         is_stopped = self._is_stiff and abs(lag) > STOPPED
         if is_stopped and (command - position) * lag < 0.0:
-            previous = position  # to let go, it need not come back first
+            previous = position  # releasing need not wait for the joint to return
         slowest, fastest = velocity_window(previous, self._limits, self._soft)
         slowest, fastest = max(slowest, -self.speed), min(fastest, self.speed)
         step = min(max(command - previous, slowest * dt), fastest * dt)
         self._target = target = self._limits.clamp(previous + step)
         error = target - position
         stiffness = self._bandwidth**2
-        if is_stopped:
+        is_blocked = abs(lag) > BLOCKED and abs(velocity) < STANDSTILL
+        if is_stopped or is_blocked:
             self._integral = 0.0  # an obstacle is no load
         else:
             self._integral += stiffness * INTEGRAL_RATE * error * dt
@@ -327,10 +371,10 @@ class VelocityServo:
 
 @final
 class Brake:
-    """Slows one joint to rest and then keeps it where it came to rest."""
+    """Slows one joint to rest and then holds it there."""
 
     def __init__(self) -> None:
-        # With an integral: a payload must not keep the joint creeping.
+        # With an integral, so that a payload does not make the joint creep.
         self._slow = VelocityServo(JointLimits())
         self._hold: tuple[PositionServo, float] | None = None
 

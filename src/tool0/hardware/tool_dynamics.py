@@ -1,13 +1,12 @@
-"""The wrench of a tool on the flange that carries it, by Newton and Euler.
+"""The wrench of a tool on its flange, by the Newton-Euler equations.
 
-From the acceleration that a step of the physics really made follows what acted on the
-rigid bodies beyond the flange; what is neither weight nor contact came through it.
-Nothing inside the tool matters: its drives, linkages, springs and friction act between
-its own parts.
+The acceleration in a physics step gives the total wrench on the rigid bodies beyond the
+flange.  Whatever is neither weight nor contact force acts through the flange.  Drives,
+linkages, springs and friction inside the tool act between its own parts and cancel.
 
-A rotor inside the tool counts with the mass and inertia of its link.  That it turns
-faster than the link by its gears is left out, as engines do: of an armature A behind a
-reduction N, that would be a momentum of A q̇ / N.
+A rotor inside the tool is part of the mass and inertia of its link.  Its faster
+rotation is neglected, as in the engines: for an armature A behind a reduction N, its
+momentum is A q̇ / N.
 """
 
 from __future__ import annotations
@@ -49,22 +48,22 @@ class _BodyMotion(NamedTuple):
     angular_acceleration: Vector3
     """[rad/s²]"""
     acceleration: Vector3
-    """Of its origin, against free fall [m/s²]: at rest it points up."""
+    """Acceleration of its origin relative to free fall [m/s²]: at rest it points up."""
 
 
 class _Part(NamedTuple):
-    """What of a body is beyond the flange, in the body's frame."""
+    """The part of a body beyond the flange, in the body's frame."""
 
     body: int
     mass: float
     center: Vector3
     tensor: tuple[float, ...]
-    """Of inertia about the centre, 9 floats."""
+    """Inertia about the centre, 9 floats."""
 
 
 @final
 class ToolDynamics:
-    """The wrench that a link, and all beyond it, exerts on what carries it."""
+    """The wrench that a link and all links beyond it exert on their parent."""
 
     def __init__(
         self, model: RobotModel, link: str, gravity: Vector3 = STANDARD_GRAVITY
@@ -75,14 +74,14 @@ class ToolDynamics:
             ModelError: If there is no such link.
         """
         self.links = frozenset(model.links_from(link))
-        """``link`` and all that hang on it."""
+        """``link`` and all links beyond it."""
         bodies = moving_bodies(model)
         self._dynamics = JointDynamics(model)
         gx, gy, gz = gravity
         self._world_motion = _BodyMotion(_ZERO, _ZERO, (-gx, -gy, -gz))
         self._parent = [body.parent for body in bodies]
         self._prismatic = [b.joint.type is JointType.PRISMATIC for b in bodies]
-        # The frames are turned so that each joint acts along its own z.
+        # The frames are rotated so that each joint acts along its z axis.
         turns = [turn_z_to(body.joint.axis) for body in bodies]
         turns.append(np.eye(3))  # the last, -1, is the world's
         self._carrier, frame = _find_body(model, bodies, link)
@@ -109,8 +108,7 @@ class ToolDynamics:
             position: Of the model's movable joints, in their order [rad | m].
             velocity: [rad/s | m/s]
             acceleration: [rad/s² | m/s²]
-            contacts: All that press at that instant; those at other links are left
-                out.
+            contacts: All contacts at that instant; those at other links are ignored.
         """
         frames = [*self._dynamics.frames(position), _WORLD]
         motions = self._motions(frames, velocity, acceleration)
@@ -146,7 +144,7 @@ class ToolDynamics:
     def _inertia(
         self, model: RobotModel, links: Iterable[tuple[str, Matrix]]
     ) -> BodyInertia:
-        """Return the inertia of those of ``links`` that are beyond the flange."""
+        """Return the inertia of the ``links`` beyond the flange."""
         return total_inertia(model, [link for link in links if link[0] in self.links])
 
     def _motions(
@@ -220,21 +218,21 @@ def _inertial_torque(tensor: tuple[float, ...], w: Vector3, dw: Vector3) -> Vect
 
 
 def _rotate(frame: Frame, vector: Vector3) -> Vector3:
-    """Return a vector that is given in ``frame`` in the axes around it."""
+    """Return a vector given in ``frame`` in the axes of its parent."""
     x, y, z = vector
     a, b, c, d, e, f, g, h, i = frame[:9]
     return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
 
 
 def _rotate_back(frame: Frame, vector: Vector3) -> Vector3:
-    """Return a vector in the axes of ``frame``: what ``_rotate`` undoes."""
+    """Return a vector in the axes of ``frame``: the inverse of ``_rotate``."""
     x, y, z = vector
     a, b, c, d, e, f, g, h, i = frame[:9]
     return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
 
 
 def _compose(outer: Frame, inner: Frame) -> Frame:
-    """Return the frame ``inner``, given in ``outer``, in what that is given in."""
+    """Return the frame ``inner``, given in ``outer``, in the parent of ``outer``."""
     x, y, z = _rotate(outer, _vector3(inner[9:]))
     return (
         *_rotate(outer, _vector3(inner[0:3])),
@@ -264,7 +262,7 @@ def _as_part(body: int, inertia: BodyInertia, turn: Matrix) -> _Part:
 
 
 def _as_frame(rotation: Matrix, frame: Matrix) -> Frame:
-    """Return ``frame``, seen after ``rotation``, as 12 floats."""
+    """Return ``frame`` after ``rotation``, as 12 floats."""
     turned, origin = rotation @ frame[:3, :3], rotation @ frame[:3, 3]
     return (*turned.T.ravel().tolist(), *origin.tolist())
 

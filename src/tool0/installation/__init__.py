@@ -1,1 +1,1 @@
-"""What sets up a machine or a workspace, and what runs there as a child process."""
+"""Setting up a machine or a workspace, and running child processes."""

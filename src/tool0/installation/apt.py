@@ -1,4 +1,4 @@
-"""What both installers share of apt: progress, and the causes of its failures."""
+"""apt for both installers: its progress, and the causes of its failures."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Final
 from tool0.installation.child_process import last_lines
 
 ProgressCallback = Callable[[str, float], None]
-"""Called with the current activity, and how much of it is done, from 0 to 1."""
+"""Called with the current activity and the fraction that is done, 0 to 1."""
 
 _OUTPUT_BY_CAUSE: Final = {
     "disk full": "no space left|enough free space|write error",
@@ -23,19 +23,19 @@ _OUTPUT_BY_CAUSE: Final = {
     "locked": "could not get lock",
     "broken": "unmet dependencies|broken packages|dpkg was interrupted",
 }
-"""Cause → a pattern of what apt prints then; the first that matches counts."""
+"""Cause → a pattern of apt's output; the first match applies."""
 _COMPLAINTS: Final = ("E:", "Err:", "W:")
 
 
 def explain_failure(
     output: str, explanations: Mapping[str, str], *, otherwise: str
 ) -> str:
-    """Return why apt failed, and the last of its complaints.
+    """Return why apt failed, and its last error messages.
 
     Args:
         output: What apt printed.
-        explanations: Those to choose from, by cause: a key of the table above.
-        otherwise: Stands for the explanation if none of them fits.
+        explanations: Explanation by cause, a key of the table above.
+        otherwise: The explanation if no cause matches.
     """
     fitting = (
         explanations[cause]

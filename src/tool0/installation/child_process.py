@@ -30,12 +30,12 @@ R = TypeVar("R")
 _Work = Callable[[], object]
 
 _POLL_PERIOD: Final = 0.1
-"""Between two calls of ``while_running`` [wall s]."""
+"""Interval between two calls of ``while_running`` [wall s]."""
 _CHUNK: Final = 1 << 20
 
 
 class ChildProcessFailedError(Tool0Error):
-    """Work in a child process was given up: a limit, a crash, or an unknown error."""
+    """Work in a child process failed: a limit, a crash, or an unknown error."""
 
 
 class ChildLimitExceededError(ChildProcessFailedError):
@@ -47,7 +47,7 @@ class ChildLimitExceededError(ChildProcessFailedError):
 
 @final
 class ChildProcess(AbstractContextManager["ChildProcess"]):
-    """A program that ends with ``close``, and with this process however that ends."""
+    """A program that ends with ``close`` or with this process, however that ends."""
 
     def __init__(
         self,
@@ -65,10 +65,10 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
         Args:
             command: The program and its arguments.
             environment: Its variables; those of this process if left out.
-            folder: Where it runs; where this process does if left out.
+            folder: Its working directory; that of this process if left out.
             log: A file for its output and errors; if left out, they are kept for
                 ``completed`` and ``last_output``.
-            grace: Time between SIGINT and SIGKILL when it is ended [wall s]; 0 for
+            grace: Time between SIGINT and SIGKILL when it is stopped [wall s]; 0 for
                 SIGKILL at once.
         """
         make = tempfile.TemporaryFile
@@ -145,7 +145,7 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
         return last_lines("\n".join(self._texts()), n_lines)
 
     def close(self) -> None:
-        """End it and what it started, and wait for its end; twice is allowed."""
+        """End the program and its children, and wait; closing twice is allowed."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -171,7 +171,7 @@ def run_program(
     timeout: float | None = None,
     while_running: Callable[[], None] | None = None,
 ) -> subprocess.CompletedProcess[str]:
-    """Run a program to its end; the caller looks at its exit status.
+    """Run a program to its end; the caller checks its exit status.
 
     Without ``environment``, its messages are in English.  ``while_running`` is called
     about ten times a second.
@@ -192,7 +192,7 @@ def run_program(
 
 
 def _connection_pair() -> tuple[socket.socket, socket.socket]:
-    """Return two connected sockets that block, whatever the default timeout is."""
+    """Return two connected blocking sockets, whatever the default timeout is."""
     ours, theirs = socket.socketpair()
     ours.setblocking(True)  # rospy sets a default timeout, which makes them not block
     theirs.setblocking(True)
@@ -215,14 +215,14 @@ def call_in_child(work: Callable[[], R], *, timeout: float, memory: int) -> R:
 
     Args:
         work: Runs in a copy of this process.
-        timeout: Time that it may take [wall s].
-        memory: What it may allocate beyond what this process holds [bytes].
+        timeout: Largest duration [wall s].
+        memory: Largest allocation beyond the memory of this process [bytes].
 
     Raises:
         ChildLimitExceededError: If it exceeds a limit.
         ChildProcessFailedError: If it crashes, or raises an error that cannot be
             pickled.
-        Exception: What it raises itself.
+        Exception: Any exception that ``work`` raises.
     """
     if sys.platform == "win32":
         return work()
@@ -279,7 +279,7 @@ def _fork_worker(work: _Work, connection: socket.socket, memory: int) -> NoRetur
 
 
 def _work(work: _Work, connection: socket.socket, memory: int) -> NoReturn:
-    """Do it, send the result, and exit."""
+    """Do the work, send the result, and exit."""
     packet = b""
     try:
         _limit_memory(memory)

@@ -27,14 +27,14 @@ _INSTALL_COMMANDS: Final = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Machine:
-    """Where a probe looks; a test passes another root."""
+    """The root for probes; a test passes another one."""
 
     root: Path = Path("/")
     environ: Mapping[str, str] = field(default_factory=lambda: os.environ)
     system: str = sys.platform
 
     def program(self, *names: str) -> str | None:
-        """Return the path of the first of these programs that PATH has."""
+        """Return the path of the first of these programs on PATH."""
         path = self.environ.get("PATH", "")
         found = (shutil.which(name, path=path) for name in names)
         return next((name for name in found if name), None)
@@ -43,7 +43,7 @@ class Machine:
         """Return the command that installs a package; empty if there is none.
 
         Args:
-            apt: Its name for Debian and Ubuntu, and elsewhere if not among ``others``.
+            apt: Its name on Debian and Ubuntu, and wherever ``others`` has none.
             others: Package manager → its name there; empty if it is not packaged.
         """
         for manager, command in _INSTALL_COMMANDS.items():
@@ -66,7 +66,7 @@ class Machine:
         return {key: value.strip("\"'") for key, _, value in fields if value}
 
     def name(self) -> str:
-        """Return the operating system, for people."""
+        """Return the name of the operating system."""
         if self.system == "linux":
             return self.release().get("PRETTY_NAME", "Linux")
         if self.system == "darwin":
@@ -74,7 +74,7 @@ class Machine:
         return f"{platform.system()} {platform.release()}"
 
     def codename(self) -> str:
-        """Return the release's codename, as ``bookworm``; Mint's is its Ubuntu's."""
+        """Return the release's codename, ``bookworm``; for Mint, that of Ubuntu."""
         release = self.release()
         keys = ("UBUNTU_CODENAME", "DEBIAN_CODENAME", "VERSION_CODENAME")
         return next((release[key] for key in keys if key in release), "")
@@ -84,8 +84,8 @@ class Machine:
 
 
 def python_requirements() -> dict[str, str]:
-    """Return package → requirement, as ``mujoco>=3.3``; empty for a source folder."""
-    from importlib import metadata  # slow, and mostly not needed
+    """Return package → requirement, ``mujoco>=3.3``; empty for a source folder."""
+    from importlib import metadata  # slow, and rarely needed
 
     try:
         stated = metadata.requires("tool0") or []
@@ -99,7 +99,7 @@ def python_requirements() -> dict[str, str]:
 
 
 def python_package_version(package: str) -> str | None:
-    """Return the version that is installed, None if none is."""
+    """Return the installed version, or None."""
     from importlib import metadata
 
     try:
@@ -109,5 +109,5 @@ def python_package_version(package: str) -> str | None:
 
 
 def pip_install_command(*arguments: str) -> str:
-    """Return the command that installs packages for the Python that runs this."""
+    """Return the command that installs packages for this Python."""
     return shlex.join([sys.executable, "-m", "pip", "install", *arguments])

@@ -2,7 +2,7 @@
 
 Run as a script, in a Python without site-packages, it starts the program that a line of
 JSON on standard input describes, and answers with its process id.  Standard input is a
-socket: when its other end closes, however that came about, the group is ended.
+socket: when its other end closes, for whatever reason, the group is ended.
 Nothing of tool0 is imported here.
 """
 

@@ -1,9 +1,8 @@
-"""Writes the ROS packages that tool0 reads into a person's catkin workspace.
+"""Writes tool0's ROS packages into a catkin workspace.
 
-Each file is written whole or not at all, and what a person has edited stays.  A hidden
-file in each package holds the hashes of what was written.  By them a later run
-distinguishes its own files from edited ones.  An interrupted run leaves both the old
-and the new hash, so that either counts.
+Each file is written completely or not at all, and edited files stay.  A hidden file in
+each package contains the hashes of the written files, by which a later run detects
+edits.  An interrupted run leaves both the old and the new hash; either is accepted.
 """
 
 from __future__ import annotations
@@ -21,15 +20,16 @@ from typing import Final, final
 
 from tool0.description.packages import BUNDLED, crawl, package_name
 from tool0.errors import ConfigError
+from tool0.user_data import expanded
 
 PACKAGES: Final = ("tool0_description", "tool0_gazebo")
 UPSTREAM_PACKAGES: Final = ("ur_description", "robotiq_2f_85_gripper_visualization")
-"""Whose meshes can replace ours."""
+"""Packages whose meshes can replace ours."""
 RECORD_FILE: Final = ".tool0-workspace.json"
 """The hidden file."""
 _ABOUT: Final = (
-    "Written by `tool0 workspace`: by these hashes it knows the files that it wrote "
-    "from those that were edited."
+    "Written by `tool0 workspace`: with these hashes it distinguishes the files that "
+    "it wrote from edited ones."
 )
 _PROGRAMS: Final = "scripts"
 """The folder of programs."""
@@ -57,7 +57,7 @@ class FileAction(Enum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorkspaceChanges:
-    """What was done to a workspace."""
+    """What changed in a workspace."""
 
     source: Path
     """The folder that the packages are in."""
@@ -67,7 +67,7 @@ class WorkspaceChanges:
     """Overwritten file → its edited version."""
 
     def paths(self, action: FileAction) -> tuple[Path, ...]:
-        """Return the files that this happened to."""
+        """Return the files with this change."""
         return tuple(path for path, what in self.actions.items() if what is action)
 
 
@@ -79,13 +79,13 @@ def write_workspace(
     Nothing is written before the change of every file is known.
 
     Args:
-        folder: The workspace; made if it does not exist.
+        folder: The workspace; created if it does not exist.
         upstream_meshes: Whether the robot looks as in upstream's packages by default.
         force: Whether edited files are overwritten, too.
 
     Raises:
         ConfigError: If a file cannot be read or written.  Files written by then are
-            complete, and the same call resumes.
+            complete, and the next call resumes.
     """
     source = source_folder(folder)
     files = package_files(upstream_meshes=upstream_meshes)
@@ -112,7 +112,7 @@ def write_workspace(
 def _action(
     path: Path, wanted: bytes | None, written: frozenset[str], force: bool
 ) -> FileAction:
-    """Return what happens to a file.
+    """Return the action for a file.
 
     ``wanted`` is its new content, None if it is no longer part of the package;
     ``written`` has the hashes of what we may have written there.
@@ -123,7 +123,7 @@ def _action(
     if present is None:
         return FileAction.ADD
     if path.is_symlink() or _digest(present) not in written:
-        # an edited file that we no longer ship is the person's, with force, too
+        # an edited file that tool0 no longer ships stays, even with force
         is_replaced = force and wanted is not None
         return FileAction.REPLACE if is_replaced else FileAction.KEEP
     return FileAction.REMOVE if wanted is None else FileAction.UPDATE
@@ -136,9 +136,11 @@ def _write_package(
     actions: Mapping[Path, FileAction],
     backups: dict[Path, Path],
 ) -> None:
-    """Change the files of one package; add where edited ones were put to backups."""
+    """Change the files of one package; add the backups of edited ones."""
     after = {path: frozenset({_digest(data)}) for path, data in wanted.items()}
-    for path in after:  # an edited file that we no longer ship is forgotten
+    for (
+        path
+    ) in after:  # an edited file that tool0 no longer ships is dropped from the list
         if actions[package / path] is FileAction.KEEP:
             after[path] |= written.get(path, frozenset())
     meanwhile = {
@@ -192,7 +194,7 @@ def package_files(*, upstream_meshes: bool = False) -> _Files:
 
 
 def _is_by_product(path: Path) -> bool:
-    """Return whether tools left it, and it is no part of a package."""
+    """Return whether it is a leftover of tools, not part of a package."""
     return any(name.startswith((".", "__pycache__")) for name in path.parts)
 
 
@@ -201,9 +203,9 @@ def _digest(data: bytes) -> str:
 
 
 def _read_record(package: Path) -> _Hashes:
-    """Return the hashes of a package; empty if there is no record that can be read.
+    """Return the hashes of a package; empty if there is no readable record.
 
-    Then every file that is not as we would write it counts as edited.
+    Every file that differs from what tool0 would write then counts as edited.
     """
     try:
         text = (package / RECORD_FILE).read_text(encoding="utf-8")
@@ -275,22 +277,22 @@ def _named_failure(verb: str, path: Path) -> Iterator[None]:
 
 
 def source_folder(folder: Path) -> Path:
-    """Return the folder of packages that ``folder`` has, is, or will have.
+    """Return the folder for packages in the workspace ``folder``.
 
-    A workspace has ``src``; so will a folder that is empty, or does not exist yet.  A
-    folder is one itself if it is called ``src``, has packages in it, or
-    catkin_init_workspace was run there.
+    It is ``src`` in a workspace, and in an empty or new folder.  It is ``folder``
+    itself if that is called ``src``, contains packages, or is initialised by
+    catkin_init_workspace.
 
     Raises:
         ConfigError: If packages cannot be put there.
     """
-    folder = folder.expanduser().absolute()
+    folder = expanded(folder).absolute()
     _refuse_files(folder)
     for path in (folder, *folder.parents):
         if (path / "package.xml").is_file():
             raise ConfigError(
-                f"'{path}' is a ROS package, and catkin finds none inside another; "
-                "name the workspace, the folder above its 'src'"
+                f"'{path}' is a ROS package, and packages cannot contain others; "
+                "pass the workspace, the folder above its 'src'"
             )
     below = folder / "src"
     found = below if below.is_dir() or not _holds_packages(folder) else folder
@@ -310,7 +312,7 @@ def _holds_packages(folder: Path) -> bool:
 def _refuse_files(folder: Path) -> None:
     for path in (folder, *folder.parents):
         if path.exists() and not path.is_dir():
-            raise ConfigError(f"'{path}' is not a folder; name a catkin workspace")
+            raise ConfigError(f"'{path}' is not a folder; pass a catkin workspace")
         if path.is_symlink() and not path.exists():
             raise ConfigError(f"'{path}' is a dangling link; remove or correct it")
 
@@ -321,13 +323,13 @@ def _refuse_duplicates(source: Path) -> None:
     for path in ours:
         if path.is_symlink():
             raise ConfigError(
-                f"'{path}' is a link to '{path.resolve()}', which would be written to; "
-                "remove it, or name another workspace"
+                f"'{path}' is a link to '{path.resolve()}', which it would change; "
+                "remove it, or pass another workspace"
             )
     for path in crawl(source):
         name = package_name(path)
         if name in PACKAGES and path not in ours:
             raise ConfigError(
-                f"'{path}' is a package called {name} already, and catkin accepts only "
-                "one of a name; remove it, or put a CATKIN_IGNORE file into it"
+                f"'{path}' is already a package called {name}, and catkin accepts only "
+                "one with that name; remove it, or put a CATKIN_IGNORE file into it"
             )

@@ -1,1 +1,1 @@
-"""How others reach a running robot: web panel, socket, ROS 1."""
+"""Interfaces to a running robot: web panel, socket, ROS 1."""

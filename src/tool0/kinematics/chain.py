@@ -1,4 +1,4 @@
-"""The six joints of an arm, and where they carry its flange: many postures at once."""
+"""The six joints of an arm and its forward kinematics, vectorized over postures."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ArmChain:
     """Six turning joints from the link that carries an arm to its flange."""
 
     def __init__(self, model: RobotModel, tip: str, joints: Sequence[Joint]) -> None:
-        """Take the six joints, from the base on, and the link ``tip`` at the end."""
+        """Take the six joints, from base to tip, and the link ``tip`` at the end."""
         self.joints = tuple(joints)
         self.joint_names = tuple(joint.name for joint in joints)
         self.base = joints[0].parent
@@ -59,7 +59,7 @@ class ArmChain:
         self._squares = self._crosses @ self._crosses
 
     def forward(self, q: Array) -> Posture:
-        """Return where the flange is at positions ``q`` [rad], shape (n, 6)."""
+        """Return the pose of the flange at positions ``q`` [rad], shape (n, 6)."""
         turns = rodrigues(self._crosses, self._squares, q)
         axes = np.empty((len(q), N_JOINTS, 3))
         points = np.empty_like(axes)
@@ -111,7 +111,7 @@ def find_chains(model: RobotModel) -> dict[str, ArmChain]:
 
 
 def why_no_arm(model: RobotModel) -> str:
-    """Return what a robot without an arm lacks."""
+    """Return the reason why a robot has no arm."""
     if not model.flanges:
         return f"no link is called {FLANGE}, with or without a prefix"
     return f"above '{model.flanges[0]}' are not {N_JOINTS} turning joints in a row"
@@ -145,7 +145,7 @@ def _rigid_root(model: RobotModel, link: str) -> tuple[str, Transform]:
 
 
 def _joints_above(model: RobotModel, link: str) -> list[Joint] | None:
-    """Return the six nearest joints above ``link``, from the base on, if they turn."""
+    """Return the six nearest joints above ``link``, from base to tip, if they turn."""
     found: list[Joint] = []
     while len(found) < N_JOINTS and (joint := model.parent_joint.get(link)):
         if joint.is_movable:

@@ -69,7 +69,7 @@ class ArmGeometry:
         fifth, sixth = (points[4:] - self._origin) @ self._R.T
         centre = _nearest(sixth, axes[5], fifth, axes[4])
         self.lateral = float(centre[1])
-        """How far the wrist's centre is beside the plane through the first axis [m]."""
+        """Offset of the wrist's centre from the plane through the first axis [m]."""
         self._fifth_angle = _angle(axes[4, [2, 0]])
         fifth_direction = np.array(
             [np.cos(self._fifth_angle), np.sin(self._fifth_angle)]
@@ -105,7 +105,7 @@ class ArmGeometry:
         """Return the postures for each pose, NaN where there is none.
 
         Args:
-            T_base_tip: Where the flange is to be, shape (n, 4, 4).
+            T_base_tip: Target pose of the flange, shape (n, 4, 4).
             sixth: Position of the sixth joint [rad], shape (n,), for singular poses,
                 which leave it open.  If given, all solutions have it.
 
@@ -154,7 +154,7 @@ class ArmGeometry:
         return q.reshape(len(q), N_BRANCHES, 6) * self._signs
 
     def signs(self, q: Array) -> Signs:
-        """Return on which side of each singularity postures are, shape (n,) each."""
+        """Return the side of each singularity where postures are, shape (n,) each."""
         _, q2, q3, q4, q5, _ = (q * self._signs).T
         upper = q2 + self._upper_angle
         fore = q2 + q3 + self._fore_angle

@@ -31,7 +31,7 @@ _DAMPING = 1e-12
 class Branch:
     """Which of the eight postures that reach one pose; None for either.
 
-    Left, up and no flip is how a UR usually stands.  Where two branches meet the arm
+    Left, up and no flip is the usual posture of a UR.  Where two branches meet the arm
     is singular.
     """
 
@@ -39,9 +39,9 @@ class Branch:
     """On which side of the line from the base to the wrist's centre the upper arm is,
     as seen from behind the base."""
     elbow: Literal["up", "down"] | None = None
-    """Whether the elbow is above the line from the shoulder to the fourth joint; the
-    other way round where that joint and the wrist's centre are on different sides of
-    the base's axis, so that the word changes in singular postures alone."""
+    """Whether the elbow is above the line from the shoulder to the fourth joint;
+    reversed where that joint and the wrist's centre are on different sides of the
+    base's axis, so that the word changes in singular postures alone."""
     wrist: Literal["flip", "no_flip"] | None = None
     """The sign of the fifth joint's sine, from where the sixth axis is parallel to the
     second: negative for "no_flip"."""
@@ -55,13 +55,13 @@ class Branch:
                 )
 
     def includes(self, other: Branch) -> bool:
-        """Return whether ``other`` is the same in all that is given here."""
+        """Return whether ``other`` matches every given field."""
         return all(
             getattr(self, name) in (None, getattr(other, name)) for name in _BRANCHES
         )
 
     def __str__(self) -> str:
-        """Return what is given, in words."""
+        """Return the given fields as text."""
         words = (getattr(self, item.name) for item in fields(self))
         return ", ".join(word for word in words if word is not None) or "any"
 
@@ -79,8 +79,9 @@ class Solution:
     """A posture that reaches the pose."""
 
     positions: Mapping[str, float]
-    """Joint → position [rad], from the base on."""
+    """Joint → position [rad], from base to tip."""
     branch: Branch
+    """Its branch, one of eight."""
     distance: float
     """Distance from ``near``: each joint's turn divided by its largest velocity, as the
     root of the sum of squares [s]."""
@@ -106,10 +107,10 @@ class InverseKinematics:
         """Return all postures within the limits, the nearest first.
 
         Args:
-            T_base_tip: Where the flange is to be, shape (4, 4).
+            T_base_tip: Target pose of the flange, shape (4, 4).
             near: The positions to compare with [rad], shape (6,).  Each joint takes
                 the number of whole turns that is nearest.
-            branch: Only postures of this kind.
+            branch: Only postures of this branch.
 
         Raises:
             UnreachableError: If there is none, with the reason.
@@ -145,7 +146,7 @@ class InverseKinematics:
         if not np.isfinite(found).any() or (wrist < SINGULAR).any():
             open_sixth = self.geometry.solve(poses, near[5:])[0]
             found = np.concatenate([open_sixth, found])
-        if self.geometry.inexact > EXACT:  # near a singularity it may be found so alone
+        if self.geometry.inexact > EXACT:  # near a singularity only this may find it
             found = np.concatenate([near[None], found])
         found = self.refined(found[np.isfinite(found).all(axis=1)], T_base_tip)
         apart = np.abs(wrapped(found[:, None] - found)).max(axis=2, initial=0.0)

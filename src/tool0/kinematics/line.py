@@ -41,7 +41,7 @@ class LinePath:
             start: Pose of the tool at the start.
             end: Pose of the tool at the end.
             T_tip_tool: Pose of the tool in the arm's flange.
-            T_root_base: Where the arm is, for messages.
+            T_root_base: Pose of the arm's base, for messages.
         """
         self._T_root_base = np.eye(4) if T_root_base is None else T_root_base
         self._start = start
@@ -79,7 +79,7 @@ class LinePath:
         return np.concatenate([linear, angular], axis=1)
 
     def at(self, s: float) -> str:
-        """Return where on the path s is, in words."""
+        """Return the place of s on the path, as text."""
         pose = from_matrix(self._T_root_base @ self.tool(np.array([s]))[0])
         return f"at {s:.0%} of the line, where the tool is at {pose}"
 
@@ -97,7 +97,7 @@ class PathSegment(NamedTuple):
     """A segment of a path, and the limits on it; the path parameter is s."""
 
     end: float
-    """The s of its end; it begins where the segment before ends."""
+    """The s of its end; it starts at the end of the segment before."""
     speed: float
     """[1/s]"""
     acceleration: float
@@ -133,8 +133,12 @@ class PathTiming:
             part = ruckig.Trajectory(1)
             try:
                 planner.calculate(request, part)
-            except ruckig.RuckigError as error:
-                raise ControlError(f"found no timing for {segment}: {error}") from None
+            except ruckig.RuckigError:
+                raise ControlError(
+                    "found no timing for the line: speed, acceleration or angular "
+                    "speed are too extreme; the usual ones are 0.25 m/s, 1.2 m/s² and "
+                    "1 rad/s"
+                ) from None
             self._parts.append(part)
             self._starts.append(self.duration)
             self.duration += part.duration

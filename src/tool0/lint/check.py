@@ -1,4 +1,4 @@
-"""All rules over all files that ``tool0 check`` is given."""
+"""Runs all rules over the files of ``tool0 check``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tool0.lint import launch_file
 from tool0.lint.launch_file import ParsedLaunch
 from tool0.lint.package_file import judge_missing_package, package_findings
 from tool0.lint.packages import PackageIndex, Packages, packages_around
-from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
+from tool0.lint.parameters.yaml_text import YamlText, syntax_findings, yaml_findings
 from tool0.lint.resource_limits import run_limited
 from tool0.lint.robot.facts import RobotFacts
 from tool0.lint.robot_file import (
@@ -45,25 +45,30 @@ class CheckReport:
 
     @property
     def n_errors(self) -> int:
+        """The number of errors."""
         return sum(finding.severity == "error" for finding in self.findings)
 
     @property
     def n_warnings(self) -> int:
+        """The number of warnings."""
         return len(self.findings) - self.n_errors
 
 
 def check(paths: Iterable[Path]) -> CheckReport:
     """Check files and folders, each file within bounds of time and memory.
 
+    Args:
+        paths: URDF, xacro, YAML and launch files, packages, or folders with them.
+
     Raises:
-        ConfigError: If a path does not exist, or is of no kind that is understood.
+        ConfigError: If a path does not exist, or its kind is not supported.
     """
     return _Check(list(paths)).report()
 
 
 @final
 class _Check:
-    """One run: what was found so far, and which files were loaded by others."""
+    """One run: the findings so far, and the files that others load."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._sources = collect(paths)
@@ -81,7 +86,7 @@ class _Check:
         self._robots: dict[_Expansion, ParsedRobot | None] = {}
 
     def report(self) -> CheckReport:
-        """Check everything: what loads other files before what is loaded."""
+        """Check everything: files that load others come first."""
         self._launch_files()
         self._xacro_files()
         self._urdf_files()
@@ -109,7 +114,7 @@ class _Check:
 
     def _launch_file(self, path: Path, read: ParsedLaunch) -> None:
         own = {source.path.resolve() for source in self._sources.files}
-        self._findings += [  # but for those in other people's files
+        self._findings += [  # except those in files of other packages
             finding
             for finding in read.findings
             if finding.location.file is None or finding.location.file.resolve() in own
@@ -123,7 +128,8 @@ class _Check:
         self._loaded |= {
             y.location.file.resolve() for y in read.yamls if y.location.file
         }
-        self._apply(path, launch_file.control_findings, read, facts)
+        rules = launch_file.control_findings
+        self._apply(path, rules, read, facts, self._packages)
 
     def _xacro_files(self) -> None:
         read = self._read_all(FileKind.XACRO, read_xacro_source)
@@ -134,7 +140,7 @@ class _Check:
                 self._xacro_robot(path, answer)
 
     def _xacro_robot(self, path: Path, answer: XacroSource) -> None:
-        """Check the robot of a file that nothing else loads."""
+        """Check the robot of a file that no other file loads."""
         read = self._read_robot(path, {})
         if read is not None and read.facts is None and answer.needs:
             needs = ", ".join(answer.needs)
@@ -160,10 +166,12 @@ class _Check:
                 continue
             yaml = YamlText(text, SourceLocation(source.path, 1))
             if not yaml.is_about_controllers:
+                self._apply(source.path, syntax_findings, yaml)
                 if source.was_named:
                     self._notes.append(f"{source.path}: holds no controllers")
                 continue
-            self._apply(source.path, yaml_findings, (yaml,), self._robot_of(source))
+            robot = self._robot_of(source)
+            self._apply(source.path, yaml_findings, (yaml,), robot, self._packages)
 
     def _robot_of(self, yaml: Source) -> RobotFacts | None:
         """Return the robot for a YAML that no launch file loads, if only one fits.
@@ -195,13 +203,17 @@ class _Check:
     def _read_all(
         self, kind: FileKind, reader: Callable[[Path, Packages], R]
     ) -> dict[Path, R]:
-        """Return what ``reader`` makes of the files that it can read."""
+        """Return the results of ``reader`` for the files that it can read."""
         paths = [source.path for source in self._sources.of(kind)]
         read = {path: self._try(path, reader, path, self._packages) for path in paths}
         return {path: item for path, item in read.items() if item is not None}
 
     def _read_robot(
-        self, file: Path, args: Mapping[str, str] | None, *, spawned: bool = False
+        self,
+        file: Path,
+        args: Mapping[str, str] | None,
+        *,
+        spawned: bool | None = None,
     ) -> ParsedRobot | None:
         """Return the robot of a file, read once for each set of arguments."""
         self._loaded.add(file.resolve())
@@ -236,7 +248,7 @@ class _Check:
         *arguments: P.args,
         **keywords: P.kwargs,
     ) -> None:
-        """Add what ``rules`` find in ``file``."""
+        """Add the findings of ``rules`` in ``file``."""
 
         def found() -> list[Finding]:
             return list(rules(*arguments, **keywords))
@@ -245,9 +257,9 @@ class _Check:
 
 
 def _identity(finding: Finding) -> tuple[object, ...]:
-    """Return what two findings of the same fault have in common.
+    """Return a key that is equal for two findings of the same fault.
 
-    A macro's source and what it expands to have the same typo, under two keys.
+    A macro's source and its expansion have the same typo, under two keys.
     """
     key = finding.remedy if finding.rule == "interface-typo" else finding.key
     return finding.location, finding.rule, key, finding.remedy

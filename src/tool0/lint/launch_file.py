@@ -1,4 +1,4 @@
-"""One launch file with all that it loads: robots, parameters and controllers."""
+"""One launch file with everything it loads: robots, parameters and controllers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _TAKES_VALUE = ("--namespace", "--timeout", "-t", "--shutdown-timeout")
 @final
 @dataclass(frozen=True, slots=True)
 class ParsedLaunch:
-    """A launch file as far as it could be read."""
+    """The readable part of a launch file."""
 
     findings: tuple[Finding, ...]
     robots: tuple[tuple[Path, Mapping[str, str] | None], ...] = ()
@@ -39,12 +39,12 @@ class ParsedLaunch:
     yamls: tuple[YamlText, ...] = ()
     included: tuple[Path, ...] = ()
     spawns: bool = False
-    """Whether Gazebo gets the robot."""
+    """Whether the robot is spawned in Gazebo."""
     launch: LaunchFile | None = field(default=None, repr=False)
 
 
 def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
-    """Return what a launch file loads, and what is wrong with itself."""
+    """Return what a launch file loads, and its own faults."""
     launch = read_launch(file, {}, PackageIndex(packages))
     yamls = []
     for rosparam in launch.rosparams():
@@ -61,9 +61,11 @@ def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
     )
 
 
-def control_findings(read: ParsedLaunch, robot: RobotFacts | None) -> Iterator[Finding]:
-    """Yield what is wrong between a launch file's controllers, YAML and robot."""
-    yield from yaml_findings(read.yamls, robot)
+def control_findings(
+    read: ParsedLaunch, robot: RobotFacts | None, packages: Packages
+) -> Iterator[Finding]:
+    """Yield mismatches between a launch file's controllers, YAML and robot."""
+    yield from yaml_findings(read.yamls, robot, packages)
     wanted = list(_spawn_requests(read.launch)) if read.launch is not None else []
     if not wanted:
         return
@@ -72,7 +74,7 @@ def control_findings(read: ParsedLaunch, robot: RobotFacts | None) -> Iterator[F
         try:
             tree.load(yaml.text, yaml.location)
         except ConfigError:
-            return  # what it defines is unknown, which was reported
+            return  # its content is unknown, which was reported
     files = dict.fromkeys(str(yaml.location.file) for yaml in read.yamls)
     yield from _spawn_findings(wanted, ControllerConfig(tree), list(files))
 
@@ -124,7 +126,7 @@ def commented_rosparams(launch_file: Path) -> Iterator[tuple[SourceLocation, str
 @final
 @dataclass(frozen=True, slots=True)
 class SpawnRequest:
-    """A controller that a node asks the controller manager for."""
+    """A controller that a node requests from the controller manager."""
 
     name: str
     is_started: bool

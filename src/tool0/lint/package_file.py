@@ -1,4 +1,4 @@
-"""A package.xml, and the packages that files use or that this machine lacks."""
+"""A package.xml, packages that files use, and packages missing on this machine."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _dependencies(root: Tag) -> frozenset[str]:
 def package_findings(
     file: Path, sources: Iterable[Source], given: Packages
 ) -> Iterator[Finding]:
-    """Yield what is wrong with a package.xml, given the files that are checked."""
+    """Yield the faults of a package.xml, given the checked files."""
     try:
         root = Tag(parse_file(file).documentElement)
     except DescriptionError as error:
@@ -67,9 +67,7 @@ def package_findings(
         if used in reached:
             reason = f"today it comes with '{reached[used]}', which is named"
         elif not is_whole and used not in given:
-            reason = (
-                "unless a package that is named brings it, rosdep does not install it"
-            )
+            reason = "unless a listed package depends on it, rosdep does not install it"
         else:
             severity = "error"
             reason = "rosdep does not install it; on another machine it is missing"
@@ -119,7 +117,7 @@ def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
 
 
 def _uses(root: Tag) -> Iterator[tuple[str, SourceLocation]]:
-    """Yield the packages that a file uses whatever its arguments are."""
+    """Yield the packages that a file uses with any arguments."""
     waiting = [root]
     while waiting:
         tag = waiting.pop()
@@ -137,7 +135,7 @@ def _uses(root: Tag) -> Iterator[tuple[str, SourceLocation]]:
 
 
 def judge_missing_package(finding: Finding) -> Finding | str:
-    """Return the finding with the severity that it deserves, or a note instead of it.
+    """Return the finding with its proper severity, or a note instead.
 
     A missing package that the file's own package.xml declares is no fault of the file.
     For a file outside any package it is a warning, unless the name is a typo.

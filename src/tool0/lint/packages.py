@@ -1,4 +1,4 @@
-"""Finds ROS packages: those given, those that tool0 ships, those of ROS."""
+"""Finds ROS packages: given ones, those in tool0, and those of ROS."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tool0.description.packages import (
 from tool0.errors import DescriptionError, SourceLocation, nearest_name
 
 _STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
-"""Found without ROS, too: tool0 does itself what this program is asked for."""
+"""Accepted without ROS, too: tool0 implements these programs itself."""
 _NAME = re.compile(r"[A-Za-z][\w-]{0,99}")
 _MAX_DEPTH = 6
 _MAX_FOLDERS = 5000
@@ -30,7 +30,7 @@ _MAX_SEARCHES = 200
 
 
 Packages: TypeAlias = Mapping[str, Path]
-"""Name to folder of packages that come before all others, as a workspace's own."""
+"""Name → folder of packages that take precedence, such as a workspace's own."""
 
 
 @cache
@@ -58,10 +58,10 @@ class PackageIndex:
         return found if isinstance(found, Path) else None
 
     def find(self, name: str) -> Path:
-        """Return the folder of a package, or where ROS would put it.
+        """Return the folder of a package, or the folder where ROS would put it.
 
         Raises:
-            DescriptionError: If it is nowhere.
+            DescriptionError: If it is not found.
         """
         found = self._search(name)
         if isinstance(found, Path):
@@ -88,7 +88,7 @@ class PackageIndex:
         """Return the finding that ``user`` needs a package that does not exist."""
         near = nearest_name(name, self._given, cutoff=0.85)
         is_name = _NAME.fullmatch(name) is not None
-        message = f"{user} names no package, and '{short(name)}' can be none"
+        message = f"{user} names no package: '{short(name)}' is not a valid name"
         remedy = "write package://PACKAGE/PATH or $(find PACKAGE)"
         if is_name:
             message = (

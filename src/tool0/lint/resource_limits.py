@@ -25,7 +25,7 @@ MEMORY = 2 << 30
 
 
 class ResourceLimitError(Tool0Error):
-    """The work was given up; the message says why."""
+    """The work was abandoned; the message has the reason."""
 
 
 def run_limited(
@@ -33,11 +33,11 @@ def run_limited(
     *arguments: P.args,
     **keywords: P.kwargs,
 ) -> R:
-    """Return what ``work`` returns, which must be picklable.
+    """Return the result of ``work``, which must be picklable.
 
     Raises:
         ResourceLimitError: If it takes too long, too much memory, or crashes.
-        Exception: What it raises itself.
+        Exception: Exceptions of ``work`` itself.
     """
     try:
         return call_in_child(
@@ -46,7 +46,7 @@ def run_limited(
     except ChildLimitExceededError as error:
         raise ResourceLimitError(
             f"it could not be read: {error}; look for a number that is far too large, "
-            "or for something that contains itself"
+            "or for a structure that contains itself"
         ) from None
     except ChildProcessFailedError as error:
         raise ResourceLimitError(f"it could not be read: {error}") from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -45,6 +46,7 @@ _XACRO_RULES = (
     xacro_source.call_findings,
     xacro_source.interface_findings,
 )
+_USED = re.compile(r"\$\(arg +(\w+) *\)")
 _MOST = 50
 """Findings of one subject; a file with more needs another look after these."""
 
@@ -69,7 +71,7 @@ class XacroSource:
     includes: tuple[Path, ...]
     """The files that it includes, whatever its arguments are; absolute."""
     needs: tuple[str, ...]
-    """The arguments that have no default, or an empty one."""
+    """The arguments that have no default yet where they are used, or an empty one."""
 
 
 def read_robot(
@@ -77,7 +79,7 @@ def read_robot(
     args: Mapping[str, str] | None,
     packages: Packages,
     *,
-    spawned: bool = False,
+    spawned: bool | None = None,
 ) -> ParsedRobot:
     """Return the robot of a file, and what is wrong with it.
 
@@ -85,7 +87,7 @@ def read_robot(
         file: URDF or xacro.
         args: The arguments of xacro; None if the file is URDF.
         packages: Found before any other.
-        spawned: Whether it is known to be put into Gazebo to be controlled there.
+        spawned: Whether Gazebo gets it, to control it there; None if that is unknown.
     """
     with preferring(packages):
         try:
@@ -127,16 +129,19 @@ def read_xacro_source(file: Path, packages: Packages) -> XacroSource:
             findings=tuple(xacro_findings(root, packages)),
             makes_a_robot=any(item.tag not in _DEFINES for item in tag.children()),
             includes=tuple(Path(os.path.realpath(path)) for path in files),
-            needs=tuple(
-                item.written("name")
-                for item in tag.children("xacro:arg")
-                if not item.written("default")
+            needs=(
+                *_USED.findall("\n".join(value for _, value in tag.attributes)),
+                *(
+                    item.written("name")
+                    for item in tag.children("xacro:arg")
+                    if not item.written("default")
+                ),
             ),
         )
 
 
 def robot_findings(
-    root: LocatedElement, packages: Packages = _NONE, *, spawned: bool = False
+    root: LocatedElement, packages: Packages = _NONE, *, spawned: bool | None = None
 ) -> Iterator[Finding]:
     """Yield what is wrong in a <robot> of URDF, or of expanded xacro."""
     facts = facts_of(Tag(root))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Generic
 
 from msgspec import Meta, Struct, field
 
+from tool0.control.manager import TRAJECTORY_KIND, why_not_driven
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.transform import Pose, Transform
@@ -24,6 +25,9 @@ Row = tuple[float, float, float, float]
 AnyPose = Pose | tuple[Row, Row, Row, Row]
 """Position and fixed-axis angles [m, rad], or a homogeneous matrix, shape (4, 4)."""
 
+Rate = Annotated[float, Meta(ge=1e-6, le=1e6)]
+"""A speed or an acceleration: far beyond any arm, yet safe from rounding errors."""
+
 _AFTER_ANY_MOTION = 1e6
 """Time after which every motion has ended [s]."""
 AT_REST = 1e-6
@@ -40,7 +44,7 @@ class ArmInfo(Struct, frozen=True, kw_only=True):
     tip: str
     """The link at its end."""
     joint_names: tuple[str, ...]
-    """From the base on."""
+    """From base to tip."""
 
 
 class ListArms(Request[tuple[ArmInfo, ...]], frozen=True):
@@ -48,7 +52,7 @@ class ListArms(Request[tuple[ArmInfo, ...]], frozen=True):
 
 
 class _OfTool(Request[Response], Generic[Response], frozen=True):
-    """What every request about a tool has."""
+    """The fields of every request about a tool."""
 
     unchecked = ("pose", "tool")
 
@@ -67,7 +71,7 @@ class ReadToolPose(_OfTool[Transform], frozen=True):
 
 
 class ReadBranch(Request[Branch], frozen=True):
-    """The kind of posture in which the arm stands, of eight."""
+    """The branch of the arm's posture, one of eight."""
 
     arm: str | None = None
 
@@ -77,9 +81,9 @@ class SolveInverseKinematics(_OfTool[tuple[Solution, ...]], frozen=True, kw_only
 
     pose: AnyPose
     near: JointPositions = field(default_factory=dict)
-    """Joint → position [rad]; others count as they stand."""
+    """Joint → position [rad]; for joints left out, the commanded one."""
     branch: Branch | None = None
-    """Only postures of this kind."""
+    """Only postures of this branch."""
 
 
 class MoveTo(_OfTool[GoalStarted], frozen=True, kw_only=True):
@@ -95,11 +99,11 @@ class MoveLinear(_OfTool[GoalStarted], frozen=True, kw_only=True):
     """Move the tool to a pose along a straight line that was checked before."""
 
     pose: AnyPose
-    speed: Annotated[float, Meta(gt=0.0)] = 0.25
+    speed: Rate = 0.25
     """Of the tool [m/s]; this and the acceleration are the defaults of UR's movel."""
-    acceleration: Annotated[float, Meta(gt=0.0)] = 1.2
-    """Of the tool [m/s²]; the rotation gets a ramp of the same duration."""
-    angular_speed: Annotated[float, Meta(gt=0.0)] = 1.0
+    acceleration: Rate = 1.2
+    """Of the tool [m/s²]; the rotation ramps over the same duration."""
+    angular_speed: Rate = 1.0
     """Of the tool [rad/s]."""
 
 
@@ -213,17 +217,14 @@ def _kinematics(chain: ArmChain) -> InverseKinematics:
 def _controller(simulation: Simulation, chain: ArmChain) -> str:
     """Return the running trajectory controller of the arm's joints."""
     for status in simulation.snapshot.controllers:
-        claimed = {joint for _, joints in status.claimed for joint in joints}
         if (
             status.state == "running"
-            and status.type.endswith("/JointTrajectoryController")
-            and claimed.issuperset(chain.joint_names)
+            and status.kind == TRAJECTORY_KIND
+            and status.joints.issuperset(chain.joint_names)
         ):
             return status.name
-    raise ControlError(
-        f"no running JointTrajectoryController claims the joints of '{chain.tip}', "
-        f"so nothing moves; start one that does: {', '.join(chain.joint_names)}"
-    )
+    statuses = simulation.snapshot.controllers
+    raise ControlError(why_not_driven(statuses, chain.joint_names))
 
 
 def _commanded(simulation: Simulation, chain: ArmChain) -> Mapping[str, float]:

@@ -31,9 +31,10 @@ from tool0.requests.sensors import Picture, image_of, picture_of
 from tool0.requests.table import Entry, Request, entries, entry_of, method_name, plain
 from tool0.sensing.cameras import CameraImage
 from tool0.sensing.snapshot import JointSetpoint, Snapshot
+from tool0.sensing.stalls import Stall
 
 PROTOCOL: Final = 2
-"""Raised by one when a program written for the old protocol could be misled."""
+"""Incremented when a program written for the old protocol could misread the new."""
 _SHOWN: Final = 40
 """Characters of an unknown word that an answer repeats."""
 
@@ -144,8 +145,15 @@ class SnapshotMessage(Struct, frozen=True, kw_only=True, tag="snapshot"):
     """Whether the emergency stop is engaged."""
     real_time_factor: float
     overruns: int
+    late_ticks: int
+    """Ticks of about the last second that started late."""
     fault: str | None
     speed: float | None
+    stalls: tuple[Stall, ...]
+    """[joint, effort, [[link, what it touches], …]] of joints that push at their limit
+    without moving."""
+    gripping: tuple[str, ...]
+    """The grippers whose fingers press on something from two sides."""
     controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
     """In a stream: only when they changed."""
     scene: tuple[ObjectInfo, ...] | UnsetType = UNSET
@@ -157,6 +165,7 @@ class SnapshotMessage(Struct, frozen=True, kw_only=True, tag="snapshot"):
 _COPIED: Final = (
     *("time", "tick", "joint_names", "position", "velocity", "effort", "objects"),
     *("is_paused", "is_stopped", "real_time_factor", "overruns", "fault", "speed"),
+    *("late_ticks", "stalls", "gripping"),
 )
 """Fields that a snapshot and its message have alike."""
 
@@ -237,9 +246,10 @@ class ResetDone(Struct, frozen=True, kw_only=True, tag="reset"):
 
 
 class LateTicks(Struct, frozen=True, kw_only=True, tag="overrun"):
-    """Ticks began late within the last second of wall time."""
+    """The simulation falls behind the wall clock, or keeps up again."""
 
     count: int
+    """Ticks of the last second that started late; 0: it keeps up again."""
     time: float
     """Simulated [s]."""
 
@@ -280,7 +290,17 @@ _WIRE_FORMS: Final[Mapping[Any, _WireForm]] = {
     CameraImage: _WireForm(Picture, picture_of, image_of),
     Snapshot: _WireForm(SnapshotMessage, snapshot_message, snapshot_of),
 }
-_encoder = msgspec.json.Encoder(enc_hook=plain)
+
+
+def _encodable(value: Any) -> Any:
+    """Return a value unknown to msgspec, such as a numpy number, as a Python one."""
+    found = plain(value)
+    if found is value:
+        raise TypeError(f"a value of type {type(value).__name__} cannot be sent")
+    return found
+
+
+_encoder = msgspec.json.Encoder(enc_hook=_encodable)
 _envelopes = msgspec.json.Decoder(Envelope)
 
 
@@ -300,10 +320,16 @@ def encode(message: Struct) -> bytes:
 
 
 def encode_request(ident: int, request: Request[Any]) -> bytes:
-    """Return a request as JSON, without a newline."""
-    return _encoder.encode(
-        {"id": ident, "method": method_name(type(request)), "params": request}
-    )
+    """Return a request as JSON, without a newline.
+
+    Raises:
+        RequestError: If one of its values cannot be sent.
+    """
+    method = method_name(type(request))
+    try:
+        return _encoder.encode({"id": ident, "method": method, "params": request})
+    except (TypeError, ValueError, OverflowError) as error:
+        raise RequestError(method, str(error)) from None
 
 
 def decode_request(text: bytes | str) -> tuple[int | str | None, Request[Any]]:

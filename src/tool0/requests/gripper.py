@@ -8,6 +8,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from tool0.control.manager import GRIPPER_KIND, TRAJECTORY_KIND, why_not_driven
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.errors import ControlError, ModelError
@@ -41,7 +42,7 @@ class Grip(Request[GoalStarted], frozen=True):
 
 
 class ReadGripper(Request[GraspState], frozen=True):
-    """What a gripper does: whether it moves, has arrived, or holds something."""
+    """The state of a gripper: whether it moves, has arrived, or holds an object."""
 
     gripper: Name | None = None
     """The robot's only one, if left out."""
@@ -61,24 +62,21 @@ def _grip(simulation: Simulation, request: Grip) -> GoalStarted:
     )
     core, loop = simulation.core, simulation.loop
     for status in simulation.snapshot.controllers:
-        claimed = {name for _, joints in status.claimed for name in joints}
-        if status.state != "running" or joint not in claimed:
+        if status.state != "running" or joint not in status.joints:
             continue
-        if status.type.endswith("/GripperActionController"):
+        if status.kind == GRIPPER_KIND:
             effort = request.effort
             if request.force is not None:
                 effort = simulation.joint_limits[joint].effort
             command = partial(core.command_gripper, status.name, target, effort, bounds)
             return started(simulation, loop.call(command))
-        if status.type.endswith("/JointTrajectoryController"):
+        if status.kind == TRAJECTORY_KIND:
             trajectory = TrajectoryGoal(
                 points=_plan(simulation, gripper, opening, speed), joint_names=[joint]
             )
             return follow(simulation, status.name, trajectory, {joint: bounds})
-    raise ControlError(
-        f"no running controller drives '{joint}'; start a JointTrajectory"
-        "Controller or a GripperActionController that claims it"
-    )
+    kinds = (TRAJECTORY_KIND, GRIPPER_KIND)
+    raise ControlError(why_not_driven(simulation.snapshot.controllers, [joint], kinds))
 
 
 handles(ReadGripper)(
@@ -111,8 +109,8 @@ def _plan(
     """Return the motion to ``end`` [m] from where the pads are.
 
     A squeeze continues into a tighter one without letting go.  An opening starts with
-    a setpoint where the pads are: the controller wants them further inside, and would
-    otherwise squeeze on with all that the new goal allows.
+    a setpoint where the pads are: the controller's own setpoint is further inside,
+    and it would otherwise keep squeezing with the full force of the new goal.
     """
     snapshot = simulation.snapshot
     here = snapshot.position[snapshot.joint_names.index(gripper.joint)]

@@ -9,6 +9,7 @@ from msgspec import Meta, Struct, field
 from tool0.control.config import ControllerConfig, ControllerSpec
 from tool0.control.goal import Goal, GoalStatus, ToleranceOverride
 from tool0.control.manager import ControllerStatus, Strictness
+from tool0.control.parameters import Gains
 from tool0.control.trajectory import (
     JointsMotion,
     TrajectoryGoal,
@@ -43,7 +44,7 @@ class GoalStarted(Struct, frozen=True, kw_only=True):
 
 
 class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
-    """What every request with a trajectory has."""
+    """The fields of every request with a trajectory."""
 
     unchecked = ("points", "path_tolerance", "goal_tolerance")
 
@@ -80,7 +81,7 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
     positions: JointPositions
     speed: SpeedScale = 0.5
     duration: Annotated[float, Meta(gt=0.0)] | None = None
-    """Instead of a speed: how long the motion of one controller takes [s].  It is a
+    """Instead of a speed: duration of the motion of one controller [s].  It is a
     cubic, and the controller's other joints keep their setpoints."""
     controller: Name | None = None
     """The controller whose joints they are; those that claim them, if left out."""
@@ -141,7 +142,7 @@ def follow(
     goal: TrajectoryGoal,
     bounds: dict[str, DriveLimits] | None = None,
 ) -> GoalStarted:
-    """Start a trajectory goal between two ticks; from the thread that asks."""
+    """Start a trajectory goal between two ticks; in the caller's thread."""
     core = simulation.core
     accepted = simulation.loop.call(lambda: core.follow(controller, goal, bounds))
     return started(simulation, accepted)
@@ -285,7 +286,7 @@ class LoadController(Request[None], frozen=True):
 
 
 class LoadControllerWith(Request[None], frozen=True):
-    """Load a controller with parameters of its own."""
+    """Load a controller with the given parameters."""
 
     unchecked = ("config",)
 
@@ -305,7 +306,7 @@ class SwitchControllers(Request[None], frozen=True):
     start: Names = ()
     stop: Names = ()
     strict: bool = True
-    """Whether one impossible change refuses all; otherwise it is skipped."""
+    """Whether one impossible change rejects all; otherwise it is skipped."""
 
 
 class ReadController(Request[TrajectoryState], frozen=True):
@@ -320,6 +321,35 @@ class QueryState(Request[JointsMotion], frozen=True):
     controller: Name
     time: float | None = None
     """Simulated time [s]; now, if left out."""
+
+
+class ReadGains(Request[dict[str, Gains]], frozen=True):
+    """The PID gains of each joint of a controller; none where it has no PID."""
+
+    controller: Name
+
+
+class SetGains(Request[Gains], frozen=True):
+    """Change PID gains of one joint; the response is all of them.
+
+    Gains left out keep their values.  A running controller continues with the new
+    gains, and the contribution of its integral does not jump.  They hold until the
+    controller is unloaded; no file changes.
+    """
+
+    controller: Name
+    joint: Name
+    p: float | None = None
+    """Command per position error: [N·m/rad | N/m] for an effort controller."""
+    i: float | None = None
+    """Command per position error and second."""
+    d: float | None = None
+    """Command per velocity error."""
+    i_clamp: Annotated[float, Meta(ge=0.0)] | None = None
+    """Largest contribution of the integral in either direction: [N·m | N] for an effort
+    controller."""
+    antiwindup: bool | None = None
+    """Whether the integral itself is clamped, not only its contribution."""
 
 
 class ReadControllerSpec(Request[ControllerSpec], frozen=True):
@@ -359,6 +389,22 @@ def _query(simulation: Simulation, request: QueryState) -> JointsMotion:
     core = simulation.core
     time = core.time if request.time is None else request.time
     return core.trajectory_controller(request.controller).query_state(time)
+
+
+@handles(ReadGains, in_tick=True, publishes=False)
+def _gains(simulation: Simulation, request: ReadGains) -> dict[str, Gains]:
+    spec = simulation.core.manager.spec(request.controller)
+    return dict(zip(spec.joints, spec.gains, strict=False))
+
+
+@handles(SetGains, in_tick=True, publishes=False)
+def _set_gains(simulation: Simulation, request: SetGains) -> Gains:
+    given = {name: getattr(request, name) for name in ("p", "i", "d", "antiwindup")}
+    if (clamp := request.i_clamp) is not None:
+        given |= {"i_min": -clamp, "i_max": clamp}
+    changes = {name: value for name, value in given.items() if value is not None}
+    manager = simulation.core.manager
+    return manager.set_gains(request.controller, request.joint, **changes)
 
 
 handles(ReadControllerSpec, in_tick=True, publishes=False, local=True)(

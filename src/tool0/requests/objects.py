@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
 from msgspec import Meta, Struct
 
 from tool0.description.scene import DEFAULT_FRICTION, PALETTE, STILL_RGBA, SceneObject
-from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere, mesh
+from tool0.description.shapes import (
+    Box,
+    Compound,
+    Cylinder,
+    Geometry,
+    Mesh,
+    Solid,
+    Sphere,
+    mesh,
+    parts_of,
+)
 from tool0.description.transform import Pose, to_transform
 from tool0.errors import ConfigError
 from tool0.hardware.engine import Contact, ObjectState
@@ -22,10 +33,12 @@ from tool0.requests.table import (
     Vector3,
     handles,
 )
+from tool0.runtime.applied_wrenches import AppliedWrench
 from tool0.runtime.simulation import Simulation
 
-MOST_OBJECTS = 500
-"""Objects of a scene to which requests may add: each one slows down the next."""
+MOST_SHAPES = 500
+"""Largest number of shapes in a scene that requests may add to: adding gets slower with
+each."""
 
 
 class BoxShape(Struct, frozen=True, kw_only=True, tag="box", tag_field="kind"):
@@ -60,7 +73,28 @@ class MeshShape(Struct, frozen=True, kw_only=True, tag="mesh", tag_field="kind")
     scale: Vector3 = (1.0, 1.0, 1.0)
 
 
-Shape = BoxShape | CylinderShape | SphereShape | MeshShape
+SingleShape = BoxShape | CylinderShape | SphereShape | MeshShape
+
+
+class ShapePart(Struct, frozen=True, kw_only=True):
+    """One of the shapes of a body."""
+
+    shape: SingleShape
+    xyz: Place = (0.0, 0.0, 0.0)
+    """Of its origin, in the body's frame [m]."""
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+    """Fixed-axis roll, pitch, yaw [rad]."""
+
+
+class CompoundShape(
+    Struct, frozen=True, kw_only=True, tag="compound", tag_field="kind"
+):
+    """Several shapes that are one rigid body, of the same density."""
+
+    parts: tuple[ShapePart, ...]
+
+
+Shape = SingleShape | CompoundShape
 
 
 class ObjectInfo(Struct, frozen=True, kw_only=True):
@@ -88,7 +122,7 @@ class AddObject(Request[None], frozen=True):
     mass: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
     """[kg]; without one it is fixed."""
     friction: Annotated[float, Meta(ge=0.0, le=100.0)] = DEFAULT_FRICTION
-    """Coulomb's coefficient for sliding."""
+    """Coulomb coefficient of sliding friction."""
     rgba: RGBA | None = None
     """Each within 0 … 1; a colour of its own, if left out."""
 
@@ -100,7 +134,7 @@ class RemoveObject(Request[None], frozen=True):
 
 
 class PlaceObject(Request[None], frozen=True):
-    """Put an object somewhere at once; a reset puts it back."""
+    """Place an object at once; a reset restores its start pose."""
 
     name: Name
     xyz: Place
@@ -115,6 +149,33 @@ class PlaceObject(Request[None], frozen=True):
     """Angular velocity, in the root's axes [rad/s]."""
 
 
+class ApplyWrench(Request[None], frozen=True):
+    """Push a link or an object for a span of simulated time.
+
+    Force and torque keep their direction in the robot's root.
+    """
+
+    name: Name
+    """A link or an object that can move."""
+    force: Vector3 = (0.0, 0.0, 0.0)
+    """[N]"""
+    torque: Vector3 = (0.0, 0.0, 0.0)
+    """[N·m]"""
+    point: Place | None = None
+    """Where the force acts at its start, in the robot's root [m]; the body's centre of
+    mass, if left out."""
+    start: Annotated[float, Meta(ge=0.0)] = 0.0
+    """Simulated time at which it begins [s]; at once, if that is past."""
+    duration: Annotated[float, Meta(ge=0.0)] | None = None
+    """[s]; until it is cleared or the robot is reset, if left out."""
+
+
+class ClearWrenches(Request[None], frozen=True):
+    """End the wrenches that were applied to a link or an object, or to all of them."""
+
+    name: Name | None = None
+
+
 class ReadContacts(Request[tuple[Contact, ...]], frozen=True):
     """The contact forces of the last physics step, one item for each pair that touches.
 
@@ -122,8 +183,19 @@ class ReadContacts(Request[tuple[Contact, ...]], frozen=True):
     """
 
 
-def shape_of(geometry: Geometry) -> Shape:
+def shape_of(solid: Solid) -> Shape:
     """Return a shape as it is sent."""
+    if not isinstance(solid, Compound):
+        return _single_shape(solid)
+    return CompoundShape(
+        parts=tuple(
+            ShapePart(shape=_single_shape(geometry), xyz=pose.xyz, rpy=pose.rpy)
+            for geometry, pose in solid.parts
+        )
+    )
+
+
+def _single_shape(geometry: Geometry) -> SingleShape:
     match geometry:
         case Box(size=size):
             return BoxShape(size=size)
@@ -151,7 +223,7 @@ def object_of(info: ObjectInfo) -> SceneObject:
     """Return the object that was sent."""
     return SceneObject(
         name=info.name,
-        geometry=geometry_of(info.shape),
+        geometry=solid_of(info.shape),
         pose=info.pose,
         mass=info.mass,
         friction=info.friction,
@@ -159,8 +231,19 @@ def object_of(info: ObjectInfo) -> SceneObject:
     )
 
 
-def geometry_of(shape: Shape) -> Geometry:
-    """Return the geometry that was sent; DescriptionError without the mesh's file."""
+def solid_of(shape: Shape) -> Solid:
+    """Return the shape that was sent; DescriptionError without the file of a mesh."""
+    if not isinstance(shape, CompoundShape):
+        return _geometry_of(shape)
+    return Compound(
+        parts=tuple(
+            (_geometry_of(part.shape), Pose(xyz=part.xyz, rpy=part.rpy))
+            for part in shape.parts
+        )
+    )
+
+
+def _geometry_of(shape: SingleShape) -> Geometry:
     match shape:
         case BoxShape(size=size):
             return Box(size=size)
@@ -175,15 +258,21 @@ def geometry_of(shape: Shape) -> Geometry:
 @handles(AddObject)
 def _add(simulation: Simulation, request: AddObject) -> None:
     scene = simulation.snapshot.scene
-    if len(scene) >= MOST_OBJECTS:
-        raise ConfigError(f"there are {MOST_OBJECTS} objects already; remove some")
+    geometry = solid_of(request.shape)
+    solids = [*(item.geometry for item in scene), geometry]
+    count = sum(len(parts_of(solid)) for solid in solids)
+    if count > MOST_SHAPES:
+        raise ConfigError(
+            f"the objects would have {count} shapes; {MOST_SHAPES} is the most; "
+            "remove some"
+        )
     rgba = request.rgba
     if rgba is None:
         movable = sum(item.mass is not None for item in scene)
         rgba = STILL_RGBA if request.mass is None else PALETTE[movable % len(PALETTE)]
     item = SceneObject(
         name=request.name,
-        geometry=geometry_of(request.shape),
+        geometry=geometry,
         pose=Pose(xyz=request.xyz, rpy=request.rpy),
         mass=request.mass,
         friction=request.friction,
@@ -207,6 +296,22 @@ def _place(simulation: Simulation, request: PlaceObject) -> None:
     simulation.core.scene.place(state)
 
 
+@handles(ApplyWrench, in_tick=True)
+def _apply_wrench(simulation: Simulation, request: ApplyWrench) -> None:
+    wrench = AppliedWrench(
+        name=request.name,
+        force=request.force,
+        torque=request.torque,
+        point=request.point,
+        start=request.start,
+        duration=math.inf if request.duration is None else request.duration,
+    )
+    simulation.core.scene.wrenches.add(wrench)
+
+
+handles(ClearWrenches, in_tick=True)(
+    lambda sim, request: sim.core.scene.wrenches.clear(request.name)
+)
 handles(ReadContacts, in_tick=True, publishes=False)(
     lambda sim, _: sim.core.engine.world.contacts()
 )

@@ -23,20 +23,20 @@ class ListCameras(Request[tuple[Camera, ...]], frozen=True):
 
 
 class TakePicture(Request[CameraImage], frozen=True):
-    """What a camera sees now: colours and depth."""
+    """The current image of a camera: colour and depth."""
 
     camera: Name
 
 
 class _OfLink(Request[Response], Generic[Response], frozen=True):
-    """What every request about a force-torque sensor has."""
+    """The fields of every request about a force-torque sensor."""
 
     link: Name | None = None
     """The link that carries the tool; the robot's only ``tool0``, if left out."""
 
 
 class StartForceTorque(_OfLink[float], frozen=True):
-    """Start to sample the wrench at a link; the response is the rate [Hz]."""
+    """Start sampling the wrench at a link; the response is the rate [Hz]."""
 
     rate: float | None = None
     """Samples per simulated second [Hz], 50 … 1000 and a divisor of the control rate;
@@ -46,7 +46,7 @@ class StartForceTorque(_OfLink[float], frozen=True):
 
 
 class StopForceTorque(_OfLink[None], frozen=True):
-    """Stop to sample, and forget the tare."""
+    """Stop sampling, and forget the tare."""
 
 
 class ReadForceTorqueRate(_OfLink[float], frozen=True):
@@ -54,7 +54,7 @@ class ReadForceTorqueRate(_OfLink[float], frozen=True):
 
 
 class TareForceTorque(_OfLink[None], frozen=True):
-    """Make the present reading zero, as UR's ``zero_ftsensor`` does."""
+    """Tare the sensor, as UR's ``zero_ftsensor`` does."""
 
 
 class ReadForceTorque(_OfLink[WrenchReading], frozen=True):
@@ -62,7 +62,10 @@ class ReadForceTorque(_OfLink[WrenchReading], frozen=True):
 
 
 class ReadForceTorqueSamples(_OfLink[tuple[WrenchReading, ...]], frozen=True):
-    """All samples after one, oldest first; the last 4096 are kept."""
+    """All samples after one, oldest first.
+
+    The last 4096 are kept; ``dropped`` of the first one says how many are missing.
+    """
 
     since: Annotated[int, Meta(ge=-1)] = -1
     """Number of the last sample that is known already."""

@@ -12,7 +12,7 @@ from tool0.description.forward_kinematics import link_pose
 from tool0.description.transform import Transform
 from tool0.errors import ControlError
 from tool0.requests.table import JointPositions, Name, Request, handles
-from tool0.runtime.simulation import MAX_SNAPSHOT_RATE, Simulation
+from tool0.runtime.simulation import MAX_SNAPSHOT_RATE, MIN_SNAPSHOT_RATE, Simulation
 from tool0.sensing.snapshot import Snapshot
 
 
@@ -29,6 +29,7 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     """What does not change while a bring-up runs."""
 
     engine: str
+    """Name of the physics engine: mujoco or gazebo."""
     control_period: float
     """Simulated time of a tick [s]."""
     is_realtime: bool
@@ -38,7 +39,9 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     ground: float | None
     """Height of the ground in the robot's root [m]; None without ground."""
     grasp_assist: bool
+    """Whether grasp assist attaches gripped objects."""
     joint_limits: dict[str, LimitsInfo]
+    """Limits of each driven joint [rad | m], [rad/s | m/s], [N·m | N]."""
     defined_controllers: dict[str, str]
     """Controllers of the YAML, loaded or not: name → type."""
     parameters: dict[str, Any]
@@ -81,7 +84,7 @@ class ReadLinkPose(Request[Transform], frozen=True):
 
 
 class ReadSummary(Request[dict[str, Any]], frozen=True):
-    """The run so far in plain values."""
+    """A summary of the run in plain values."""
 
 
 @handles(ReadInfo)
@@ -144,7 +147,7 @@ class Subscribe(Request[None], frozen=True):
     next one says how many.
     """
 
-    rate: Annotated[float, Meta(gt=0.0, le=MAX_SNAPSHOT_RATE)] = 125.0
+    rate: Annotated[float, Meta(ge=MIN_SNAPSHOT_RATE, le=MAX_SNAPSHOT_RATE)] = 125.0
     """Snapshots per simulated second [Hz]: the next divisor of the control rate."""
 
 
@@ -159,9 +162,14 @@ class SubscribeView(Request[None], frozen=True):
     """
 
 
+class ViewShown(Request[None], frozen=True):
+    """Report that a page has drawn the robot; ``tool0 demo`` starts then."""
+
+
 @handles(Subscribe)
 @handles(Unsubscribe)
 @handles(SubscribeView)
+@handles(ViewShown)
 def _only_on_connections(simulation: Simulation, request: Any) -> None:
     raise ControlError("streams are for connections; here, use robot.subscribe()")
 
@@ -170,7 +178,7 @@ def _only_on_connections(simulation: Simulation, request: Any) -> None:
 
 
 class Pause(Request[None], frozen=True):
-    """Hold simulated time."""
+    """Pause simulated time."""
 
 
 class Resume(Request[None], frozen=True):
@@ -184,7 +192,7 @@ class Step(Request[float], frozen=True):
 
 
 class Run(Request[None], frozen=True):
-    """Let simulated time pass; without real time this is what makes it pass."""
+    """Let simulated time pass; without real time, only this request advances it."""
 
     duration: Annotated[float, Meta(ge=0.0)]
     """[s]"""

@@ -1,4 +1,4 @@
-"""The request table: what can be asked of a running robot, and who answers.
+"""The request table: the operations on a running robot, and their handlers.
 
 A request is a frozen struct.  Its fields state their units and bounds, its type
 parameter is the response, and one handler carries it out.  The Python handles, the
@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import re
 import typing
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cache
 from numbers import Integral, Real
@@ -56,12 +56,12 @@ class Entry:
     handler: Handler
     in_tick: bool
     """Whether the handler runs in the thread of the tick, between two ticks: quick, and
-    with the engine and the controllers at hand.  Otherwise it runs in the thread that
-    asks, and may take its time."""
+    with the engine and the controllers at hand.  Otherwise it runs in the
+    caller's thread, and may take longer."""
     publishes: bool
     """Whether a snapshot follows, so that the next reader sees the effect."""
     is_urgent: bool
-    """Whether it overtakes the requests of its connection that wait."""
+    """Whether it overtakes the waiting requests of its connection."""
     is_local: bool
     """Whether the response only makes sense inside the process."""
 
@@ -168,12 +168,24 @@ def checked(request: RequestType) -> RequestType:
     for field, annotation in _field_types(kind).items():
         value = getattr(request, field)
         if field not in kind.unchecked:
-            try:
-                value = msgspec.convert(plain(value), annotation, from_attributes=True)
-            except (msgspec.ValidationError, ValueError, TypeError) as error:
-                raise RequestError(method_name(kind), f"'{field}': {error}") from None
+            value = checked_value(method_name(kind), field, value, annotation)
         values[field] = value
     return kind(**values)
+
+
+def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
+    """Return ``value`` as one of type ``kind``, or raise RequestError.
+
+    Args:
+        method: What the value is given to, for the message.
+        name: The name of the parameter.
+        value: The value.
+        kind: A type, with bounds.
+    """
+    try:
+        return msgspec.convert(plain(value), kind)
+    except (msgspec.ValidationError, ValueError, TypeError, OverflowError) as error:
+        raise RequestError(method, f"'{name}': {error}") from None
 
 
 def plain(value: Any, key: object = None) -> Any:
@@ -183,7 +195,7 @@ def plain(value: Any, key: object = None) -> Any:
         ValueError: If a number is NaN or infinite; with its ``key`` in a mapping.
     """
     match value:
-        case None | bool() | str() | msgspec.Struct():
+        case None | bool() | str() | bytes() | msgspec.Struct():
             return value
         case Integral():
             return int(value)
@@ -194,7 +206,7 @@ def plain(value: Any, key: object = None) -> Any:
             return float(value)
         case Mapping():
             return {key: plain(item, key) for key, item in value.items()}
-        case Sequence():
+        case Sequence() | Set():
             return [plain(item, key) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value
 

@@ -1,1 +1,1 @@
-"""The loop, its mailbox and its bus, and the facade that edges use."""
+"""The loop, its mailbox and its bus, and the facade for the interfaces."""

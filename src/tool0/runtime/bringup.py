@@ -2,38 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 from tool0.control.config import ControllerConfig
 from tool0.control.lint import lint
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.camera import default_cameras, merged
-from tool0.description.catalogue import RobotDescription, default_controllers
-from tool0.description.config import File
+from tool0.description.catalogue import RobotDescription
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
 from tool0.engines.registry import make_engine
-from tool0.errors import ConfigError, ControlError, did_you_mean
+from tool0.errors import ConfigError, ControlError
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.bus import Bus
-from tool0.runtime.config import ControlConfig, Names, SimulationConfig
+from tool0.runtime.config import ControlConfig, SimulationConfig
+from tool0.runtime.controllers import choose_controllers
 from tool0.runtime.core import Core
 from tool0.runtime.loop import Loop
 from tool0.runtime.poses import PoseBook
 from tool0.runtime.simulation import Simulation
 
-DEFAULT_CONTROLLERS = (
-    "joint_state_controller",
-    "eff_joint_traj_controller",
-    "gripper_controller",
-)
-DEFAULT_STOPPED_CONTROLLERS = ("joint_group_eff_controller",)
-"""As in the launch file ``ur5_bringup.launch``; only those that the YAML defines."""
 DEFAULT_POSE = "home"
 
 
@@ -53,10 +45,7 @@ def start_simulation(
     cameras = merged(default_cameras(model), scene.cameras, simulation.cameras)
     for camera in cameras.values():
         camera.check_on(model)
-    config = _controller_config(description, control.controllers_file)
-    started, stopped = _controller_names(
-        config, control.controllers, control.stopped_controllers
-    )
+    config, started, stopped, findings = choose_controllers(description, control)
     poses = PoseBook(description)
     position = _initial_position(model, poses, control.initial_pose)
     engine = make_engine(
@@ -103,40 +92,11 @@ def start_simulation(
         spawn_z=simulation.spawn_z,
         cameras=cameras,
         ground=engine.world.ground,
-        warnings=lint(config, [joint.name for joint in model.movable_joints]),
+        warnings=(
+            *findings,
+            *lint(config, [joint.name for joint in model.movable_joints]),
+        ),
     )
-
-
-def _controller_config(
-    description: RobotDescription, files: File | Sequence[File] | None
-) -> ControllerConfig:
-    if files is None and description.arm is None:
-        return ControllerConfig.from_text("")  # your own robot: the brakes hold it
-    if files is None:
-        return ControllerConfig.from_text(*default_controllers(description))
-    given = [files] if isinstance(files, Path | str) else files
-    return ControllerConfig.from_files([Path(file).expanduser() for file in given])
-
-
-def _controller_names(
-    config: ControllerConfig, start: Names | None, stopped: Names | None
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the controllers to start and those to load only."""
-    defined = config.names
-
-    def existing(names: Names | None, default: tuple[str, ...]) -> tuple[str, ...]:
-        if names is None:
-            return tuple(name for name in default if name in defined)
-        given = tuple(names.split() if isinstance(names, str) else names)
-        for name in given:
-            if name not in defined:
-                hint = did_you_mean(name, set(defined))
-                raise ConfigError(f"no controller '{name}' in the YAML{hint}")
-        return given
-
-    started = existing(start, DEFAULT_CONTROLLERS)
-    kept = existing(stopped, DEFAULT_STOPPED_CONTROLLERS)
-    return started, tuple(name for name in kept if name not in started)
 
 
 def _initial_position(

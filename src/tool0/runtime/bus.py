@@ -1,4 +1,4 @@
-"""The one way out: frozen snapshots, the newest or one after the other, and events."""
+"""The only output: frozen snapshots, the newest or one after the other, and events."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import final
 
 from tool0.control.goal import Goal
+from tool0.runtime.own_process import OwnProcess
 from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 EVENTS_KEPT = 1000
@@ -21,7 +22,7 @@ HISTORY_LENGTH = 64
 """Snapshots of the history: half a second's at the default rate.
 
 Commands, short runs and faster subscribers publish many at almost one instant; the
-history leaves those out, so that they do not push out what came before."""
+history leaves those out, so that they do not displace older ones."""
 
 _ROUNDING = 1e-6  # [s]
 
@@ -29,32 +30,41 @@ _ROUNDING = 1e-6  # [s]
 @final
 @dataclass(frozen=True, slots=True)
 class GoalFinished:
+    """A goal of any controller ended."""
+
     goal: Goal
+    """With ``controller``, ``status`` and ``result``."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Overran:
-    """Real time was missed during the last second of wall time."""
+    """The simulation falls behind the wall clock, or keeps up again."""
 
     count: int
+    """Ticks of the last second that started late; 0: it keeps up again."""
     time: float
+    """Simulated time [s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Faulted:
+    """The physics or a controller failed: time stands still until a reset."""
+
     message: str
+    """What failed, and why."""
     time: float
+    """Simulated time [s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class WasReset:
-    """Robot and objects are where they began."""
+    """Robot and objects returned to their start."""
 
     time: float = 0.0
-    """Simulated time, which may have gone on [s]."""
+    """Simulated time, which may have continued [s]."""
 
 
 Event = GoalFinished | Overran | Faulted | WasReset
@@ -62,29 +72,56 @@ Event = GoalFinished | Overran | Faulted | WasReset
 
 @final
 class Subscription:
-    """What one reader has not yet seen."""
+    """Delivers snapshots and events to one reader, at its pace: ``subscribe``.
+
+    Use ``next`` for the newest snapshot, ``following`` for each one after the other,
+    and ``pending`` for all that have arrived.  Each reader needs its own.
+    """
 
     def __init__(
         self,
         bus: Bus,
         period: float = SNAPSHOT_PERIOD,
         when_closed: Callable[[], None] = lambda: None,
+        *,
+        keep_all: bool = False,
     ) -> None:
-        self.period = period
-        """Simulated time between the snapshots it asks for [s]."""
+        self._period = period
         self._bus = bus
         self._when_closed = when_closed
         self._seen: Snapshot | None = None
-        self.events: deque[Event] = deque(maxlen=EVENTS_KEPT)
+        self._events: deque[Event] = deque(maxlen=EVENTS_KEPT)
+        self._backlog: deque[Snapshot] | None = deque() if keep_all else None
+
+    @property
+    def period(self) -> float:
+        """Requested simulated time between snapshots [s]."""
+        return self._period
+
+    @property
+    def events(self) -> deque[Event]:
+        """Events, oldest first; take them with ``popleft``.
+
+        The last 1000 are kept: goals that ended, faults, resets and late ticks.
+        """
+        return self._events
+
+    @property
+    def backlog(self) -> deque[Snapshot] | None:
+        """Every snapshot until ``pending`` takes it; None if not all are kept."""
+        return self._backlog
 
     def next(self, timeout: float | None = None) -> Snapshot | None:
-        """Wait for a snapshot newer than the last one; None after ``timeout``."""
+        """Wait for a snapshot newer than the last one and return the newest.
+
+        Snapshots in between are skipped.  None after ``timeout`` [wall s].
+        """
         newer = self._bus.newer_than(self._seen, timeout)
         self._seen = newer or self._seen
         return newer
 
     def following(self, timeout: float | None = None) -> Snapshot | None:
-        """Wait for the snapshot after the last one; None after ``timeout``.
+        """Wait for the snapshot after the last one; None after ``timeout`` [wall s].
 
         No snapshot is left out unless the reader falls ``SNAPSHOTS_KEPT`` behind.
         """
@@ -96,12 +133,15 @@ class Subscription:
 
     def pending(self) -> list[Snapshot]:
         """Return all snapshots after the last one, without waiting, oldest first."""
+        if (backlog := self._backlog) is not None:
+            return [backlog.popleft() for _ in range(len(backlog))]
         found = self._bus.since(self._seen)
         if found:
             self._seen = found[-1]
         return found
 
     def close(self) -> None:
+        """Stop receiving."""
         self._bus.forget(self)
         self._when_closed()
 
@@ -111,6 +151,7 @@ class Bus:
     """Keeps the newest snapshots.  Publishing never waits for a reader."""
 
     def __init__(self) -> None:
+        self.process = OwnProcess()
         self._changed = threading.Condition()
         self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
@@ -127,8 +168,11 @@ class Bus:
         self,
         period: float = SNAPSHOT_PERIOD,
         when_closed: Callable[[], None] = lambda: None,
+        *,
+        keep_all: bool = False,
     ) -> Subscription:
-        subscription = Subscription(self, period, when_closed)
+        """Return a new reader; with ``keep_all``, its ``pending`` misses nothing."""
+        subscription = Subscription(self, period, when_closed, keep_all=keep_all)
         with self._changed:
             self._subscriptions = (*self._subscriptions, subscription)
         return subscription
@@ -139,7 +183,7 @@ class Bus:
 
     @property
     def shortest_period(self) -> float:
-        """The shortest snapshot period that a subscriber asks for [s]."""
+        """The shortest snapshot period of any subscriber [s]."""
         periods = (subscription.period for subscription in self._subscriptions)
         return min(periods, default=SNAPSHOT_PERIOD)
 
@@ -156,6 +200,9 @@ class Bus:
             before = self._history[-1].time if self._history else -SNAPSHOT_PERIOD
             if not 0.0 <= snapshot.time - before < SNAPSHOT_PERIOD - _ROUNDING:
                 self._history.append(snapshot)
+            for subscription in self._subscriptions:
+                if subscription.backlog is not None:
+                    subscription.backlog.append(snapshot)
             self._changed.notify_all()
 
     def announce(self, event: Event) -> None:
@@ -166,6 +213,7 @@ class Bus:
         self, seen: Snapshot | None, timeout: float | None
     ) -> Snapshot | None:
         """Return a snapshot other than ``seen``, or None after ``timeout`` [s]."""
+        self.process.check()
         with self._changed:
             self._changed.wait_for(lambda: self.latest is not seen, timeout)
             return None if self.latest is seen else self.latest
@@ -175,6 +223,7 @@ class Bus:
 
         All that are kept, if ``seen`` was dropped since.
         """
+        self.process.check()
         with self._changed:
             if seen is None:
                 return [] if self.latest is None else [self.latest]

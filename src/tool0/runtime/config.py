@@ -1,4 +1,4 @@
-"""How a robot is controlled and simulated: what ``tool0.bringup`` takes."""
+"""Control and simulation of a robot: the options of ``tool0.bringup``."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from typing import final
 
 from tool0.description.camera import Camera
-from tool0.description.config import File
+from tool0.description.config import SPAWN_Z, File
 from tool0.description.scene import Scene
+from tool0.description.units import Metres
 
 Names = str | Sequence[str]
 """Names in a sequence, or in one text with spaces between them."""
@@ -17,49 +18,50 @@ Names = str | Sequence[str]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlConfig:
-    """Which controllers to load, and where the robot starts."""
+    """The controllers, and the initial pose."""
 
     controllers_file: File | Sequence[File] | None = None
-    """YAML files of ros_control, later ones override; if not given, the built-in
-    controllers of the robot."""
+    """YAML files of ros_control; later files override earlier ones.  If not given, the
+    built-in controllers."""
     controllers: Names | None = None
-    """Names of the controllers to load and start."""
+    """Names of the controllers to load and start; if not given, the standard ones that
+    fit the robot."""
     stopped_controllers: Names | None = None
     """Names of the controllers to load but not start."""
     initial_pose: str | Mapping[str, float] | None = None
-    """A named pose (built-in or saved), or positions by joint [rad | m] that replace
-    those of the default pose home."""
+    """A named pose (built-in or saved), or positions by joint [rad | m], which replace
+    those of the pose home."""
     control_period: float | None = None
-    """Simulated time between controller updates [s]; dt if not given."""
+    """Simulated time between controller updates [s]; the same as dt if not given."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulationConfig:
-    """The physics, the objects around the robot, and how time passes."""
+    """The simulation: physics, objects around the robot, and time."""
 
     engine: str = "mujoco"
-    """The physics engine: mujoco, or gazebo (`tool0 gazebo install`)."""
+    """Physics engine: mujoco, or gazebo (`tool0 gazebo install`)."""
     engine_options: Mapping[str, object] = field(default_factory=dict)
     """Options of the engine by name; Gazebo has ``world`` (a world file instead of an
     empty world with ground) and ``gui`` (True opens gzclient)."""
     dt: float = 0.001
     """Length of a physics step [s]."""
-    spawn_z: float = 0.1
+    spawn_z: Metres = SPAWN_Z
     """Height of the robot's root above the ground [m], as in ur_gazebo: the
-    outstretched arm must clear the ground."""
+    outstretched arm must clear the ground.  A pedestal fills the gap."""
     scene: Scene | File | None = None
     """The objects around the robot: a YAML file, or a built-in scene (table_and_bin,
     table_and_cubes)."""
     cameras: tuple[Camera, ...] = ()
     """Further cameras; one with the name of another replaces it (docs/camera.md)."""
     grasp_assist: bool = False
-    """A cheat: attach a gripped object to the gripper until it opens, whatever
-    friction and force are."""
+    """Attach a gripped object to the gripper until it opens, regardless of friction
+    and force."""
     realtime: bool = True
-    """Keep pace with the wall clock; otherwise time passes only in ``run`` and
-    ``wait``, as fast as possible."""
+    """Keep pace with the wall clock.  Otherwise simulated time passes as fast as
+    possible; from Python, only in ``run`` and ``wait``."""
     speed: float = 1.0
     """Simulated seconds per wall second in real time."""
     paused: bool = False
-    """Start paused (`tool0 resume`)."""
+    """Start paused; `tool0 resume` continues."""

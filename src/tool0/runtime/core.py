@@ -1,13 +1,14 @@
-"""Engine, drives and controllers as one machine: the tick, and what changes it."""
+"""Engine, drives and controllers as one machine: the tick, and the operations on it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import TypeVar, final
 
 from tool0.control.forward_command import ForwardCommandController
-from tool0.control.goal import Goal
+from tool0.control.goal import Goal, GoalResult, Result
 from tool0.control.gripper_action import GripperActionController
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
@@ -16,20 +17,26 @@ from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, did_you_mean
-from tool0.hardware.engine import Engine, JointState
+from tool0.hardware.engine import Contact, Engine, JointState
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.runtime.joint_motion import joints_by_controller, planned_motion
+from tool0.runtime.joint_motion import (
+    joints_by_controller,
+    planned_motion,
+    require_velocities,
+)
 from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp import GraspAssist
+from tool0.sensing.grip_contacts import GripContacts
+from tool0.sensing.stalls import StallMonitor, contacts_text, external_contacts
 
 C = TypeVar("C")
 
 
 @final
 class Core:
-    """What the loop ticks.  Only the thread of the tick may use it."""
+    """The machine that the loop ticks.  Only the thread of the tick may use it."""
 
     def __init__(
         self,
@@ -63,10 +70,12 @@ class Core:
         self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
         self._sensors: tuple[ForceTorqueSensor, ...] = ()
         self.grasp_assist = GraspAssist(model, engine) if grasp_assist else None
+        self.stall_monitor = StallMonitor(model, hardware)
+        self.grip_contacts = GripContacts(model)
         engine.reset(self._initial)
         self.state: JointState = engine.read()
         self._before = self.state
-        """What the last step of the physics began from."""
+        """The state at the start of the last physics step."""
 
     @property
     def time(self) -> float:
@@ -76,6 +85,7 @@ class Core:
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
         state, engine, hardware = self.state, self.engine, self.hardware
+        self.scene.wrenches.tick(self.time)
         self.manager.update(state, self.control_period)
         for _ in range(self._steps_per_tick):
             before = state
@@ -85,7 +95,13 @@ class Core:
         self.state, self._before = state, before
         self.ticks += 1
         for sensor in self._sensors:
-            sensor.tick(before, state, engine.world.contacts)
+            sensor.tick(before, state, self._forces)
+
+    def look_at_contacts(self) -> None:
+        """Find joints that push without moving, and grips, between two ticks."""
+        contacts = self.engine.world.contacts
+        self.stall_monitor.look(self.state, contacts)
+        self.grip_contacts.look(self.state, self.engine.joint_names, contacts)
 
     # ---- controllers ----------------------------------------------------------------
 
@@ -156,7 +172,10 @@ class Core:
                     f"joint '{joint}' is not one of '{name}'"
                     + did_you_mean(joint, joints)
                 )
-        held = trajectory.query_state(self.time).positions
+        now = trajectory.query_state(self.time)
+        duration = max(duration, self.control_period)
+        require_velocities(trajectory.spec.joint_models, now, positions, duration)
+        held = now.positions
         point = TrajectoryPoint(
             [positions.get(j, q) for j, q in zip(joints, held, strict=True)],
             [0.0] * len(joints),
@@ -210,11 +229,11 @@ class Core:
 
     def start_sensor(self, sensor: ForceTorqueSensor) -> None:
         """Sample once now, and then in the tick."""
-        sensor.restart(self._before, self.state, self.engine.world.contacts)
+        sensor.restart(self._before, self.state, self._forces)
         self._sensors = (*self._sensors, sensor)
 
     def stop_sensor(self, sensor: ForceTorqueSensor) -> None:
-        """Sample no more; a sensor that is not running is left alone."""
+        """Stop sampling; a sensor that is not running is left alone."""
         self._sensors = tuple(s for s in self._sensors if s is not sensor)
 
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
@@ -225,14 +244,17 @@ class Core:
         self._start = start = joint_positions(self._model, position, self._initial)
         self.ticks = self.ticks if keep_time else 0
         self.engine.reset(start, self.time)
+        self.scene.wrenches.forget()
         self.state = self._before = self.engine.read()
         self._commanded.clear()
         if self.grasp_assist is not None:
             self.grasp_assist.forget()
+        self.stall_monitor.forget()
+        self.grip_contacts.forget()
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
         for sensor in self._sensors:
-            sensor.restart(self._before, self.state, self.engine.world.contacts)
+            sensor.restart(self._before, self.state, self._forces)
 
     def set_stopped(self, engaged: bool) -> None:
         """Brake every joint, or release the brakes; controllers then hold still."""
@@ -242,7 +264,7 @@ class Core:
         self.manager.restart(self.state)
 
     def drift(self) -> float:
-        """Return how far uncommanded joints are from where they started, at most.
+        """Return the largest drift of an uncommanded joint from its start.
 
         [rad | m]; 0 if every joint was commanded.
         """
@@ -251,6 +273,10 @@ class Core:
         uncommanded = self.hardware.interfaces.keys() - self._commanded
         indices = (index[name] for name in uncommanded)
         return max((abs(position[i] - initial[i]) for i in indices), default=0.0)
+
+    def _forces(self) -> tuple[Contact, ...]:
+        """Return the external forces on the robot: contacts, and applied wrenches."""
+        return self.engine.world.contacts() + self.scene.wrenches.contacts()
 
     def _running(self, name: str, kind: type[C]) -> C:
         controller = self.manager.running(name)
@@ -275,7 +301,7 @@ class Core:
         joints: Collection[str] | None = None,
         bounds: Mapping[str, DriveLimits | None] | None = None,
     ) -> None:
-        """Note a command; limit the drives it moves, and lift the limits of others.
+        """Record a command; limit the drives it moves, and lift the limits of others.
 
         ``joints`` are those that the goal names; None for all of the controller.
         """
@@ -286,8 +312,25 @@ class Core:
                     self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))
 
     def _started(self, goal: Goal) -> Goal:
+        goal.explain = lambda result: self._with_contacts(goal, result)
         self.when_goal_starts(goal)
         return goal
+
+    def _with_contacts(self, goal: Goal, result: Result) -> Result:
+        """Return an outcome with the reason why the joints stopped, if it is known."""
+        if not isinstance(result, GoalResult) or not result.error_string:
+            return result
+        joints = self.manager.spec(goal.controller).joints
+        links = {
+            link
+            for joint in joints
+            for link in self._model.links_from(self._model.joint(joint).child)
+        }
+        touching = external_contacts(frozenset(links), self.engine.world.contacts())
+        if not touching:
+            return result
+        why = f"{result.error_string}; {contacts_text(touching)}"
+        return replace(result, error_string=why)
 
 
 def _whole_multiple(period: float, dt: float) -> int:
@@ -297,5 +340,5 @@ def _whole_multiple(period: float, dt: float) -> int:
         if n_steps and math.isclose(n_steps * dt, period, rel_tol=1e-9):
             return n_steps
     raise ConfigError(
-        f"control period {period} s is no whole multiple of the engine's step {dt} s"
+        f"control period {period} s is not a multiple of the engine's step {dt} s"
     )

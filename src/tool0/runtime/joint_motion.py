@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from tool0.control.goal_check import ROUNDING, check_position
 from tool0.control.joint_trajectory import JointTrajectoryController
-from tool0.control.manager import ControllerManager
-from tool0.control.spline import Motion, MotionPlan, shortest_turn
+from tool0.control.manager import TRAJECTORY_KIND, ControllerManager, why_not_driven
+from tool0.control.spline import Motion, MotionPlan, Segment, shortest_turn
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
 from tool0.errors import ControlError, GoalRejectedError, did_you_mean
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import ruckig
 
 SLOWEST = 0.01
-"""Smallest part of the joints' largest velocities that may be asked for."""
+"""Smallest fraction of the joints' largest velocities that can be requested."""
 TIME_TO_FULL_SPEED = 0.4
 """[s], at the largest acceleration.  A guess, for lack of a datasheet: the
 shoulder of a UR5 gets 7.9 rad/s², which its drive can give to the outstretched arm."""
@@ -45,10 +45,10 @@ def plan_motion(
 
     Args:
         joints: The joints of the numbers, with their limits.
-        start: How they move at time 0, as a trajectory controller wants it.
-        targets: Where to [rad | m], within the limits; a continuous joint goes the
+        start: Their motion at time 0, as desired by a trajectory controller.
+        targets: Targets [rad | m], within the limits; a continuous joint goes the
             shortest way round.
-        speed: Part of each joint's largest velocity, SLOWEST … 1.  Acceleration and
+        speed: Fraction of each joint's largest velocity, SLOWEST … 1.  Acceleration and
             jerk stay, so that motions at any speed can follow each other.
 
     Raises:
@@ -72,22 +72,18 @@ def joints_by_controller(
     """Return the positions of each running trajectory controller's joints.
 
     Raises:
-        ControlError: If no such controller claims a joint.
+        ControlError: If no such controller drives a joint.
     """
     owners = {
         joint: status.name
         for status in manager.list()
-        if status.state == "running"
-        and isinstance(manager.running(status.name), JointTrajectoryController)
-        for joint in manager.spec(status.name).joints
+        if status.state == "running" and status.kind == TRAJECTORY_KIND
+        for joint in status.joints
     }
     found: dict[str, dict[str, float]] = {}
     for joint, position in positions.items():
         if joint not in owners:
-            raise ControlError(
-                f"no running JointTrajectoryController claims joint '{joint}', so "
-                f"nothing moves{did_you_mean(joint, list(owners))}"
-            )
+            raise ControlError(why_not_driven(manager.list(), [joint]))
         found.setdefault(owners[joint], {})[joint] = position
     return found
 
@@ -99,14 +95,14 @@ def planned_motion(
     speed: float,
     now: float,
 ) -> MotionPlan:
-    """Return a smooth motion from what the controller wants now to ``positions``.
+    """Return a smooth motion from the controller's present setpoint to ``positions``.
 
-    Its other joints go on to where they are going, or stay.
+    Its other joints continue their motion, or stay.
 
     Args:
         controller: Whose joints; it does not change.
-        positions: Joint → where to [rad | m].
-        speed: Part of each joint's largest velocity.
+        positions: Joint → target [rad | m].
+        speed: Fraction of each joint's largest velocity.
         now: Simulated time of the coming update [s].
 
     Raises:
@@ -138,11 +134,49 @@ def planned_motion(
     return plan_motion(spec.joint_models, start, targets, speed=speed)
 
 
+def require_velocities(
+    joints: Sequence[Joint],
+    start: JointsMotion,
+    positions: Mapping[str, float],
+    duration: float,
+) -> None:
+    """Raise ControlError if a cubic to rest exceeds a joint's velocity limit.
+
+    Args:
+        joints: The joints of ``start``, with their limits.
+        start: Their motion at the beginning.
+        positions: Joint → target [rad | m].
+        duration: Duration of the motion [s].
+    """
+    for joint, q, qd in zip(joints, start.positions, start.velocities, strict=True):
+        if not math.isfinite(positions.get(joint.name, math.nan)):
+            continue  # not moved, or rejected with the goal
+        check_position(joint, positions[joint.name], "the motion")
+        first, last = Motion(q, qd), Motion(positions[joint.name], 0.0)
+        limit = max(joint.max_velocity, abs(qd)) * (1.0 + ROUNDING)
+
+        def peak(duration: float, first: Motion = first, last: Motion = last) -> float:
+            return Segment(0.0, first, duration, last).peak_velocity()
+
+        if peak(duration) <= limit:
+            continue
+        enough = max(duration, abs(last.position - q) / limit)
+        while peak(enough) > limit:
+            enough *= 1.01
+        digit = 10.0 ** (math.floor(math.log10(enough)) - 1)
+        unit = "m/s" if joint.type is JointType.PRISMATIC else "rad/s"
+        raise ControlError(
+            f"joint '{joint.name}' needs {peak(duration):.3g} {unit}, "
+            f"limit {joint.max_velocity:.3g} {unit}; "
+            f"use a duration of at least {math.ceil(enough / digit) * digit:g} s"
+        )
+
+
 def require_speed(speed: float) -> None:
     """Raise ControlError unless ``speed`` is within SLOWEST … 1."""
     if not SLOWEST <= speed <= 1.0:
         raise ControlError(
-            f"speed must be in [{SLOWEST}, 1], got {speed}: it is a part of the "
+            f"speed must be in [{SLOWEST}, 1], got {speed}: it is a fraction of the "
             "joints' largest velocities"
         )
 
@@ -204,8 +238,8 @@ def _solve(
         for factor, acceleration in zip(hardness, wanted.max_acceleration, strict=True)
     ]
     motion = ruckig.Trajectory(len(joints))
-    # A straight line in joint space where that is possible.  Making joints arrive
-    # together fails numerically about once in 20000; each for itself always works.
+    # A straight line in joint space where possible.  Synchronizing the joints fails
+    # numerically about once in 20000; planning each one separately always works.
     for together in (ruckig.Synchronization.Phase, ruckig.Synchronization.No):
         wanted.synchronization = together
         try:
@@ -213,7 +247,11 @@ def _solve(
         except ruckig.RuckigError:
             continue
         return motion
-    raise ControlError(f"found no motion from {start} to {ends}")
+    ways = zip(joints, start.positions, ends, strict=True)
+    moved = ", ".join(f"'{joint.name}' from {q:g} to {end:g}" for joint, q, end in ways)
+    raise ControlError(
+        f"found no motion of {moved} at speed {speed:g}; check the velocity limits"
+    )
 
 
 def _path(

@@ -20,7 +20,9 @@ from tool0.runtime.joint_motion import TIME_TO_FULL_ACCELERATION, TIME_TO_FULL_S
 STEP = 0.002
 """Distance between the poses that are solved [m]."""
 STEP_ANGLE = 0.01
-"""The same where the tool turns [rad]."""
+"""The same for rotations of the tool [rad]."""
+MAX_STEPS = 20_000
+"""Poses of the longest line: 40 m, which is far out of reach of any arm."""
 MAX_JOINT_STEP = 0.3
 """A joint that turns more in a step [rad] jumps: at 2 mm a step, that is 150 rad/m,
 so that a line at 20 mm/s would take the joint to its largest velocity."""
@@ -34,13 +36,13 @@ _SHARE = 0.5
 """Part of a joint's acceleration for each of the two that add up: by the acceleration
 along the line, and by the curvature of the joint path at steady speed."""
 _DIFFERENCE = 1e-5
-_REMEDY = "choose another line, begin in another branch, or use move_to"
+_REMEDY = "choose another line, start in another branch, or use move_to"
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinearLimits:
-    """How fast the tool may move; its joints keep to their own limits besides."""
+    """Limits of the tool's motion; those of the joints apply as well."""
 
     speed: float
     """[m/s]"""
@@ -71,9 +73,9 @@ class LinearMotion:
 
         Args:
             kinematics: The arm's.
-            line: Where its tool is to move.
+            line: The line for its tool.
             start: Joint positions at the start [rad], shape (6,).
-            limits: How fast the tool may move.
+            limits: Limits of the tool's motion.
 
         Raises:
             UnreachableError: If the arm cannot follow it, with reason and place.
@@ -83,7 +85,13 @@ class LinearMotion:
         self._limits = limits
         steps = max(line.length / STEP, line.angle / STEP_ANGLE)
         if steps < 1e-6:
-            raise ControlError("the tool is there already: the line has no length")
+            raise ControlError("the tool is already there: the line has no length")
+        self._check_end(start)
+        if steps > MAX_STEPS:
+            raise UnreachableError(
+                f"a line of {line.length:.6g} m is too long; the longest is "
+                f"{MAX_STEPS * STEP:g} m"
+            )
         self._s = np.linspace(0.0, 1.0, max(math.ceil(steps), 8) + 1)
         self._q = self._follow(start)
         self._timing = PathTiming(self._segments())
@@ -120,7 +128,7 @@ class LinearMotion:
             turns = wrapped(every[k] - q)
             sizes = np.abs(turns).max(axis=1)
             if np.isnan(sizes).all():
-                raise self._no_solution(k, poses[k], q)
+                raise self._no_solution(self._s[k], q)
             nearest = int(np.nanargmin(sizes))
             if sizes[nearest] > MAX_JOINT_STEP:
                 joint = kinematics.chain.joints[int(np.abs(turns[nearest]).argmax())]
@@ -134,15 +142,21 @@ class LinearMotion:
         refined = kinematics.refined(found, poses)
         if len(refined) != len(found):
             raise UnreachableError(
-                f"the line passes too near to a singularity; {_REMEDY}"
+                f"the line passes too close to a singularity; {_REMEDY}"
             )
         self._check_limits(refined)
         return refined
 
-    def _no_solution(self, k: int, pose: Array, q: Array) -> UnreachableError:
-        place = self._line.at(self._s[k])
+    def _check_end(self, start: Array) -> None:
+        """Raise UnreachableError, before solving a long line, if its end is too far."""
+        end = self._line.tip(np.ones(1))[0]
+        if not len(self._kinematics.postures(end, start)):
+            raise self._no_solution(1.0, start)
+
+    def _no_solution(self, s: float, q: Array) -> UnreachableError:
+        place = self._line.at(s)
         try:
-            self._kinematics.solutions(pose, q)
+            self._kinematics.solutions(self._line.tip(np.array([s]))[0], q)
         except UnreachableError as error:
             return UnreachableError(f"the line cannot be followed: {error}; {place}")
         return UnreachableError(f"the line cannot be followed {place}")
@@ -159,7 +173,7 @@ class LinearMotion:
                 )
 
     def _segments(self) -> list[PathSegment]:
-        """Return what tool and joints allow along the line."""
+        """Return the limits of tool and joints along the line."""
         rate, curvature = self._rates(self._s, self._q)
         rate, curvature = np.abs(rate), np.abs(curvature)
         fastest = self._kinematics.fastest
@@ -212,6 +226,6 @@ class LinearMotion:
             solved = np.linalg.solve(posture.jacobian, twist[..., None])
         except np.linalg.LinAlgError:
             raise UnreachableError(
-                f"the line begins or passes where the arm is singular; {_REMEDY}"
+                f"the line starts or passes where the arm is singular; {_REMEDY}"
             ) from None
         return np.asarray(solved[..., 0], dtype=np.float64)

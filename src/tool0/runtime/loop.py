@@ -1,8 +1,8 @@
 """The loop: drain the mailbox, tick, publish; in its own thread or in the caller's.
 
-The mailbox is the one way in: operations from any thread, each carried out between
-two ticks by the thread that owns the tick.  In real time that is a thread of the
-loop's own; otherwise the thread that asks for progress, for as long as it asks.
+The mailbox is the only input: operations from any thread, each executed between two
+ticks by the thread that owns the tick.  In real time that is the loop's own thread;
+otherwise it is the caller's thread while it advances time.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from typing import Any, NamedTuple, TypeVar, final
 from tool0.control.goal import Goal
 from tool0.errors import ControlError, EngineError
 from tool0.runtime.bus import Bus, Faulted, GoalFinished, Overran, WasReset
+from tool0.runtime.clock import Lag, Pacer, SpeedMeter
 from tool0.runtime.core import Core
-from tool0.sensing.grasp import GraspAssist
-from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
+from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
 
 logger = logging.getLogger(__name__)
 
 POLL_PERIOD = 0.05
-"""Longest time between checks whether the loop still runs [wall s]."""
+"""Longest time between checks that the loop still runs [wall s]."""
 
 R = TypeVar("R")
 
@@ -53,8 +53,8 @@ class Loop:
     ) -> None:
         """Publish the first snapshot; nothing runs yet.
 
-        ``speed`` is in simulated seconds per wall second; None runs only when asked, as
-        fast as possible.
+        ``speed`` is in simulated seconds per wall second; None runs only on
+        request, as fast as possible.
         """
         self._core = core
         self._mailbox: queue.SimpleQueue[_Operation] = queue.SimpleQueue()
@@ -63,15 +63,15 @@ class Loop:
         self._speed = None if speed is None else _checked_speed(speed)
         self._pacer = Pacer(core.control_period, speed or 1.0)
         self._meter = SpeedMeter()
-        self._overruns_announced = 0
-        default = max(1, round(SNAPSHOT_PERIOD / core.control_period))
+        self._lag = Lag()
+        default = ticks_between_snapshots(SNAPSHOT_PERIOD, core.control_period)
         self._default_snapshot_ticks = self._snapshot_ticks = default
         self._owner = threading.RLock()
         self._closing = False
         self._fault: Exception | None = None
         self._update_running()
         self.steps = 0
-        """Ticks since the start; unlike time, no reset sets it back."""
+        """Ticks since the start; unlike time, a reset does not set it back."""
         self.max_drift = 0.0
         """Largest departure of an uncommanded joint from its initial pose so far."""
         core.when_goal_starts = lambda goal: goal.when_finished(
@@ -132,7 +132,7 @@ class Loop:
                     raise ControlError("the simulation was closed") from None
 
     def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
-        """Let ``duration`` simulated seconds pass, or fewer if ``until`` says so.
+        """Let ``duration`` simulated seconds pass, or fewer if ``until`` returns True.
 
         Raises:
             EngineError: If the physics failed; a reset makes it run again.
@@ -161,7 +161,7 @@ class Loop:
         """Let time pass until ``goal`` ends; return whether it has.
 
         ``timeout`` [s] is of wall time in real time, otherwise of simulated time; None
-        waits for ever.
+        waits without limit.
 
         Raises:
             EngineError: If the physics failed: the goal would never end.
@@ -181,7 +181,7 @@ class Loop:
         return True
 
     def set_paused(self, paused: bool) -> None:
-        """Hold simulated time, or let it run.  In the thread of the tick."""
+        """Pause or resume simulated time.  In the thread of the tick."""
         self._is_paused = paused
         self._update_running()
         self._restart_clock()
@@ -219,15 +219,12 @@ class Loop:
         In the thread of the tick.  Returns the period that applies: the longest one
         that divides the default period and the control period divides.
         """
-        wanted = max(1, math.floor(period / self._core.control_period + 1e-9))
-        default = self._default_snapshot_ticks
-        self._snapshot_ticks = max(
-            n for n in range(1, default + 1) if default % n == 0 and n <= wanted
-        )
-        return self._snapshot_ticks * self._core.control_period
+        control_period = self._core.control_period
+        self._snapshot_ticks = ticks_between_snapshots(period, control_period)
+        return self._snapshot_ticks * control_period
 
     def close(self) -> None:
-        """End the loop, and answer what is still in the mailbox; then the engine."""
+        """End the loop, answer the rest of the mailbox, and close the engine."""
         self._closing = True
         self._update_running()
         if self._thread is not None:
@@ -238,13 +235,13 @@ class Loop:
             self._core.engine.close()
 
     def _update_running(self) -> None:
-        """Note whether ticks may follow each other; the tick itself asks only that."""
+        """Record whether ticks may follow each other; the tick checks only that."""
         self._is_running = not (
             self._is_paused or self._closing or self._fault is not None
         )
 
     def check(self) -> None:
-        """Raise what made the simulation stand still, if it does."""
+        """Raise the reason why the simulation stands still, if it does."""
         if self._fault is not None:
             raise self._fault
 
@@ -269,7 +266,7 @@ class Loop:
         self._tick()
 
     def _tick(self) -> None:
-        """Tick, and publish when it is time to."""
+        """Tick, and publish when due."""
         core = self._core
         try:
             core.tick()
@@ -278,26 +275,27 @@ class Loop:
                 logger.exception("the control tick failed")
             self._fail(error)
         self.steps += 1
-        if core.ticks % self._snapshot_ticks == 0:
-            self._publish()
-            if (
-                core.grasp_assist is not None
-                and core.ticks % self._default_snapshot_ticks == 0
-            ):
-                self._assist(core.grasp_assist)
+        if core.ticks % self._snapshot_ticks:
+            return
+        is_default = core.ticks % self._default_snapshot_ticks == 0
+        if is_default:
+            self._attempt(core.look_at_contacts)
+        self._publish()
+        snapshot, grasp_assist = self._bus.latest, core.grasp_assist
+        if is_default and grasp_assist is not None and snapshot is not None:
+            self._attempt(lambda: grasp_assist.look(snapshot))
 
-    def _assist(self, grasp_assist: GraspAssist) -> None:
-        """Let grasp assist attach what is held and detach what is not."""
-        snapshot = self._bus.latest
-        if snapshot is None or self._fault is not None:
+    def _attempt(self, action: Callable[[], None]) -> None:
+        """Call something outside the tick that uses the engine; it may fail."""
+        if self._fault is not None:
             return
         try:
-            grasp_assist.look(snapshot)
+            action()
         except Exception as error:  # of any engine
             self._fail(error)
 
     def _fail(self, error: Exception) -> None:
-        """Stop ticking until a reset, and announce why."""
+        """Stop ticking until a reset, and publish the reason."""
         self._fault = error
         self._update_running()
         self._bus.announce(Faulted(str(error), self._core.time))
@@ -331,12 +329,13 @@ class Loop:
         overruns = self._pacer.overruns
         self._pacer = Pacer(self._core.control_period, self._speed or 1.0)
         self._pacer.overruns = overruns
+        self._meter.restart(self._core.time, overruns)
 
     def _publish(self) -> None:
         core = self._core
         self.max_drift = max(self.max_drift, core.drift())
-        if self._meter.measure(core.time):
-            self._announce_overruns()
+        if self._meter.measure(core.time, self._pacer.overruns):
+            self._announce_lag()
         state = core.state
         self._bus.publish(
             Snapshot(
@@ -351,85 +350,36 @@ class Loop:
                 is_stopped=core.hardware.is_stopped,
                 real_time_factor=self._meter.factor,
                 overruns=self._pacer.overruns,
+                late_ticks=self._meter.late_ticks,
                 fault=None if self._fault is None else str(self._fault),
                 speed=self._speed,
                 controller_setpoints=core.manager.setpoints(),
                 scene=core.scene.objects,
                 objects=core.engine.world.object_states(),
+                stalls=core.stall_monitor.stalls,
+                gripping=core.grip_contacts.gripping,
             )
         )
 
-    def _announce_overruns(self) -> None:
-        count = self._pacer.overruns - self._overruns_announced
-        if count and self.is_realtime:
-            self._overruns_announced = self._pacer.overruns
-            self._bus.announce(Overran(count, self._core.time))
-            logger.warning("%d ticks began late in the last second", count)
+    def _announce_lag(self) -> None:
+        """Publish that the simulation falls behind the wall clock or keeps up again."""
+        if self._thread is None or self._is_paused:
+            return
+        factor, speed = self._meter.factor, self._speed or 1.0
+        if not self._lag.changes(factor / speed):
+            return
+        count = self._meter.late_ticks if self._lag.is_behind else 0
+        self._bus.announce(Overran(count, self._core.time))
+        logger.warning(
+            "the simulation %s: %.2f x real time of %g x, %d late ticks a second",
+            "falls behind" if self._lag.is_behind else "keeps up again",
+            factor,
+            speed,
+            self._meter.late_ticks,
+        )
 
 
 def _checked_speed(factor: float) -> float:
     if not 0.0 < factor <= 1000.0:
         raise ControlError(f"speed must be in (0, 1000], got {factor}")
     return factor
-
-
-# ---- simulated time against the wall clock ----------------------------------------
-
-CATCH_UP = 0.1
-"""Wall time that the simulation may lag behind and still catch up [s].
-
-What is lost beyond it is given up, so that a machine that slept does not come back to
-a robot that races through the missed hours.
-"""
-
-
-@final
-class Pacer:
-    """Says when the next tick is due, and counts those that came too late."""
-
-    def __init__(
-        self,
-        period: float,
-        speed: float = 1.0,
-        now: Callable[[], float] = time.perf_counter,
-    ) -> None:
-        """Begin now; ``period`` and ``now`` are in [s] of simulated and wall time."""
-        self._wall_period = period / speed
-        self._now = now
-        self._due = now()
-        self.overruns = 0
-
-    def wait_time(self) -> float:
-        """Return how long to wait for the next tick [wall s]; at most 0 if due."""
-        return self._due - self._now()
-
-    def tick(self) -> None:
-        """Note that the tick that was due begins now."""
-        late = self._now() - self._due
-        if late > self._wall_period:
-            self.overruns += 1
-        if late > CATCH_UP:
-            self._due += late - CATCH_UP
-        self._due += self._wall_period
-
-
-@final
-class SpeedMeter:
-    """Measures simulated per wall time over about the last second."""
-
-    def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:
-        self._now = now
-        self._since = now(), 0.0
-        self.factor = 0.0
-
-    def measure(self, sim_time: float, *, window: float = 1.0) -> bool:
-        """Take ``sim_time`` [s] into account; return whether a window ended."""
-        wall = self._now()
-        since, start = self._since
-        if sim_time < start or wall - since < window:
-            if sim_time < start:
-                self._since = wall, sim_time
-            return False
-        self.factor = (sim_time - start) / (wall - since)
-        self._since = wall, sim_time
-        return True

@@ -32,9 +32,10 @@ def poses_file(robot: str) -> Path:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NamedPose:
-    """A pose of some or all joints."""
+    """Positions of some or all joints, under a name."""
 
     name: str
+    """Such as ``home``."""
     positions: Positions
     """Joint → [rad | m]."""
     saved: bool

@@ -10,16 +10,21 @@ from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.errors import ControlError
 from tool0.hardware.engine import Engine, ObjectState
+from tool0.runtime.applied_wrenches import AppliedWrenches
 
 
 @final
 class SceneObjects:
-    """The engine's objects.  Only the thread that owns the tick may use them."""
+    """The engine's objects, and the wrenches on them.
+
+    Only the thread that owns the tick may use them.
+    """
 
     def __init__(self, model: RobotModel, engine: Engine, scene: Scene) -> None:
-        """Take over the objects that the engine was made with."""
+        """Start with the objects that the engine was built with."""
         self._model = model
         self._world = engine.world
+        self.wrenches = AppliedWrenches(engine.world)
         self.objects: tuple[SceneObject, ...] = scene.objects
         """In the order of the engine's states."""
 
@@ -28,7 +33,7 @@ class SceneObjects:
 
         Raises:
             ConfigError: If it has the name of a link.
-            ModelError: If the engine cannot have such an object.
+            ModelError: If the engine does not support such an object.
             EngineError: If the name is taken, or the engine refuses.
         """
         Scene((item,)).check_beside(self._model)
@@ -38,6 +43,7 @@ class SceneObjects:
     def delete(self, name: str) -> None:
         """Remove an object, or raise EngineError if there is none."""
         self._world.delete(name)
+        self.wrenches.clear(name)
         self.objects = tuple(item for item in self.objects if item.name != name)
 
     def place(self, state: ObjectState) -> None:
@@ -45,14 +51,14 @@ class SceneObjects:
 
         Raises:
             ControlError: If the state is not finite, or its quaternion has no length.
-            EngineError: If there is no such object, or it cannot move so.
+            EngineError: If there is no such object, or it cannot have this velocity.
         """
         length = math.hypot(*state.quat_wxyz)
         values = (*state.position, *state.linear, *state.angular)
         if not (all(map(math.isfinite, values)) and 0.0 < length < math.inf):
             raise ControlError(
-                f"object '{state.name}' needs a finite position and velocity and a "
-                f"quaternion of some length, got {state}"
+                f"object '{state.name}' needs a finite position and velocity, and a "
+                f"non-zero quaternion, got {state}"
             )
         w, x, y, z = (part / length for part in state.quat_wxyz)
         self._world.place(replace(state, quat_wxyz=(w, x, y, z)))

@@ -1,4 +1,4 @@
-"""A robot in simulation with all that belongs to it: what request handlers work on."""
+"""A robot in simulation with all its parts: the object of the request handlers."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 Part = TypeVar("Part")
 
-MAX_SNAPSHOT_RATE = 500.0
-"""Snapshots per simulated second that a subscriber may ask for [Hz]."""
+MIN_SNAPSHOT_RATE, MAX_SNAPSHOT_RATE = 0.001, 500.0
+"""Range of snapshot rates for subscribers, per simulated second [Hz]."""
 
 
 @final
@@ -62,7 +62,7 @@ class Simulation:
         self.parameters = parameters
         """The whole YAML, as plain values."""
         self.joint_limits: Mapping[str, JointLimits] = core.hardware.limits
-        """Of each driven joint: the URDF's, or what the YAML puts in their place."""
+        """Limits of each driven joint: the URDF's, or those of the YAML."""
         self.spawn_z = spawn_z
         """Height of the robot's root above the world's origin [m]."""
         self.ground = ground
@@ -94,27 +94,35 @@ class Simulation:
             raise ControlError("no snapshot was published yet")
         return snapshot
 
-    def subscribe(self, rate: float | None = None) -> Subscription:
-        """Return a reader of snapshots and events; ControlError for a bad rate [Hz]."""
+    def subscribe(
+        self, rate: float | None = None, *, keep_all: bool = False
+    ) -> Subscription:
+        """Return a reader of snapshots and events; ControlError for a bad rate [Hz].
+
+        With ``keep_all`` it misses no snapshot, however late it takes them.
+        """
         if rate is None:
-            return self.bus.subscribe()
-        if not 0.0 < rate <= MAX_SNAPSHOT_RATE:
+            return self.bus.subscribe(keep_all=keep_all)
+        if not MIN_SNAPSHOT_RATE <= rate <= MAX_SNAPSHOT_RATE:
             raise ControlError(
-                f"rate {rate} Hz is outside (0, {MAX_SNAPSHOT_RATE:g}] Hz"
+                f"rate {rate} Hz is outside [{MIN_SNAPSHOT_RATE:g}, "
+                f"{MAX_SNAPSHOT_RATE:g}] Hz"
             )
-        subscription = self.bus.subscribe(1.0 / rate, self._update_snapshot_period)
+        subscription = self.bus.subscribe(
+            1.0 / rate, self._update_snapshot_period, keep_all=keep_all
+        )
         self._update_snapshot_period()
         return subscription
 
     def _update_snapshot_period(self) -> None:
-        """Publish as often as the fastest subscriber asks for."""
+        """Publish at the rate of the fastest subscriber."""
         bus, loop = self.bus, self.loop
         if not loop.is_closed:
             loop.call(lambda: loop.publish_every(bus.shortest_period), publishes=False)
 
     @property
     def grasp_assist(self) -> bool:
-        """Whether what a gripper holds is fixed to it."""
+        """Whether grasp assist fixes a gripped object to the gripper."""
         return self.core.grasp_assist is not None
 
     def gripper(self, name: str | None) -> ParallelGripper:
@@ -144,7 +152,7 @@ class Simulation:
         return only_part(arms, "arm", self.description.model)
 
     def summary(self) -> dict[str, object]:
-        """Return the run so far as plain values, for JSON."""
+        """Return a summary of the run as plain values, for JSON."""
         snapshot, loop = self.snapshot, self.loop
         wall_time = time.perf_counter() - self._wall_start
         sim_time = loop.steps * loop.control_period
@@ -203,13 +211,13 @@ def only_part(parts: Mapping[str, Part], kind: str, model: RobotModel) -> Part:
         from tool0.kinematics.chain import why_no_arm
 
         why = why_no_arm(model)
-        raise ControlError(f"this robot has no arm that poses could be given to: {why}")
+        raise ControlError(f"this robot has no arm to move to poses: {why}")
     names = ", ".join(parts) or "none"
     raise ControlError(f"'{kind}' needs exactly one {kind}, this robot has: {names}")
 
 
 GOALS_KEPT = 1000
-"""Goals that are remembered; the oldest finished ones are forgotten."""
+"""Number of goals kept; the oldest finished ones are dropped."""
 
 
 @final
@@ -245,6 +253,6 @@ class GoalRegistry:
             goal = self._goals.get(number)
         if goal is None:
             raise ControlError(
-                f"there is no goal {number}; the last {GOALS_KEPT} are remembered"
+                f"there is no goal {number}; the last {GOALS_KEPT} are kept"
             )
         return goal

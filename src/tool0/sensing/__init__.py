@@ -1,1 +1,1 @@
-"""What is measured: snapshots, cameras, wrench, grasps."""
+"""Measurements: snapshots, cameras, wrench, grasps."""

@@ -1,7 +1,7 @@
-"""The robot's cameras: pictures of snapshots, drawn in a thread of their own, and PNG.
+"""The robot's cameras: images of snapshots, rendered in a separate thread, and PNG.
 
-MuJoCo draws for every engine.  Pictures are made of snapshots, so they cost the tick
-nothing; a GL context belongs to one thread, so one thread draws.
+MuJoCo renders for every engine.  Images are rendered from snapshots, so they cost the
+tick nothing.  A GL context belongs to one thread, so one thread renders.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraImage:
-    """A picture with depth."""
+    """An image with depth."""
 
     time: float
     """Simulated time [s]."""
     rgb: NDArray[np.uint8]
-    """Colours, shape (height, width, 3); the first row is the upper one."""
+    """Colours, shape (height, width, 3); the first row is the top one."""
     depth: NDArray[np.float32]
     """Distance along the camera's z [m], shape (height, width), as REP-118 has it:
-    infinite where nothing is nearer than ``camera.far``."""
+    infinite where there is nothing up to ``camera.far``."""
     K: NDArray[np.float64]
     """The intrinsics, shape (3, 3): ``Camera.intrinsics``."""
     T_root_camera: Transform
@@ -57,7 +57,7 @@ class Cameras(Mapping[str, Camera]):
         ground: float | None,
         newest: Callable[[], Snapshot],
     ) -> None:
-        """Draw nothing, and leave OpenGL alone, until a picture is requested.
+        """Do not use OpenGL until an image is requested.
 
         ``ground`` is its height in the robot's root [m]; None without ground.
         """
@@ -84,7 +84,7 @@ class Cameras(Mapping[str, Camera]):
         return len(self._cameras)
 
     def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return a picture by any camera of ``snapshot``, the newest if left out.
+        """Return an image of ``snapshot``, by default the newest, from any camera.
 
         Raises:
             RenderError: If there is no OpenGL here, or the robot is closed.
@@ -95,7 +95,7 @@ class Cameras(Mapping[str, Camera]):
         state = snapshot or self._newest()
         with self._lock:
             if self._is_closed:
-                raise RenderError("the robot is closed; its cameras take no pictures")
+                raise RenderError("the robot is closed; its cameras take no images")
             if self._thread is None:
                 self._thread = ThreadPoolExecutor(1, "tool0 cameras")
             drawn: Future[CameraImage] = self._thread.submit(self._draw, camera, state)
@@ -123,7 +123,7 @@ class Cameras(Mapping[str, Camera]):
         )
 
     def _fitting(self, camera: Camera) -> Renderer:
-        """Return a renderer for pictures of the camera's size."""
+        """Return a renderer for images of the camera's size."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()
@@ -158,7 +158,7 @@ def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
     The format is https://www.w3.org/TR/png-3/.
 
     Raises:
-        ValueError: If it is neither.
+        ValueError: If the image is neither.
     """
     kind = (image.ndim, image.shape[2:], str(image.dtype))
     if kind == (3, (3,), "uint8"):

@@ -1,4 +1,4 @@
-"""Force-torque sensors: the sensor as the tick samples it, and the robot's sensors."""
+"""Force-torque sensors: one sensor, sampled by the tick, and all of a robot."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 from tool0.description.catalogue import RobotDescription
@@ -21,31 +21,31 @@ Contacts = Callable[[], tuple[Contact, ...]]
 RATES = (50.0, 1000.0)
 """Slowest and fastest sampling [Hz]."""
 DEFAULT_RATE = 125.0
-"""Sampling rate [Hz] where the control rate is a multiple of it: that of a UR."""
+"""Default sampling rate [Hz] if it divides the control rate: that of a UR."""
 DEFAULT_CUTOFF = 15.0
-"""Cut-off of the filter [Hz]: a compromise between a load's weight and vibrations of
-the arm; not from a data sheet."""
+"""Cutoff of the filter [Hz]: a compromise between fast response to a load and
+suppressing vibrations of the arm; not from a data sheet."""
 READINGS_KEPT = 4096
-"""Samples that a reader may fall behind: four seconds at 1 kHz."""
+"""Number of samples kept for slow readers: four seconds at 1 kHz."""
 
 
 @final
 class LowPass:
-    """Butterworth's of second order, for several values at once.
+    """A second-order Butterworth low-pass filter for several values at once.
 
-    H(s) = 1 / (s² + √2 s + 1), s in units of the cutoff, made discrete by the bilinear
-    transform with the cutoff where it is wanted:
+    H(s) = 1 / (s² + √2 s + 1), s in units of the cutoff, discretised by the bilinear
+    transform with frequency prewarping at the cutoff:
 
         y = b0 x + 2 b0 x' + b0 x" - a1 y' - a2 y",  K = tan(π cutoff / rate),
         b0 = K² / d,  a1 = 2 (K² - 1) / d,  a2 = (1 - √2 K + K²) / d,  d = 1 + √2 K + K²
 
-    The cutoff passes at 0.71 of its amplitude, ten times that at 0.01.  A ramp is
-    0.225 / cutoff late: 15 ms at 15 Hz.  The first sample is taken to have been there
-    always.
+    The gain is 0.71 at the cutoff and 0.01 at ten times the cutoff.  A ramp is delayed
+    by 0.225 / cutoff: 15 ms at 15 Hz.  The initial state is that of a constant input
+    equal to the first sample.
     """
 
     def __init__(self, cutoff: float, rate: float) -> None:
-        """Begin anew.
+        """Initialise the filter.
 
         Args:
             cutoff: [Hz], below half the rate.
@@ -67,7 +67,7 @@ class LowPass:
         self._memory: list[tuple[float, float]] = []
 
     def __call__(self, values: Sequence[float]) -> list[float]:
-        """Return what passes of the next sample."""
+        """Return the filtered value of the next sample."""
         b0, a1, a2 = self._b0, self._a1, self._a2
         if not self._memory:
             self._memory = [((1.0 - b0) * x, (b0 - a2) * x) for x in values]
@@ -102,11 +102,13 @@ class WrenchReading:
     """[N]"""
     raw_torque: Vector3
     """[N·m]"""
+    dropped: int = 0
+    """In ``samples()``: samples before this one that were no longer kept."""
 
 
 @final
 class ForceTorqueSensor:
-    """Samples every few ticks; any thread may read and tare it."""
+    """A sensor sampled every few ticks; any thread may read and tare it."""
 
     def __init__(
         self,
@@ -118,9 +120,9 @@ class ForceTorqueSensor:
         rate: float,
         cutoff: float,
     ) -> None:
-        """Measure at ``link`` every few ``ticks``; it and all beyond it are the tool.
+        """Measure at ``link`` every few ``ticks``; the tool is ``link`` and beyond.
 
-        ``rate`` [Hz] is that of the samples, ``cutoff`` [Hz] that of the filter.
+        ``rate`` is the sampling rate [Hz], ``cutoff`` that of the filter [Hz].
         """
         self.link = link
         self.rate = rate
@@ -134,7 +136,7 @@ class ForceTorqueSensor:
         self._filter = LowPass(cutoff, rate)
         self._changed = threading.Condition()
         self._offset = [0.0] * 6
-        self._last = (0.0, [0.0] * 6, [0.0] * 6)  # time, raw and filtered, unzeroed
+        self._last = (0.0, [0.0] * 6, [0.0] * 6)  # time, raw and filtered, without tare
         self._number = -1
         self._readings: deque[WrenchReading] = deque(maxlen=READINGS_KEPT)
 
@@ -148,13 +150,13 @@ class ForceTorqueSensor:
     def restart(
         self, before: JointState, after: JointState, contacts: Contacts
     ) -> None:
-        """Sample at once with a new filter: at the start, and after a reset."""
+        """Sample now with a new filter: at the start, and after a reset."""
         self._left = self._ticks
         self._filter = LowPass(self._cutoff, self.rate)
         self._sample(before, after, contacts())
 
     def zero(self) -> None:
-        """Tare: make the filtered measurement of now zero."""
+        """Tare: subtract the current filtered measurement from now on."""
         with self._changed:
             self._offset = self._last[2]
             self._readings[-1] = self._reading()
@@ -165,13 +167,19 @@ class ForceTorqueSensor:
             return self._readings[-1]
 
     def samples(self, since: int, timeout: float | None) -> tuple[WrenchReading, ...]:
-        """Return samples after number ``since``; wait for the first [wall s]."""
+        """Return samples after number ``since``; wait for the first [wall s].
+
+        The first one says how many were dropped before it.
+        """
         with self._changed:
             if since > self._number:  # from before the sensor was restarted
                 since = -1
             self._changed.wait_for(lambda: self._number > since, timeout)
             count = min(self._number - since, len(self._readings))
-            return tuple(self._readings[i] for i in range(-count, 0))
+            found = [self._readings[i] for i in range(-count, 0)]
+        if dropped := found and found[0].number - since - 1:
+            found[0] = replace(found[0], dropped=dropped)
+        return tuple(found)
 
     def _sample(
         self, before: JointState, after: JointState, contacts: tuple[Contact, ...]
@@ -222,7 +230,7 @@ class ForceTorqueSensors:
         start: Callable[[ForceTorqueSensor], None],
         stop: Callable[[ForceTorqueSensor], None],
     ) -> None:
-        """Start no sensor yet.
+        """Create the sensors without starting any.
 
         ``start`` lets the tick, each ``control_period`` [s], sample a sensor; ``stop``
         ends that.
@@ -251,22 +259,22 @@ class ForceTorqueSensors:
         if len(names) != 1:
             raise ControlError(
                 "'force_torque' needs exactly one link 'tool0', this robot has: "
-                f"{', '.join(names) or 'none'}; name a link to 'force_torque_of'"
+                f"{', '.join(names) or 'none'}; pass a link to 'force_torque_of'"
             )
         return names[0]
 
     def rate(self, link: str) -> float:
-        """Return the samples per simulated second [Hz]; 0 while it is not started."""
+        """Return the sampling rate in simulated time [Hz]; 0 if it is not started."""
         sensor = self._sensors.get(link)
         return 0.0 if sensor is None else sensor.rate
 
     def sensor(self, link: str) -> ForceTorqueSensor:
-        """Return the sensor at ``link``, started with the defaults if need be."""
+        """Return the sensor at ``link``, started with the defaults if needed."""
         with self._lock:
             return self._sensors.get(link) or self._start(link, None, DEFAULT_CUTOFF)
 
     def start(self, link: str, rate: float | None, cutoff: float) -> float:
-        """Start to sample without tare, again if it is running; return the rate [Hz].
+        """Start or restart sampling, without tare; return the rate [Hz].
 
         A ``rate`` of None [Hz] is 125, or the next divisor of the control rate below.
 
@@ -277,7 +285,7 @@ class ForceTorqueSensors:
             return self._start(link, rate, cutoff).rate
 
     def stop(self, link: str) -> None:
-        """Stop to sample and forget the tare; stopping twice is allowed."""
+        """Stop sampling and forget the tare; stopping twice is allowed."""
         with self._lock:
             sensor = self._sensors.pop(link, None)
             if sensor is not None:
@@ -315,6 +323,6 @@ def _ticks_between_samples(rate: float | None, period: float) -> int:
     possible = (control_rate / n for n in range(max(1, least), most + 1))
     near = min(possible, key=lambda other: abs(other - rate), default=control_rate)
     raise ControlError(
-        f"rate {rate:g} Hz is no divisor of the control rate, {control_rate:g} Hz; "
-        f"the nearest one is {near:g} Hz"
+        f"rate {rate:g} Hz does not divide the control rate, {control_rate:g} Hz; "
+        f"the nearest rate that does is {near:g} Hz"
     )

@@ -23,7 +23,7 @@ from tool0.hardware.engine import Engine
 from tool0.sensing.snapshot import Snapshot
 
 GripperMotion = Literal[
-    "moving", "at_target", "holding_inside", "holding_outside", "idle"
+    "moving", "at_target", "holding_inside", "holding_outside", "blocked", "idle"
 ]
 
 WINDOW = 0.1
@@ -33,7 +33,7 @@ STILL = 0.0002
 """Travel within the window below which pads count as still [m].  The slowest speed of a
 2F-85 makes ten times that, weak gains creep to their target at twice that."""
 CREEP = 0.0005
-"""The same for pads that push firmly: the object gives way."""
+"""The same for pads that push firmly, because the object yields."""
 MOVED = 2.0 * CREEP
 """Travel within the window from which pads that were still move again [m]."""
 PARALLEL = math.radians(3.0)
@@ -41,7 +41,7 @@ PARALLEL = math.radians(3.0)
 it by up to 1°, fingers that wrap deviate by 5° and more."""
 _ROUNDING = 1e-6  # [s]
 TOLERANCE = 0.001
-"""Largest error of pads that have arrived [m], as a PID leaves.  An object squeezed by
+"""Largest steady-state error of pads that have arrived [m].  An object squeezed by
 less is not detected."""
 PUSH = 0.05
 """Fraction of the weakest grip from which the drive pushes: 1 N for a 2F-85, whose own
@@ -53,19 +53,23 @@ FIRM = 0.5
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GraspState:
+    """What a gripper does, and how wide it is."""
+
     motion: GripperMotion
     """``holding_inside`` squeezes an object between the pads, ``holding_outside``
-    presses them outwards against one; ``idle`` without a position controller."""
+    presses them outwards against one; ``blocked`` cannot move on, without anything that
+    presses on both fingers; ``idle`` without a position controller."""
     opening: float
     """Distance between the pads [m]."""
     width: float | None = None
-    """Of the object between the pads [m]; None where fingers wrap around it."""
+    """Width of the object between the pads [m]; None where fingers wrap around it."""
 
     @property
     def gobj(self) -> int:
         """Robotiq's register.
 
-        0 moving or idle, 1 stopped while opening, 2 stopped while closing, 3 arrived.
+        0 moving, idle or blocked, 1 stopped by an object while opening, 2 the same
+        while closing, 3 arrived.  (A real gripper takes blocked fingers for an object.)
         """
         return _GOBJ[self.motion]
 
@@ -73,6 +77,7 @@ class GraspState:
 _GOBJ: dict[GripperMotion, int] = {
     "moving": 0,
     "idle": 0,
+    "blocked": 0,
     "holding_outside": 1,
     "holding_inside": 2,
     "at_target": 3,
@@ -82,7 +87,7 @@ _GOBJ: dict[GripperMotion, int] = {
 class _Sample(NamedTuple):
     time: float
     position: float
-    """Of the driven joint [rad]."""
+    """Position of the driven joint [rad]."""
     opening: float
     effort: float
 
@@ -92,7 +97,7 @@ class GraspDetector:
     """Detects the state of one gripper from snapshots in order.
 
     Pads that are still, away from the controller's setpoint, and pushed by the drive,
-    have met an object.
+    have met an object if something presses on both fingers.
     """
 
     def __init__(self, geometry: ParallelGripper) -> None:
@@ -118,6 +123,8 @@ class GraspDetector:
             _Sample(snapshot.time, position, opening, snapshot.effort[index])
         )
         motion: GripperMotion = "idle" if wanted is None else self._judge(*wanted)
+        if motion.startswith("holding") and geometry.name not in snapshot.gripping:
+            motion = "blocked"
         pinches = motion == "holding_inside" and _is_parallel(geometry, snapshot)
         return GraspState(
             motion=motion,
@@ -178,7 +185,7 @@ def judge(geometry: ParallelGripper, snapshots: Sequence[Snapshot]) -> GraspStat
 def wanted_openings(
     snapshot: Snapshot, gripper: ParallelGripper
 ) -> tuple[float, float] | None:
-    """Return the openings wanted now and in the end [m]; None if none are."""
+    """Return the desired and final openings [m]; None without a setpoint."""
     wanted = snapshot.desired_and_target(gripper.joint)
     if wanted is None:
         return None
@@ -200,6 +207,16 @@ def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
             f"pads; below '{base}' there are {len(pads)}"
         )
     return pads[0], pads[1]
+
+
+def flange_of(model: RobotModel, gripper: ParallelGripper) -> str:
+    """Return the link that ``gripper`` is mounted on: a ``…tool0``, or its base."""
+    base = link = model.joint(gripper.joint).parent
+    while (joint := model.parent_joint.get(link)) and not joint.is_movable:
+        link = joint.parent
+        if link.endswith("tool0"):
+            return link
+    return base
 
 
 def grasp_frame(
@@ -261,7 +278,7 @@ class GraspAssist:
             ControlError: If a gripper has no two pads.
         """
         if not model.grippers:
-            raise ConfigError("grasp assist needs a gripper, and this robot has none")
+            raise ConfigError("grasp assist needs a gripper, but this robot has none")
         logger.warning(WARNING)
         self._world = engine.world
         self._grippers = [
@@ -309,7 +326,7 @@ class _AssistedGripper:
         self.base = model.joint(gripper.joint).parent
         self.pads = pad_links(model, gripper)
         self.opening = 0.0
-        """Of the gripper when the object was attached [m]."""
+        """Opening of the gripper when the object was attached [m]."""
         self.forget()
 
     def forget(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple, final
@@ -10,60 +11,80 @@ from tool0.control.manager import ControllerStatus
 from tool0.control.trajectory import Setpoint
 from tool0.description.scene import SceneObject
 from tool0.hardware.engine import ObjectState
+from tool0.sensing.stalls import Stall
 
 SNAPSHOT_PERIOD = 0.008
 """Default simulated time between snapshots [s]: 125 Hz, the rate of the UR's own
 reports."""
 
 
+def ticks_between_snapshots(period: float, control_period: float) -> int:
+    """Return the control periods between snapshots at least every ``period`` [s].
+
+    It is the largest such number that divides that of the default period.
+    """
+    default = max(1, round(SNAPSHOT_PERIOD / control_period))
+    wanted = max(1, math.floor(period / control_period + 1e-9))
+    return max(n for n in range(1, default + 1) if default % n == 0 and n <= wanted)
+
+
 class JointSetpoint(NamedTuple):
-    """What a controller wants of one joint."""
+    """A controller's setpoint for one joint."""
 
     position: float
     """At this instant [rad | m]."""
     velocity: float
     """At this instant [rad/s | m/s]."""
     target: float
-    """Where the motion ends [rad | m]."""
+    """The end of the motion [rad | m]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Snapshot:
-    """The whole robot at one instant.
-
-    ``position``, ``velocity`` and ``effort`` have shape (n_joints,), ordered as
-    ``joint_names``: [rad | m], [rad/s | m/s], [N·m | N].
-    """
+    """The whole robot at one instant."""
 
     time: float
     """Simulated time [s]."""
     tick: int
+    """Control periods since the start or the last reset."""
     joint_names: tuple[str, ...]
+    """Every movable joint: the order of the three sequences that follow."""
     position: tuple[float, ...]
+    """Measured [rad | m], shape (n_joints,)."""
     velocity: tuple[float, ...]
+    """Measured [rad/s | m/s], shape (n_joints,)."""
     effort: tuple[float, ...]
+    """Applied during the last step [N·m | N], shape (n_joints,)."""
     controllers: tuple[ControllerStatus, ...]
+    """Every loaded controller."""
     is_paused: bool
+    """Whether simulated time is held."""
     is_stopped: bool
     """Whether the emergency stop is engaged."""
     real_time_factor: float
-    """Simulated per wall second, over about the last second."""
+    """Simulated time per wall time, over about the last second."""
     overruns: int
     """Ticks that began more than one control period late, since the start."""
+    late_ticks: int = 0
+    """The same, in about the last second of wall time."""
     fault: str | None = None
-    """Why the simulation stands still, until it is reset."""
+    """Why the simulation has stopped, until a reset."""
     speed: float | None = None
-    """Requested simulated seconds per wall second; None runs only on request, as fast
-    as possible."""
+    """Requested simulated time per wall time; None if time passes only on request, as
+    fast as possible."""
     controller_setpoints: Mapping[str, Setpoint] = field(default_factory=dict)
-    """What each running controller wants of its joints; empty in another process."""
+    """The setpoint of each running controller; empty in another process."""
     received_setpoints: Mapping[str, JointSetpoint] = field(default_factory=dict)
-    """Joint → setpoint, where another process worked them out."""
+    """Joint → setpoint, if another process computed them."""
     scene: tuple[SceneObject, ...] = ()
     """The objects around the robot: the same tuple until one is added or removed."""
     objects: tuple[ObjectState, ...] = ()
     """Poses and velocities of the objects, in the order of ``scene``."""
+    stalls: tuple[Stall, ...] = ()
+    """Joints that push at their effort limit without moving, and what they touch."""
+    gripping: tuple[str, ...] = ()
+    """The grippers whose fingers press on something from two sides."""
 
     @property
     def positions(self) -> dict[str, float]:
@@ -73,7 +94,7 @@ class Snapshot:
     def setpoints(self) -> Mapping[str, JointSetpoint]:
         """Return the setpoint of each joint that a controller moves by position.
 
-        It is worked out here, in the thread of the reader.
+        It is computed here, in the thread of the reader.
         """
         if not self.controller_setpoints:
             return self.received_setpoints
@@ -90,7 +111,7 @@ class Snapshot:
         return found
 
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
-        """Return where one joint is wanted now and in the end [rad | m].
+        """Return the desired and the final position of one joint [rad | m].
 
         None if no controller moves it by position.  Much cheaper than ``setpoints``.
         """

@@ -1,4 +1,4 @@
-"""MP4 files that every browser plays: H.264, by PyAV."""
+"""MP4 files with H.264, which every browser plays; by PyAV."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ENCODERS: Final = ("libx264", "libopenh264")
-"""For H.264, the better one first; PyAV's wheels have both."""
+"""H.264 encoders, the better one first; PyAV's wheels have both."""
 _OPTIONS: Final = {"libx264": {"crf": "20", "preset": "fast"}}
 _BITS_PER_PIXEL: Final = 0.15
-"""For the encoder without a quality option; generous for smooth surfaces."""
+"""For the encoder without a quality option; ample for smooth surfaces."""
 
 
 def require_encoder(path: Path | str) -> None:
@@ -30,9 +30,9 @@ def require_encoder(path: Path | str) -> None:
 
 @final
 class VideoWriter:
-    """Writes pictures as one video.  A context manager.
+    """Writes images as one video.  A context manager.
 
-    After an error the file is a valid video of the pictures before.
+    After an error, the file is a valid video of the images written before.
     """
 
     def __init__(
@@ -41,10 +41,10 @@ class VideoWriter:
         """Begin the file; an existing one is replaced.
 
         Args:
-            path: The file, an MP4 whatever its name.
-            width: Of each picture [pixels]; even, as colours have half the resolution.
-            height: Of each picture [pixels]; even.
-            fps: Pictures per second, 1 … 1000.
+            path: The file: an MP4, whatever its name.
+            width: Of each image [pixels]; even, because colour has half the resolution.
+            height: Of each image [pixels]; even.
+            fps: Images per second, 1 … 1000.
 
         Raises:
             RenderError: If there is no encoder.
@@ -56,7 +56,7 @@ class VideoWriter:
                 f"got {width} x {height}"
             )
         if not 1.0 <= fps <= 1000.0:
-            raise ConfigError(f"a video needs 1 … 1000 pictures a second, got {fps:g}")
+            raise ConfigError(f"fps must be 1 … 1000 images per second, got {fps:g}")
         self._path = Path(path)
         self._shape = (height, width, 3)
         encoder = _encoder()
@@ -77,7 +77,7 @@ class VideoWriter:
         self._stream: Any = stream
 
     def write(self, rgb: NDArray[np.uint8]) -> None:
-        """Add a picture, shape (height, width, 3), 0 … 255.
+        """Add an image, shape (height, width, 3), 0 … 255.
 
         Raises:
             ConfigError: If it has another shape or type.
@@ -85,7 +85,7 @@ class VideoWriter:
         """
         if rgb.shape != self._shape or rgb.dtype != "uint8":
             raise ConfigError(
-                f"this video's pictures have shape {self._shape} and type uint8, "
+                f"the images of this video have shape {self._shape} and type uint8, "
                 f"got {rgb.shape} and {rgb.dtype}"
             )
         self._encode(self._av.VideoFrame.from_ndarray(rgb, format="rgb24"))
@@ -114,7 +114,7 @@ class VideoWriter:
     def _encode(self, frame: Any) -> None:
         """Encode a frame; None ends the stream."""
         if self._stream is None:
-            raise RenderError(f"{self._path} is closed already")
+            raise RenderError(f"{self._path} is already closed")
         with self._translated_errors():
             self._container.mux(self._stream.encode(frame))
 

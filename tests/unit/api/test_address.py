@@ -1,12 +1,15 @@
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from raises_naming import raises_naming
 from served import use_folder
 
+import tool0
 from tool0.api.address import Claim, folders, running_names, socket_path
 from tool0.errors import TransportError
 
@@ -95,6 +98,75 @@ def test_a_bad_name_and_a_path_too_long_are_refused(name: str, folder: Path) -> 
         socket_path(folder, name)
     with raises_naming(TransportError, "103"):
         socket_path(folder / ("x" * 100), "left")
+
+
+IMPOSTOR = """
+import os, socket, sys
+listener = socket.socket(socket.AF_UNIX)
+listener.bind(sys.argv[1])
+os.setuid(int(sys.argv[2]))
+listener.listen()
+print("listening", flush=True)
+while True:
+    peer, _ = listener.accept()
+    peer.sendall(b"hello\\n")
+"""
+OTHER_USER = 12345
+needs_root = pytest.mark.skipif(os.getuid() != 0, reason="only root has other users")
+
+
+@contextmanager
+def impostor(path: Path, user: int) -> Iterator[None]:
+    """Run a program of ``user`` that listens at ``path``."""
+    command = [sys.executable, "-c", IMPOSTOR, str(path), str(user)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+        assert program.stdout is not None
+        assert program.stdout.readline() == "listening\n"
+        yield
+        program.kill()
+
+
+@pytest.mark.parametrize(
+    "trap", ["link", "mode", pytest.param("owner", marks=needs_root)]
+)
+def test_a_client_trusts_no_folder_that_others_can_enter_or_choose(
+    trap: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("XDG_RUNTIME_DIR")
+    shared = tmp_path / f"tool0-{os.getuid()}"
+    real = tmp_path / "elsewhere" if trap == "link" else shared
+    real.mkdir(mode=0o700)
+    with impostor(real / "tool0.sock", os.getuid()):
+        if trap == "link":
+            shared.symlink_to(real)
+        elif trap == "mode":
+            shared.chmod(0o755)
+        else:
+            os.chown(shared, OTHER_USER, -1)
+        with raises_naming(TransportError, "another user", str(shared)):
+            tool0.connect()
+        assert running_names() == ()
+
+
+@needs_root
+def test_a_client_trusts_no_socket_that_another_user_serves(folder: Path) -> None:
+    folder.mkdir(mode=0o700)
+    with (
+        impostor(folder / "tool0.sock", OTHER_USER),
+        raises_naming(TransportError, "another user", "tool0.sock"),
+    ):
+        tool0.connect()
+
+
+def test_a_folder_in_place_of_a_file_is_named(folder: Path) -> None:
+    for name in ("left.lock", "left.sock"):
+        path = folder / name
+        path.mkdir(parents=True)
+        folder.chmod(0o700)
+        with raises_naming(TransportError, str(path)):
+            Claim("left")
+        path.rmdir()
+    Claim("left").close()
 
 
 def test_running_names_are_those_with_a_socket(folder: Path) -> None:

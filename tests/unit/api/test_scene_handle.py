@@ -11,7 +11,8 @@ import tool0
 from tool0 import scene
 from tool0.description.scene import PALETTE, STILL_RGBA
 from tool0.errors import ConfigError, ControlError, DescriptionError, RequestError
-from tool0.scene import Box, Pose, SceneObject, Sphere
+from tool0.requests.objects import MOST_SHAPES
+from tool0.scene import Box, Compound, Pose, SceneObject, Sphere
 
 BOX = Box(size=(0.1, 0.1, 0.1))
 TETRAHEDRON = """
@@ -93,6 +94,38 @@ def test_a_mesh_goes_by_its_path(robot: tool0.Robot, tmp_path: Path) -> None:
     assert list(robot.scene) == ["small", "large"]
 
 
+def test_an_object_may_have_several_shapes(robot: tool0.Robot) -> None:
+    shape = Compound(
+        parts=((BOX, Pose()), (Sphere(radius=0.1), Pose(xyz=(0.2, 0.0, 0.0))))
+    )
+    item = robot.scene.add("mug", shape, xyz=(2.0, 0.0, 1.0), mass=0.3)
+    assert item.geometry == shape
+    assert robot.scene["mug"] == item
+
+
+@pytest.mark.parametrize("parts", [(), 3, (BOX,), [(BOX, Pose())], ((BOX, (0, 0, 0)),)])
+def test_a_compound_is_made_of_shapes_with_poses(parts: object) -> None:
+    with raises_naming(ConfigError, "(shape, Pose)"):
+        Compound(parts=parts)  # type: ignore[arg-type]
+
+
+def test_the_parts_of_a_compound_are_checked(robot: tool0.Robot) -> None:
+    for part in (
+        (Sphere(radius=-1.0), Pose()),
+        (BOX, Pose(xyz=(float("nan"), 0.0, 0.0))),
+    ):
+        with raises_naming(ConfigError, "shape 2 of object 'x'"):
+            SceneObject(name="x", geometry=Compound(parts=((BOX, Pose()), part)))
+    many = Compound(parts=((BOX, Pose()),) * (MOST_SHAPES + 1))
+    with raises_naming(ConfigError, f"{MOST_SHAPES + 1} shapes"):
+        robot.scene.add("x", many)
+    half = Compound(parts=many.parts[: MOST_SHAPES // 2 + 1])
+    robot.scene.add("half", half)
+    with raises_naming(ConfigError, f"{2 * len(half.parts)} shapes"):
+        robot.scene.add("x", half)
+    assert list(robot.scene) == ["half"]
+
+
 def test_what_cannot_be_is_refused(robot: tool0.Robot) -> None:
     robot.scene.add("cube", BOX)
     for options, named in (({"mass": -1.0}, "mass"), ({"rpy": [0.1]}, "rpy")):
@@ -105,7 +138,7 @@ def test_what_cannot_be_is_refused(robot: tool0.Robot) -> None:
         robot.scene.add("tool0", BOX)
     with pytest.raises(ConfigError):
         robot.scene.add("x", Box(size=(1.0, 2.0)))  # type: ignore[arg-type]
-    with pytest.raises(TypeError):
+    with pytest.raises(ControlError, match="needs a shape"):
         robot.scene.add("x")  # type: ignore[call-overload]
     for look in (robot.scene.pose, robot.scene.__getitem__):
         with raises_naming(ControlError, "'cub'"):

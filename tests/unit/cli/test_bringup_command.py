@@ -1,3 +1,4 @@
+import contextlib
 import json
 import os
 import signal
@@ -29,10 +30,11 @@ def run(line: str) -> int:
     return main(["bringup", *line.split()])
 
 
-@pytest.fixture
-def running() -> Iterator["subprocess.Popen[str]"]:
+@contextlib.contextmanager
+def started(*prefix: str) -> Iterator["subprocess.Popen[str]"]:
     with subprocess.Popen(
-        [sys.executable, "-m", "tool0", "bringup", "--headless"],
+        [*prefix, sys.executable, "-m", "tool0", "bringup", "--headless"],
+        stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -43,6 +45,12 @@ def running() -> Iterator["subprocess.Popen[str]"]:
                 break
         yield program
         program.kill()
+
+
+@pytest.fixture
+def running() -> Iterator["subprocess.Popen[str]"]:
+    with started() as program:
+        yield program
 
 
 def test_json_summary_is_all_that_is_printed(
@@ -111,7 +119,7 @@ def test_real_time_ends_too(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.loads(capsys.readouterr().out)["sim_time"] >= 0.05
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_it_with_its_summary(
     number: signal.Signals, running: "subprocess.Popen[str]", folder: Path
 ) -> None:
@@ -122,6 +130,16 @@ def test_a_signal_ends_it_with_its_summary(
     assert error == ""
     assert running.returncode == OK
     assert list(folder.iterdir()) == []
+
+
+def test_under_nohup_it_outlives_its_terminal(folder: Path) -> None:
+    with started("nohup") as program:
+        program.send_signal(signal.SIGHUP)
+        assert main(["move", "--joints", "elbow_joint=1.5", "--duration", "0.3"]) == OK
+        program.terminate()
+        out, _ = program.communicate(timeout=30.0)
+    assert "s simulated in" in out
+    assert program.returncode == OK
 
 
 def test_another_process_drives_it(

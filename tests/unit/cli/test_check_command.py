@@ -67,4 +67,16 @@ def test_a_path_that_is_not_there_is_a_mistake(
     assert main(["check", str(file)]) == 2
     assert "No such file" in capsys.readouterr().err
     assert main(["check"]) == 2
-    assert "name files or folders" in capsys.readouterr().err
+    assert "PATH ... is missing" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("text", ["a: [1, 2\nb: 3\n", "a:\n\t- 1\n", "[" * 50_000])
+def test_yaml_that_cannot_be_parsed_is_an_error_whatever_it_is_about(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "notes.yaml").write_text(text)
+    (tmp_path / "several.yaml").write_text("a: 1\n---\nb: !of_another_program 2\n")
+    assert main(["check", str(tmp_path)]) == 1
+    said = capsys.readouterr().out
+    assert "[not-yaml]" in said
+    assert "1 error, no warnings in 2 files" in said

@@ -1,16 +1,22 @@
+import contextlib
+import re
 import subprocess
 import sys
+from collections.abc import Callable, Mapping
+from importlib import import_module
 
 import pytest
 
 from tool0.cli import COMMANDS, FAILED, OK, main
+from tool0.cli.options import READERS
+from tool0.cli.parameters import parameters_of
 from tool0.errors import ControlError
 
 LOADED = """
 import sys
 from tool0.cli import main
 assert main(sys.argv[1:]) == 0
-heavy = {"tyro", "mujoco", "numpy", "yaml", "xacro", "logging"}
+heavy = {"mujoco", "numpy", "yaml", "xacro", "logging"}
 print(sorted(heavy & sys.modules.keys()), file=sys.stderr)
 """
 
@@ -51,26 +57,85 @@ def test_an_unknown_command_names_the_nearest(
     assert error == "tool0: error: unknown command 'brinup'; did you mean 'bringup'?\n"
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_explains_itself(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def functions(command: str) -> Mapping[str, Callable[..., object]]:
+    """Return the functions of a command and its subcommands by their words."""
+    module, _ = COMMANDS[command]
+    found = getattr(import_module(f"tool0.cli.{module}"), command)
+    if callable(found):
+        return {command: found}
+    return {f"{command} {name}": function for name, function in found.items()}
+
+
+FUNCTIONS = {
+    words: function
+    for command in COMMANDS
+    for words, function in functions(command).items()
+}
+ARTEFACTS = (
+    *("[bold]", "<class", "{None}", "None", "(default: )", "==SUPPRESS==", "``"),
+    *("[dim]", "unset", "Args:", "True", "False", "function", "argument's"),
+)
+"""What a help text must not show: how it is made."""
+FOREIGN = re.compile(
+    r"for whoever|whoever|comes? along|does without|goes by|to be called|is told|"
+    r"so many|where it is to be|what is felt|left out|A cheat"
+)
+"""Sentences that no engineer would say."""
+
+
+@pytest.mark.parametrize("words", [*FUNCTIONS, *COMMANDS])
+def test_a_help_text_is_clean(words: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
-        main([command, "--help"])
+        main([*words.split(), "--help"])
     assert end.value.code == OK
-    assert f"usage: tool0 {command}" in capsys.readouterr().out
+    text = capsys.readouterr().out
+    assert text.startswith(f"usage: tool0 {words}")
+    assert [part for part in ARTEFACTS if part in text] == []
+    assert not FOREIGN.search(" ".join(text.split()))
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_an_unknown_option_exits_with_2(
-    command: str, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("words", FUNCTIONS)
+def test_every_option_is_explained(words: str) -> None:
+    for parameter in parameters_of(FUNCTIONS[words], READERS):
+        assert re.match(r"[A-Za-z].*\w", parameter.help), parameter.path
+        assert parameter.metavar.isascii(), parameter.path
+
+
+@pytest.mark.parametrize("words", [*FUNCTIONS, *COMMANDS, ""])
+def test_every_command_that_a_help_text_names_exists(
+    words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with pytest.raises(SystemExit) as end:
-        main([command, "--no-such-option", "1"])
-    assert end.value.code == FAILED
+    with contextlib.suppress(SystemExit):
+        main([*words.split(), "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    named = re.findall(r"`tool0 ([^`]+)`", text)
+    assert named or words in FUNCTIONS
+    for line in named:
+        command, *rest = line.split()
+        if command == "COMMAND":
+            continue
+        assert command in COMMANDS
+        if command not in FUNCTIONS and rest[0] not in ("SUBCOMMAND", "--help"):
+            assert f"{command} {rest[0]}" in FUNCTIONS
+
+
+@pytest.mark.parametrize("words", FUNCTIONS)
+def test_an_unknown_option_is_one_line_and_2(
+    words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*words.split(), "--no-such-option", "1"]) == FAILED
     out, error = capsys.readouterr()
     assert out == ""
-    assert f"tool0 {command}" in error
+    assert error == (
+        f"tool0: error: no option --no-such-option; see `tool0 {words} --help`\n"
+    )
+
+
+def test_an_unknown_subcommand_names_the_nearest(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["controllers", "lst"]) == FAILED
+    assert "no subcommand 'lst'; did you mean 'list'?" in capsys.readouterr().err
 
 
 def test_our_errors_are_one_line_and_2(

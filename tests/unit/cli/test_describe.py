@@ -93,7 +93,13 @@ def test_columns_are_aligned_and_end_without_blanks() -> None:
 
 @pytest.mark.parametrize(
     ("form", "start"),
-    [("tree", "world\n"), ("table", "joint "), ("urdf", "<?xml"), ("mjcf", "<mujoco")],
+    [
+        ("tree", "world\n"),
+        ("table", "joint "),
+        ("urdf", "<?xml"),
+        ("mjcf", "<mujoco"),
+        ("controllers", "# Controllers of a UR5"),
+    ],
 )
 def test_every_form_is_written(
     form: str, start: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

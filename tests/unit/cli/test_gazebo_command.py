@@ -90,9 +90,9 @@ def test_uninstalling_twice_is_no_error(capsys: pytest.CaptureFixture[str]) -> N
     add_prefix(has_client=True)
     assert main(["gazebo", "uninstall"]) == OK
     assert not private_prefix().exists()
-    assert "free again" in capsys.readouterr().out
+    assert "removed" in capsys.readouterr().out
     assert main(["gazebo", "uninstall"]) == OK
-    assert capsys.readouterr().out == "nothing to do\n"
+    assert capsys.readouterr().out == "nothing to remove\n"
 
 
 def test_without_a_terminal_an_activity_is_a_line() -> None:

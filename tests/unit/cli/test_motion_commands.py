@@ -1,6 +1,7 @@
 """``tool0 move`` and ``tool0 grip`` with a robot that runs."""
 
 import contextlib
+import math
 import re
 import signal
 import subprocess
@@ -12,7 +13,7 @@ import pytest
 import tool0
 from tool0.cli import GOAL_FAILED, INTERRUPTED, OK, main
 from tool0.cli.motion import described
-from tool0.description.shapes import Sphere
+from tool0.description.shapes import Box, Sphere
 from tool0.description.transform import to_pose
 from tool0.sensing.grasp import GraspState, GripperMotion, grasp_frame
 
@@ -35,6 +36,50 @@ def test_move_keeps_the_joints_that_are_not_given(
     after = robot.joint_state.position
     for name in robot.arm.joint_names:
         assert after[name] == pytest.approx(goals[name], abs=0.03)
+
+
+def test_numbers_may_have_units(robot: tool0.Robot) -> None:
+    assert run("move --joints elbow_joint=70deg shoulder_pan_joint=-10deg") == OK
+    reached = robot.joint_state.position
+    assert reached["elbow_joint"] == pytest.approx(math.radians(70.0), abs=0.03)
+    assert reached["shoulder_pan_joint"] == pytest.approx(-math.radians(10), abs=0.03)
+    assert run("grip --opening 40mm") == OK
+    assert robot.gripper.opening == pytest.approx(0.04, abs=0.002)
+    start = robot.arm.pose()
+    x, y, z = (1e3 * part for part in start.position)
+    roll, pitch, yaw = map(math.degrees, to_pose(start).rpy)
+    line = f"move --pose {x}mm {y}mm {z - 50}mm {roll}deg {pitch}deg {yaw}deg"
+    assert run(line) == OK
+    assert robot.arm.pose().position[2] == pytest.approx(1e-3 * z - 0.05, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["move --joints elbow_joint=1", "move --pose 0.4 0.1 0.3 180deg 0 0"],
+)
+def test_a_stopped_controller_is_named_with_the_command_that_starts_it(
+    line: str, robot: tool0.Robot, refused: Callable[[str], str]
+) -> None:
+    robot.switch(stop=[ARM])
+    try:
+        said = refused(line)
+    finally:
+        robot.switch(start=[ARM])
+    assert f"controller '{ARM}' is stopped" in said
+    assert f"`tool0 controllers start {ARM}`" in said
+    assert "did you mean" not in said
+
+
+def test_a_controller_that_runs_instead_is_named(
+    robot: tool0.Robot, refused: Callable[[str], str]
+) -> None:
+    other = "joint_group_eff_controller"
+    robot.switch(stop=[ARM], start=[other])
+    try:
+        said = refused("move --joints elbow_joint=1")
+    finally:
+        robot.switch(stop=[other], start=[ARM])
+    assert f"`tool0 controllers switch --stop {other} --start {ARM}`" in said
 
 
 def test_move_by_a_named_controller(robot: tool0.Robot) -> None:
@@ -62,8 +107,10 @@ def test_move_takes_the_tool_to_a_pose(
 
 
 def test_a_goal_that_fails_exits_with_1(robot: tool0.Robot, capsys: Capture) -> None:
-    assert run("move --joints shoulder_pan_joint=3 --duration 0.02") == GOAL_FAILED
-    assert re.match(r"ABORTED \(-\d\): .*shoulder_pan_joint", capsys.readouterr().out)
+    robot.scene.add("wall", Box(size=(0.6, 0.1, 0.8)), xyz=(0.6, 0.35, 0.3))
+    assert run("move --joints shoulder_pan_joint=1.2 --duration 6") == GOAL_FAILED
+    failure = r"ABORTED \(-4\): .*shoulder_pan_joint.*'wall'"
+    assert re.match(failure, capsys.readouterr().out)
 
 
 @pytest.mark.parametrize(
@@ -71,9 +118,10 @@ def test_a_goal_that_fails_exits_with_1(robot: tool0.Robot, capsys: Capture) -> 
     [
         ("move --joints elbow=1", "'elbow_joint'"),
         ("move --joints elbow_joint", "'elbow_joint'"),
-        ("move --joints elbow_joint=nan", "'elbow_joint=nan'"),
+        ("move --joints elbow_joint=nan", "elbow_joint='nan'"),
         ("move --joints elbow_joint=1 elbow_joint=2", "'elbow_joint'"),
         ("move --joints elbow_joint=1 --duration 0", "--duration"),
+        ("move --joints elbow_joint=-1.4 --duration 0.05", "at least 1.5 s"),
         ("move --joints elbow_joint=1 --duration nan", "--duration"),
         (
             "move --joints elbow_joint=1 --controller joint_group_eff_controller",
@@ -89,6 +137,14 @@ def test_a_goal_that_fails_exits_with_1(robot: tool0.Robot, capsys: Capture) -> 
         ("grip --opening 0.1", "0.085"),
         ("grip --position 3", "3.0"),
         ("grip --opening 0.01 --position 0.1", "--position"),
+        ("move --joints elbow_joint=90", "did you mean 90deg = 1.571 rad?"),
+        ("move --joints elbow_joint=40mm", "'elbow_joint' is rad or deg, not m or mm"),
+        ("move --joints elbow_joint=1cm", "need a number, alone or with rad, deg, m"),
+        ("move --pose 0.4 0 0.3 180 0 0", "did you mean 180deg = 3.142 rad?"),
+        ("move --pose 0.4 0 0.3 90mm 0 0", "'mm' is not a unit here"),
+        ("grip --opening 40", "did you mean 40mm = 0.04 m?"),
+        ("grip --opening 40deg", "--opening: '40deg'"),
+        ("grip --position 45", "did you mean 45deg = 0.7854 rad?"),
     ],
 )
 def test_a_mistake_is_one_line_and_moves_nothing(
@@ -107,7 +163,7 @@ def test_grip_tells_what_it_holds(robot: tool0.Robot, capsys: Capture) -> None:
     assert held is not None
     assert float(held[1]) == pytest.approx(45.0, abs=5.0)
     assert run("state") == OK
-    assert "gripper: holds something " in capsys.readouterr().out
+    assert "gripper: holds an object " in capsys.readouterr().out
     assert run("grip --position 0 --effort 5") == OK
     assert gripper.opening == pytest.approx(0.085, abs=2e-3)
 
@@ -115,11 +171,15 @@ def test_grip_tells_what_it_holds(robot: tool0.Robot, capsys: Capture) -> None:
 @pytest.mark.parametrize(
     ("motion", "text"),
     [
-        ("holding_inside", "holds something 45.0 mm wide (gOBJ 2)"),
-        ("holding_outside", "presses against something outside, open 45.0 mm (gOBJ 1)"),
+        ("holding_inside", "holds an object 45.0 mm wide (gOBJ 2)"),
+        ("holding_outside", "holds an object from inside, open 45.0 mm (gOBJ 1)"),
+        (
+            "blocked",
+            "blocked without an object between the pads, open 45.0 mm (gOBJ 0)",
+        ),
         ("at_target", "open 45.0 mm (gOBJ 3)"),
         ("moving", "moving, open 45.0 mm (gOBJ 0)"),
-        ("idle", "open 45.0 mm, commanded by nobody"),
+        ("idle", "open 45.0 mm, not commanded"),
     ],
 )
 def test_every_state_of_a_gripper_has_words(motion: GripperMotion, text: str) -> None:
@@ -144,7 +204,7 @@ def test_a_goal_while_paused_says_what_it_waits_for(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_stops_the_robot(number: signal.Signals, robot: tool0.Robot) -> None:
     move = ["move", "--joints", "elbow_joint=-1", "--duration", "20"]
     with (

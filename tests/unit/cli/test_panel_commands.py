@@ -1,5 +1,8 @@
 """`tool0 bringup` and `tool0 view` as a person calls them: where is the page?"""
 
+import contextlib
+import os
+import pty
 import re
 import signal
 import subprocess
@@ -9,10 +12,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
+from socket import gethostname
 from urllib.request import urlopen
 
 import pytest
-from page import page_at
+from page import TIMEOUT, page_at
 from served import use_folder
 
 from tool0.cli import FAILED, OK, main
@@ -60,7 +64,7 @@ def running(*words: str) -> Iterator[tuple["subprocess.Popen[str]", str]]:
 def end(program: "subprocess.Popen[str]") -> str:
     """Send Ctrl-C, and return what stands on standard error."""
     program.send_signal(signal.SIGINT)
-    _, error = program.communicate(timeout=30.0)
+    _, error = program.communicate(timeout=TIMEOUT)
     assert program.returncode == OK, error
     return error
 
@@ -85,12 +89,21 @@ def test_view_serves_a_robot_to_be_posed() -> None:
         assert "Traceback" not in end(program)
 
 
-def test_a_chosen_port_is_warned_of_and_needs_the_token() -> None:
+def test_a_chosen_port_needs_no_token() -> None:
     with running("view", "--panel-port", "0") as (program, url):
-        assert "?token=" in url
+        assert "token" not in url
         with page_at(url) as page:
             assert page.request("reset") is None
-        assert "whoever knows its address with the token" in end(program)
+        assert end(program) == ""
+
+
+def test_an_address_for_other_machines_is_warned_of_and_needs_the_token() -> None:
+    options = ("--panel-host", "0.0.0.0", "--panel-port", "0")
+    with running("view", *options) as (program, url):
+        assert "?token=" in url
+        with page_at(url.replace(gethostname(), "127.0.0.1")) as page:
+            assert page.request("reset") is None
+        assert "anyone with its address and token" in end(program)
 
 
 def test_headless_serves_no_panel_and_loads_no_web_server() -> None:
@@ -155,31 +168,69 @@ def test_a_browser_opens_only_before_a_person_with_a_desktop(
     assert opened == []
     thread = show("http://here/", PanelOptions(), Terminal())
     assert thread is not None
-    thread.join(10.0)
+    thread.join(TIMEOUT)
     assert opened == ["http://here/"]
 
 
+def test_a_demo_is_repeated_by_enter() -> None:
+    terminal, standard_input = pty.openpty()
+    with (
+        os.fdopen(terminal, "wb", buffering=0) as keyboard,
+        subprocess.Popen(
+            [sys.executable, "-m", "tool0", "demo", "pick", "--no-open"],
+            stdin=standard_input,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as program,
+        contextlib.ExitStack() as cleanup,
+    ):
+        cleanup.callback(program.kill)  # of no effect on one that has ended
+        os.close(standard_input)
+        assert program.stdout is not None
+        assert program.stderr is not None
+        url = program.stderr.readline().removeprefix("Panel: ").strip()
+        program.stderr.readline()
+        with page_at(url) as page:
+            assert page.request("view_shown") is None
+            assert page.request("set_speed", factor=10.0) is None
+            keyboard.write(b"\n")
+            for _ in range(2):
+                assert "in the bin after" in program.stdout.readline()
+                assert program.stdout.readline().startswith("1 of 1 in the bin; ")
+                assert "Enter repeats the pick" in program.stderr.readline()
+            program.send_signal(signal.SIGINT)
+        assert program.wait(30.0) == OK
+
+
 def test_a_demo_waits_for_a_page_and_stays_for_it() -> None:
-    with subprocess.Popen(
-        [sys.executable, "-W", "error", "-m", "tool0", "demo", "pick", "--no-open"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as program:
+    with (
+        subprocess.Popen(
+            [sys.executable, "-W", "error", "-m", "tool0", "demo", "pick", "--no-open"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as program,
+        contextlib.ExitStack() as cleanup,
+    ):
+        cleanup.callback(program.kill)  # of no effect on one that has ended
         assert program.stdout is not None
         assert program.stderr is not None
         url = program.stderr.readline().removeprefix("Panel: ").strip()
         assert program.stderr.readline() == (
-            "It begins when a browser shows that page.\n"
+            "It starts when a browser shows that page.\n"
         )
         with page_at(url) as page:
             names = {item["name"] for item in page.next("scene")["objects"]}
             assert {"cube", "bin.floor"} <= names
+            assert page.request("view_shown") is None
             assert "in the bin after" in program.stdout.readline()
             assert program.stdout.readline().startswith("1 of 1 in the bin; ")
-            assert program.stderr.readline() == "The panel stays; Ctrl-C ends it.\n"
+            assert (
+                program.stderr.readline() == "The panel stays open; Ctrl-C ends it.\n"
+            )
             assert page.request("pause") is None
             program.send_signal(signal.SIGINT)
             assert page.close_code() == 1001
-        assert program.wait(30.0) == OK
+        assert program.wait(TIMEOUT) == OK
         assert "Traceback" not in program.stderr.read()

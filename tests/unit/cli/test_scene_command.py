@@ -9,7 +9,7 @@ import pytest
 
 import tool0
 from tool0.cli import OK, main
-from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import Box, Compound, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.transform import Pose
 
 TETRAHEDRON = """
@@ -49,11 +49,29 @@ def test_list_shows_what_is_where(
     assert run("scene list") == OK
     _, table, can = capsys.readouterr().out.splitlines()
     assert table.split()[:7] == ["table", "box", "0.5", "x", "0.8", "x", "0.04"]
-    assert "still" in table
+    assert "fixed" in table
     words = can.split()
     assert words[:6] == ["can", "cylinder", "0.03", "x", "0.1", "0.35"]
     assert words[7:10] == ["+0.5000", "+0.2500", "+0.2000"]
     assert words[11:] == ["+0.0", "+0.0"]
+
+
+def test_list_counts_the_shapes_of_an_object(
+    furnished: tool0.Robot, capsys: pytest.CaptureFixture[str]
+) -> None:
+    part = (Sphere(radius=0.1), Pose(xyz=(0.1, 0.0, 0.0)))
+    furnished.scene.add("mug", Compound(parts=(part, part)), xyz=(2.0, 0.0, 1.0))
+    assert run("scene list") == OK
+    assert capsys.readouterr().out.splitlines()[-1].split()[:3] == [
+        "mug",
+        "2",
+        "shapes",
+    ]
+    assert run("scene list --json") == OK
+    mug = json.loads(capsys.readouterr().out)["objects"][-1]
+    sphere = {"kind": "sphere", "radius": 0.1}
+    sent = {"shape": sphere, "xyz": [0.1, 0.0, 0.0], "rpy": [0.0, 0.0, 0.0]}
+    assert mug["shape"] == {"kind": "compound", "parts": [sent, sent]}
 
 
 def test_list_can_be_read_by_programs(
@@ -118,7 +136,7 @@ def test_remove_takes_several(furnished: tool0.Robot) -> None:
         ("scene add thing --sphere 1 --box 1 1 1", "2"),
         ("scene add thing --mesh none.stl", "none.stl"),
         ("scene add thing --sphere 1 --scale 2", "--mesh"),
-        ("scene remove", "`tool0 scene list`"),
+        ("scene remove", "OBJECT ... is missing"),
         ("scene remove cup", "'cup'"),
     ],
 )

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 import tool0
-from tool0.cli import OK, main
+from tool0.cli import FAILED, OK, main
 
 Capture = pytest.CaptureFixture[str]
 ARM, OTHER = "eff_joint_traj_controller", "joint_group_eff_controller"
@@ -46,6 +46,21 @@ def test_controllers_are_stopped_loaded_started_and_switched(
     assert states(robot)[OTHER] == "stopped"
 
 
+def test_gains_are_printed_and_changed(robot: tool0.Robot, capsys: Capture) -> None:
+    before = robot.controller(ARM).gains["elbow_joint"]
+    assert (
+        run(f"controllers gains {ARM} --joint elbow_joint --p 1500 --i-clamp 7") == OK
+    )
+    (row,) = (
+        line.split()[1:]
+        for line in capsys.readouterr().out.splitlines()
+        if line.startswith("elbow_joint")
+    )
+    assert [float(value) for value in row] == [1500.0, before.i, before.d, -7.0, 7.0]
+    assert robot.controller(ARM).gains["elbow_joint"].p == 1500.0
+    assert run(f"controllers gains {ARM} --p 1") == FAILED
+
+
 def test_time_is_paused_stepped_and_resumed(
     robot: tool0.Robot, capsys: Capture
 ) -> None:
@@ -76,8 +91,8 @@ def test_the_emergency_stop_is_engaged_and_released(robot: tool0.Robot) -> None:
 @pytest.mark.parametrize(
     ("line", "named"),
     [
-        ("controllers start", "`tool0 controllers list`"),
-        ("controllers switch", "`tool0 controllers list`"),
+        ("controllers start", "CONTROLLER ... is missing"),
+        ("controllers switch", "--start CONTROLLER"),
         ("controllers load nobody", "'nobody'"),
         (f"controllers start {OTHER}", "'shoulder_pan_joint'"),
         (f"controllers unload {ARM}", f"'{ARM}'"),

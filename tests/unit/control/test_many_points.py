@@ -17,6 +17,8 @@ from tool0.control.spline import Motion, Segment
 from tool0.control.trajectory import BLOCK, MANY, TrajectoryGoal, TrajectoryPoint
 from tool0.errors import GoalRejectedError
 
+pytestmark = pytest.mark.slow
+
 LOOSE = ARM.replace("trajectory: 0.1,", "") + "  allow_partial_joints_goal: true\n"
 NAMES = ("hip", "slide", "wheel")
 sizes = st.floats(-12.0, 12.0)

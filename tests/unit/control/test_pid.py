@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from tool0.control.parameters import Gains, Pid
@@ -71,3 +71,20 @@ def test_no_time_passing_commands_nothing() -> None:
 def test_gains_must_be_finite_and_a_clamp_must_hold_0(bad: dict[str, float]) -> None:
     with pytest.raises(ConfigError):
         Gains(**bad, i_max=2.0)
+
+
+@given(gains, gains, errors)
+def test_new_gains_keep_what_the_integral_contributes(
+    old: Gains, new: Gains, sequence: list[tuple[float, float]]
+) -> None:
+    assume(new.i == 0.0 or abs(new.i) > 1e-300)  # others have no inverse
+    pid = Pid([old])
+    for error, rate in sequence:
+        pid.update([error], [rate], 0.01)
+    (before,) = pid.update([0.0], [0.0], 1e-9)
+    pid.set_gains(0, new)
+    (after,) = pid.update([0.0], [0.0], 1e-9)
+    kept = min(max(before, new.i_min), new.i_max)
+    assert after == pytest.approx(kept if new.i else 0.0, abs=1e-9)
+    pid.set_gains(0, Gains(p=3.0))
+    assert updates(pid, 2.0) == [6.0]

@@ -4,6 +4,7 @@ import re
 import struct
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -21,7 +22,7 @@ from tool0.description.catalogue import (
 from tool0.description.config import DescriptionConfig
 from tool0.description.forward_kinematics import link_pose
 from tool0.description.model import Inertial, Interface, RobotModel
-from tool0.description.shapes import Mesh
+from tool0.description.shapes import Cylinder, Mesh
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
@@ -32,11 +33,13 @@ GOLDEN = DATA / "golden"
 # Link and joint names of ur_description (noetic-devel, a7a2c54) with jr-robotics'
 # robotiq_2f_85_gripper_visualization (3aab694) on it.
 ARM_LINKS = (
-    "world base_link base_link_inertia base shoulder_link upper_arm_link forearm_link "
+    "world base_link pedestal base_link_inertia base shoulder_link upper_arm_link "
+    "forearm_link "
     "wrist_1_link wrist_2_link wrist_3_link flange tool0 robotiq_arg2f_base_link"
 )
 ARM_JOINTS = (
-    "world_joint base_link-base_link_inertia base_link-base_fixed_joint "
+    "world_joint base_link-pedestal base_link-base_link_inertia "
+    "base_link-base_fixed_joint "
     "shoulder_pan_joint shoulder_lift_joint elbow_joint wrist_1_joint wrist_2_joint "
     "wrist_3_joint wrist_3-flange flange-tool0 ur_robotiq_joint finger_joint "
     "right_finger_joint"
@@ -167,7 +170,7 @@ def test_two_robots_stand_in_one_scene() -> None:
     path = DATA / "description" / "two_robots.urdf.xacro"
     description = load_robot(path, {"distance": 2})
     model = description.model
-    assert len(model.links) == 2 * len(LINKS) - 1
+    assert len(model.links) == 2 * len(LINKS - {"world", "pedestal"}) + 1
     assert [gripper.name for gripper in model.grippers] == [
         "left_gripper",
         "right_gripper",
@@ -200,6 +203,52 @@ def test_bare_arm_mounting_and_place_in_the_world() -> None:
     assert model.joint("ur_robotiq_joint").origin.xyz == (0, 0, 0.011)
     assert model.joint("ur_robotiq_joint").origin.rpy == (0, 0, 1.5)
     assert model.joint("world_joint").origin.xyz == (1, 2, 3)
+
+
+@pytest.mark.parametrize(
+    ("options", "spawn_z", "height"),
+    [
+        ({}, 0.1, 0.1),
+        ({}, 0.7, 0.7),
+        ({"base_xyz": (1.0, 2.0, 0.4)}, 0.1, 0.5),
+        ({"base_xyz": (0.0, 0.0, -0.3), "base_rpy": (0.0, 0.0, 1.5)}, 0.5, 0.2),
+        ({"pedestal_height": 0.25}, 0.1, 0.25),
+        ({"prefix": "left_"}, 0.004, 0.004),
+    ],
+)
+def test_the_pedestal_reaches_from_the_base_to_the_ground(
+    options: dict[str, Any], spawn_z: float, height: float
+) -> None:
+    model = load_description(DescriptionConfig(**options), spawn_z=spawn_z).model
+    prefix = options.get("prefix", "")
+    assert model.parent_joint[prefix + "pedestal"].parent == prefix + "base_link"
+    link = model.link(prefix + "pedestal")
+    for shapes, gap in ((link.visuals, 0.0), (link.collisions, min(0.005, height / 2))):
+        ends = [
+            [shape.origin.xyz[2] + sign * shape.geometry.length / 2 for sign in (-1, 1)]
+            for shape in shapes
+            if isinstance(shape.geometry, Cylinder)
+        ]
+        assert len(ends) == len(shapes) == 2
+        assert max(top for _, top in ends) == pytest.approx(0.0, abs=1e-12)
+        assert [low for low, _ in ends] == pytest.approx([gap - height] * 2)
+
+
+@pytest.mark.parametrize(
+    ("options", "spawn_z"),
+    [
+        ({}, 0.0),
+        ({"pedestal_height": 0}, 0.1),
+        ({"base_rpy": (math.pi, 0.0, 0.0)}, 0.1),
+        ({"args": {"base_rpy": "0 1.57 0"}}, 0.1),
+        ({"base_xyz": (0.0, 0.0, -0.1)}, 0.1),
+    ],
+)
+def test_there_is_no_pedestal_where_none_can_stand(
+    options: dict[str, Any], spawn_z: float
+) -> None:
+    model = load_description(DescriptionConfig(**options), spawn_z=spawn_z).model
+    assert "pedestal" not in model.link_by_name
 
 
 @pytest.mark.parametrize("interface", list(Interface))
@@ -353,7 +402,8 @@ def test_the_fields_are_the_arguments_of_the_xacro_file() -> None:
     text = assemble().source.read_text()
     declared = re.findall(r'<xacro:arg name="(\w+)"', text)
     names = {item.name for item in fields(DescriptionConfig)}
-    assert names == {*declared, "robot", "args"}
+    without_tool0 = {"gripper_damping", "gripper_knuckle_inertia"}  # workspace.md
+    assert names == {*declared, "robot", "args"} - without_tool0
 
 
 def test_args_override_fields_and_no_field_given_is_a_default() -> None:

@@ -2,6 +2,7 @@ import contextlib
 import threading
 from pathlib import Path
 
+import fresh_python
 import pytest
 import xacro
 
@@ -231,3 +232,22 @@ def test_threads_do_not_disturb_each_other(tmp_path: Path) -> None:
     for thread in threads:
         thread.join()
     assert found == {name: [f"{name}{i}" for i in range(20, 0, -1)] for name in "abcd"}
+
+
+WARNING_IMPORT = """
+import sys, warnings
+
+class Warning:
+    def find_spec(self, name, path=None, target=None):
+        if name == "xacro":
+            warnings.warn("as Python 3.10 does", DeprecationWarning)
+
+sys.meta_path.insert(0, Warning())
+from tool0.description.catalogue import load_description
+from tool0.description.config import DescriptionConfig
+print(len(load_description(DescriptionConfig()).model.joints) > 6)
+"""
+
+
+def test_warnings_of_xacro_s_import_are_no_errors() -> None:
+    assert fresh_python.run(WARNING_IMPORT) == "True\n"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tool0.description.rigid_model import MAX_FRICTION, MAX_LENGTH, read_rigid_model
-from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import Box, Compound, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ConfigError, DescriptionError, Tool0Error
 
@@ -74,7 +74,11 @@ def test_a_link_of_sdf_is_read() -> None:
             "<pose>3 0 0 0 0 0</pose>",
         )
     )
-    assert (model.name, model.link, model.collision) == ("thing", "body", "shape")
+    assert (model.name, model.link, model.collisions) == (
+        "thing",
+        "body",
+        ("shape",),
+    )
     assert model.geometry == Box(size=(0.1, 0.2, 0.3))
     assert (model.mass, model.friction) == (0.5, 0.4)
     assert model.rgba == (1.0, 0.0, 0.5, 1.0)
@@ -160,6 +164,49 @@ def test_links_that_are_fixed_to_each_other_are_one_body() -> None:
     assert_same(model.T_model_shape, pose(0, 0, 1, 0, 0, 0))
 
 
+def test_several_shapes_of_urdf_are_one_body_in_the_first_link_s_frame() -> None:
+    model = read_rigid_model(
+        urdf(
+            '<link name="world"/><joint name="i" type="fixed"><parent link="world"/>'
+            '<child link="foot"/><origin xyz="0 3 0"/></joint>'
+            f'<link name="foot">{INERTIAL}<collision>{BOX}</collision>'
+            f'<collision><origin xyz="0 0 2"/>{BOX}</collision></link>'
+            f'<link name="top">{INERTIAL}<collision>{BOX}</collision></link>'
+            '<joint name="j" type="fixed"><parent link="foot"/><child link="top"/>'
+            '<origin xyz="0 0 1" rpy="0 0 1"/></joint>'
+        )
+    )
+    box = Box(size=(0.1, 0.2, 0.3))
+    assert isinstance(model.geometry, Compound)
+    assert [shape for shape, _ in model.geometry.parts] == [box] * 3
+    expected = [pose(0, 0, 0, 0, 0, 0), pose(0, 0, 2, 0, 0, 0), pose(0, 0, 1, 0, 0, 1)]
+    for (_, actual), wanted in zip(model.geometry.parts, expected, strict=True):
+        assert_same(to_transform(actual), wanted)
+    assert_same(model.T_model_shape, pose(0, 3, 0, 0, 0, 0))
+    assert model.link == "foot"
+    assert model.collisions == ("foot_collision", "foot_collision_1", "top_collision")
+
+
+def test_several_shapes_of_sdf_are_one_body_in_the_link_s_frame() -> None:
+    model = read_rigid_model(
+        sdf_link(
+            SDF_BOX,
+            "<pose>0 1 0 0 2 0</pose><collision name='ball'><pose>0 0 1 0 0 0</pose>"
+            "<geometry><sphere><radius>0.1</radius></sphere></geometry>"
+            "<surface><friction><ode><mu>0.4</mu></ode></friction></surface>"
+            "</collision><inertial><mass>0.5</mass></inertial>",
+        )
+    )
+    assert isinstance(model.geometry, Compound)
+    (box, at_box), (ball, at_ball) = model.geometry.parts
+    assert (box, ball) == (Box(size=(0.1, 0.2, 0.3)), Sphere(radius=0.1))
+    assert_same(to_transform(at_box), Transform())
+    assert_same(to_transform(at_ball), pose(0, 0, 1, 0, 0, 0))
+    assert_same(model.T_model_shape, pose(0, 1, 0, 0, 2, 0))
+    assert model.collisions == ("shape", "ball")
+    assert (model.mass, model.friction) == (0.5, 0.4)
+
+
 @pytest.mark.parametrize(
     ("text", "rgba"),
     [
@@ -220,6 +267,7 @@ HINGE = (
         (sdf("<link name='a'/><link name='b'/>"), "2 <link>"),
         (sdf("<link name='a'/>"), "<collision>"),
         (sdf("<include><uri>model://can</uri></include>"), "<include>"),
+        ("<sdf><include><uri>model://can</uri></include></sdf>", "<include>"),
         (sdf_link(beside="<joint name='j' type='revolute'><parent>x</parent></joint>"),
          "'j'"),
         (sdf_geometry("<plane/>"), "plane"),
@@ -237,6 +285,8 @@ HINGE = (
         (urdf_link(inertial=""), "<inertial>"),
         (urdf_link(inertial=INERTIAL.replace("0.5", "-1")), "-1"),
         (urdf('<link name="a"/>'), "<collision>"),
+        (sdf_link(more="<collision name='b'><pose>1e9 0 0 0 0 0</pose>"
+                  f"{SDF_BOX}</collision>"), "100 m"),
         (urdf(HINGE), "'hinge'"),
         ("<a>" * 10_000, "500"),
         ("x" * (MAX_LENGTH + 1), str(MAX_LENGTH)),
@@ -254,6 +304,22 @@ def test_a_mass_of_none_or_less_makes_no_object(mass: str) -> None:
     model = read_rigid_model(sdf_link(more=f"<inertial><mass>{mass}</mass></inertial>"))
     with pytest.raises(ConfigError):
         model.scene_object("thing", Transform())
+
+
+@pytest.mark.parametrize(
+    "tensor", ['ixx="1" iyy="1" izz="9"', 'ixx="0" iyy="0" izz="0"']
+)
+def test_an_inertia_that_no_body_has_is_replaced_with_a_warning(
+    tensor: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The engines take the inertia that follows from shape and mass."""
+    text = urdf_link(
+        inertial=f'<inertial>\n<mass value="0.5"/>\n<inertia {tensor}/></inertial>'
+    )
+    model = read_rigid_model(text)
+    assert model == read_rigid_model(urdf_link())
+    assert "link 'body'" in caplog.text
+    assert "it is not used" in caplog.text
 
 
 def test_cutting_a_text_anywhere_is_refused() -> None:

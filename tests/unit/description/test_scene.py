@@ -2,6 +2,8 @@
 
 import itertools
 import math
+import re
+import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +11,9 @@ import pytest
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject, bin_walls
-from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
+from tool0.description.shapes import Box, Cylinder, Mesh, Sphere, mesh
 from tool0.description.transform import Pose
-from tool0.errors import ConfigError
+from tool0.errors import ConfigError, DescriptionError
 
 BOX = Box(size=(0.1, 0.1, 0.1))
 
@@ -122,3 +124,38 @@ def test_a_bin_is_turned_as_a_whole() -> None:
 def test_the_walls_of_a_bin_leave_room_inside(wall: float) -> None:
     with pytest.raises(ConfigError):
         bin_walls("b", size=SIZE, wall=wall)
+
+
+@pytest.mark.parametrize(
+    ("name", "start", "size", "said"),
+    [
+        ("a.stl", b"", 10**9, "has 1,000 MB; use one of at most 100 MB"),
+        ("a.stl", b"solid ", 10**9, "1,000 MB"),
+        ("a.obj", b"v 0 0 0\n", 10**9, "1,000 MB"),
+        ("a.dae", b"", 10**9, "1,000 MB"),
+        ("a.stl", b"", 90_000_000, "its header says 0 triangles"),
+        ("a.stl", b"\0" * 80 + b"\xff" * 4, 1_000, "4,294,967,295 triangles"),
+        ("a.STL", b"\0" * 80 + b"\2\0\0\0", 183, "184 bytes, and the file has 183"),
+    ],
+)
+def test_a_mesh_of_the_wrong_size_is_refused_before_it_is_read(
+    name: str, start: bytes, size: int, said: str, tmp_path: Path
+) -> None:
+    file = tmp_path / name
+    with file.open("wb") as stream:
+        stream.write(start)
+        stream.truncate(size)  # sparse: it takes no space
+    tracemalloc.start()
+    try:
+        with pytest.raises(DescriptionError, match=re.escape(said)):
+            mesh(file)
+        assert tracemalloc.get_traced_memory()[1] < 1e5
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("spare", [0, 12])
+def test_a_mesh_of_the_right_size_is_taken(spare: int, tmp_path: Path) -> None:
+    file = tmp_path / "a.stl"
+    file.write_bytes(b"\0" * 80 + b"\2\0\0\0" + b"\0" * (100 + spare))
+    assert mesh(file).path == file

@@ -8,7 +8,7 @@ import pytest
 from tool0.description.camera import Camera, looking
 from tool0.description.scene import PALETTE, STILL_RGBA, Scene, SceneObject
 from tool0.description.scene_file import load_scene
-from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
+from tool0.description.shapes import Box, Compound, Cylinder, Mesh, Sphere
 from tool0.description.transform import Pose
 from tool0.errors import ConfigError, SourceLocation
 
@@ -100,6 +100,28 @@ def test_it_reads_every_key_of_cameras(tmp_path: Path) -> None:
     )
 
 
+def test_an_object_may_have_several_shapes(tmp_path: Path) -> None:
+    (mug,) = scene_of(
+        """
+objects:
+- name: mug
+  mass: 0.3
+  shapes:
+  - {cylinder: {radius: 0.04, length: 0.1}}
+  - {box: {size: [1, 2, 3]}, pose: {xyz: [0.05, 0, 0], rpy: [0, 0, deg(90)]}}
+""",
+        tmp_path,
+    ).objects
+    handle = Pose(xyz=(0.05, 0.0, 0.0), rpy=(0.0, 0.0, math.pi / 2))
+    assert mug.geometry == Compound(
+        parts=(
+            (Cylinder(radius=0.04, length=0.1), Pose()),
+            (Box(size=(1.0, 2.0, 3.0)), handle),
+        )
+    )
+    assert mug.mass == 0.3
+
+
 @pytest.mark.parametrize("text", ["", "# nothing\n", "objects:\n", "objects: []\n"])
 def test_an_empty_file_is_an_empty_scene(text: str, tmp_path: Path) -> None:
     assert scene_of(text, tmp_path) == Scene()
@@ -108,6 +130,7 @@ def test_an_empty_file_is_an_empty_scene(text: str, tmp_path: Path) -> None:
 HEAD = "objects:\n- {name: first, sphere: {radius: 1}}\n"
 CAMERAS = "cameras:\n- {name: first}\n"
 BALL = "sphere: {radius: 1}"
+SHAPES = HEAD + "- name: a\n  shapes:\n"
 WRONG: list[tuple[str, int, str]] = [  # text, line of the error, what it names
     ("thing: 1", 1, "objects"),
     ("object: []", 1, "'objects'"),
@@ -145,6 +168,15 @@ WRONG: list[tuple[str, int, str]] = [  # text, line of the error, what it names
     (HEAD + "- {name: a, mesh: {file: b.stl}}", 3, "b.stl"),
     (HEAD + "- {name: a, mesh: {file: b.step}}", 3, "b.step"),
     (HEAD + "- {name: a, mesh: {file: 'http://b.stl'}}", 3, "'http://'"),
+    (HEAD + "- {name: a, shapes: 3}", 3, "a list"),
+    (HEAD + "- name: a\n  shapes: []", 4, "of object 'a' is empty"),
+    (SHAPES + f"  - {{{BALL}}}\n  {BALL}", 3, "sphere and shapes"),
+    (SHAPES + f"  - {{{BALL}}}\n  - {{}}", 6, "shape 2 of object 'a' has no shape"),
+    (SHAPES + f"  - {{{BALL}}}\n  - {BALL}\n    mass: 1", 7, "shapes[1]/mass"),
+    (SHAPES + f"  - {BALL}\n    pose: {{xy: [0, 0]}}", 6, "'xyz'"),
+    (SHAPES + f"  - {BALL}\n  - sphere: {{radius: -1}}", 6, "shape 2 of object 'a'"),
+    (SHAPES + "  - shapes: []", 5, "shapes[0]/shapes"),
+    (SHAPES + "  - mesh: {file: b.stl}", 5, "b.stl"),
     ("cameras: 3", 1, "'cameras'"),
     (CAMERAS + "- 3", 3, "'cameras[1]'"),
     (CAMERAS + "- {width: 3}", 3, "'name'"),

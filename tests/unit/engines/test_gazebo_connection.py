@@ -77,7 +77,7 @@ def nothing() -> None:
 
 def test_greets_a_bridge_of_its_version(listener: BridgeListener, call: Call) -> None:
     bridge = call(HELLO)
-    listener.accept(0.002, nothing, timeout=1.0).close()
+    listener.accept(0.002, nothing, timeout=30.0).close()
     assert struct.unpack("=Id", bridge.recv(100)) == (VERSION, 0.002)
 
 
@@ -95,7 +95,7 @@ def test_refuses_a_wrong_bridge(
 ) -> None:
     bridge = call(hello)
     with pytest.raises(EngineUnavailableError) as error:
-        listener.accept(0.001, nothing, timeout=1.0)
+        listener.accept(0.001, nothing, timeout=30.0)
     assert named in str(error.value)
     assert bridge.recv(100) == b""  # hung up
 
@@ -165,7 +165,7 @@ def test_a_bridge_that_is_silent_is_lost(
         connection.request(RequestKind.OBJECTS)
     (loss,) = losses
     assert "1.5 s" in loss
-    bridge.settimeout(1.0)
+    bridge.settimeout(30.0)
     assert bridge.recv(100) != b""
     assert bridge.recv(100) == b""  # hung up
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from pathlib import Path
 
@@ -9,9 +10,12 @@ import numpy as np
 import pytest
 from hand_rig import DOWN, LEVEL, ON_ITS_SIDE, SIDES, UP, Hand, hand_model
 
+import tool0
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Cylinder
 from tool0.description.transform import Pose
+from tool0.errors import DivergenceError
+from tool0.hardware.engine import LARGEST_VELOCITY
 
 pytestmark = pytest.mark.slow
 
@@ -177,3 +181,21 @@ def test_the_drive_carries_the_fingers_and_their_springs(
         for _ in range(300):
             hand.drive(0.0)
         assert hand.angle == pytest.approx(angle, abs=1e-3)
+
+
+@pytest.mark.parametrize("lift", [0.2, 0.9])
+def test_no_snapshot_of_a_start_in_the_ground_is_absurd(lift: float) -> None:
+    with tool0.bringup(
+        realtime=False,
+        initial_pose={"shoulder_lift_joint": lift, "elbow_joint": 0.5},
+        description=tool0.DescriptionConfig(gripper_model="linkage"),
+    ) as robot:
+        subscription = robot.subscribe(500.0)
+        with contextlib.suppress(DivergenceError):
+            robot.run(0.3)
+        values = [
+            value
+            for snapshot in subscription.pending()
+            for value in (*snapshot.position, *snapshot.velocity)
+        ]
+        assert max(map(abs, values)) < LARGEST_VELOCITY

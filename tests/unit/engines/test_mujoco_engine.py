@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -126,6 +127,32 @@ def test_a_state_that_is_not_finite_is_an_error_that_names_joint_and_time(
     assert (error.value.joint, error.value.time) == ("slide", 0.001)
     engine.reset([0.0, 0.0, 0.0, 0.2])
     assert engine.read().velocity == [0.0] * 4
+
+
+@pytest.mark.parametrize("velocity", [-2e4, 1e145])
+def test_an_absurd_velocity_is_a_divergence(
+    skew_model: RobotModel, velocity: float
+) -> None:
+    engine = MujocoEngine(skew_model)
+    engine.reset([0.0, 0.0, 0.0, 0.2])
+    engine.data.qvel[:3] = 1.0, velocity, -5000.0
+    with pytest.raises(DivergenceError) as error:
+        engine.read()
+    assert error.value.joint == engine.joint_names[1]
+    engine.data.qvel[1] = 5000.0
+    assert engine.read().velocity[1] == 5000.0
+
+
+def test_a_divergence_writes_no_file(
+    skew_model: RobotModel, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    engine = MujocoEngine(skew_model)
+    engine.reset([0.0, 0.0, 0.0, 0.2])
+    engine.data.qvel[:] = 1e145
+    engine.step()  # MuJoCo warns of it
+    assert [warning.number for warning in engine.data.warning if warning.number]
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("height", [0.0, -0.35])

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import logging
 import math
-import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
 from objects_rig import EDGE, REST, cube, engine_with, item, run
+from shapes_rig import tetrahedron
 
 from tool0.description.catalogue import assemble, named_poses
 from tool0.description.model import RobotModel
@@ -19,26 +19,13 @@ from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import DivergenceError, ModelError
 
-TETRAHEDRON = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
-FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
-
-
-def stl(path: Path) -> Mesh:
-    """Write a tetrahedron with legs of 1 m, and return it at a tenth of that."""
-    facets = b"".join(
-        struct.pack("<12fH", 0, 0, 0, *(c for i in face for c in TETRAHEDRON[i]), 0)
-        for face in FACES
-    )
-    path.write_bytes(bytes(80) + struct.pack("<I", len(FACES)) + facets)
-    return Mesh(uri=path.name, path=path, scale=(0.1, 0.1, 0.1))
-
 
 def test_poses_come_in_the_order_of_the_scene_and_of_objects_as_placed(
     skew_model: RobotModel, tmp_path: Path
 ) -> None:
     turned = (0.3, -0.2, 0.5)
     objects = (
-        item("part", stl(tmp_path / "part.stl"), 1.0, rpy=turned),
+        item("part", tetrahedron(tmp_path / "part.stl"), 1.0, rpy=turned),
         item("table", Box(size=(1.0, 1.0, 0.04)), 0.1, x=9.0, rpy=turned, mass=None),
         item("ball", Sphere(radius=0.1), 2.0, rpy=turned),
         item("post", Cylinder(radius=0.1, length=1.0), 3.0, x=7.0, mass=None),
@@ -66,7 +53,7 @@ def test_the_joints_of_the_robot_stay_the_first(tmp_path: Path) -> None:
         cube(z=1.0),
         item("can", Cylinder(radius=0.03, length=0.1), 2.0),
         item("table", Box(size=(1.0, 1.0, 0.04)), 0.1, mass=None),
-        item("part", stl(tmp_path / "part.stl"), 3.0),
+        item("part", tetrahedron(tmp_path / "part.stl"), 3.0),
     )
     bare, engine = MujocoEngine(model), MujocoEngine(model, scene=Scene(objects))
     assert engine.joint_names == bare.joint_names
@@ -115,7 +102,7 @@ def test_what_lies_stays(
 def test_a_mesh_rests_on_its_face_and_has_its_own_origin(
     skew_model: RobotModel, tmp_path: Path
 ) -> None:
-    part = item("part", stl(tmp_path / "part.stl"), 0.0)
+    part = item("part", tetrahedron(tmp_path / "part.stl"), 0.0)
     engine = engine_with(skew_model, part)
     run(engine, 2.0)
     (pose,) = engine.world.object_states()

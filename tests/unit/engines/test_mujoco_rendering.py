@@ -25,7 +25,7 @@ from tool0.description.model import (
     Visual,
 )
 from tool0.description.scene import SceneObject
-from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
+from tool0.description.shapes import Box, Compound, Cylinder, Mesh, Sphere
 from tool0.description.transform import Pose, Transform, to_pose, to_transform
 from tool0.engines.mujoco.gl import PACKAGES as GL_PACKAGES
 from tool0.engines.mujoco.rendering import Renderer, with_readable_visuals
@@ -127,6 +127,23 @@ def test_a_thing_is_at_the_pixel_that_the_intrinsics_say(
     u, v, _ = CAMERA.intrinsics @ (x, y, 1.0)
     assert middle_of(is_green(rgb)) == pytest.approx((u, v), abs=0.1)
     assert middle_of(np.isfinite(depth)) == pytest.approx((u, v), abs=0.1)
+
+
+def test_every_part_of_an_object_is_seen_where_it_is(look: Look) -> None:
+    ball = Sphere(radius=0.05)
+    sides = (Pose(xyz=(0.0, 0.3, 0.0)), Pose(xyz=(0.0, -0.3, 0.0)))
+    item = SceneObject(
+        name="dumbbell",
+        geometry=Compound(parts=tuple((ball, side) for side in sides)),
+        pose=Pose(xyz=ahead()),
+        rgba=GREEN,
+    )
+    rgb, _, _ = look(item)
+    green = is_green(rgb)
+    middle = CAMERA.width // 2
+    assert green[:, :middle].any()
+    assert green[:, middle:].any()
+    assert not green[:, middle - 10 : middle + 10].any()
 
 
 def test_nothing_within_reach_is_infinitely_far(look: Look) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -24,7 +24,7 @@ from tool0.engines.registry import (
     register_engine,
 )
 from tool0.errors import ConfigError, EngineError, EngineUnavailableError
-from tool0.hardware.engine import Contact, Engine, JointState, ObjectState
+from tool0.hardware.engine import Contact, Engine, JointState, ObjectState, Wrench
 
 
 @final
@@ -48,6 +48,12 @@ class ToyWorld:
 
     def place(self, state: ObjectState) -> None:
         self.delete(state.name)
+
+    def center_of_mass(self, name: str) -> Vector3:
+        raise EngineError(f"'{name}' has no mass")
+
+    def hold_wrenches(self, wrenches: Mapping[str, Wrench]) -> None:
+        """Have none."""
 
     def attach(self, name: str, link: str) -> None:
         self.delete(name)

@@ -92,7 +92,7 @@ def turn(
 
 
 def limited(**settings: float) -> SpeedLimiter:
-    drive = SpeedLimiter(HARD, armature=ARMATURE, dt=DT)
+    drive = SpeedLimiter(HARD, inertia=ARMATURE, dt=DT)
     drive.drive_limits = DriveLimits(gripper=GRIPPER, **settings)
     return drive
 
@@ -170,7 +170,7 @@ def test_weight_that_runs_away_is_held_back() -> None:
 
 
 def test_without_settings_it_keeps_to_the_joint_s_limits() -> None:
-    drive = SpeedLimiter(HARD, armature=ARMATURE, dt=DT)
+    drive = SpeedLimiter(HARD, inertia=ARMATURE, dt=DT)
     velocities, efforts = turn(drive, 100.0, lambda _, v: 0.2 * v)
     assert max(efforts) <= HARD.effort
     assert max(velocities) <= 1.1 * HARD.velocity
@@ -178,7 +178,7 @@ def test_without_settings_it_keeps_to_the_joint_s_limits() -> None:
 
 
 def test_without_a_rotor_s_inertia_it_lets_go_above_the_speed() -> None:
-    drive = SpeedLimiter(HARD, armature=0.0, dt=DT)
+    drive = SpeedLimiter(HARD, inertia=0.0, dt=DT)
     drive.drive_limits = DriveLimits(gripper=GRIPPER, speed=0.1, force=50.0)
     for velocity, wanted, expected in (
         (0.0, 20.0, 50.0 * LEVER),

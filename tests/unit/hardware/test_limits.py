@@ -57,9 +57,9 @@ def test_effort_ends_where_ros_control_ends_it(
     assert saturate(effort, position, velocity) == expected
 
 
-@pytest.mark.parametrize("armature", [0.0, 0.01])
-def test_drive_limits_hold_and_are_lifted(armature: float) -> None:
-    limiter = EffortLimiter({0: EffortLimits(hard=HARD, armature=armature)}, 0.001)
+@pytest.mark.parametrize("inertia", [0.0, 0.01])
+def test_drive_limits_hold_and_are_lifted(inertia: float) -> None:
+    limiter = EffortLimiter({0: EffortLimits(hard=HARD, inertia=inertia)}, 0.001)
     still = JointState(0.0, [0.0], [0.0], [0.0])
 
     def given() -> float:

@@ -23,6 +23,8 @@ from tool0.installation.child_process import (
     run_program,
 )
 
+pytestmark = pytest.mark.slow
+
 TIMEOUT = 20.0
 """For what takes a moment on a busy machine [wall s]."""
 PARENT_AND_CHILD = 'sleep 1000 & echo $$ $! > "$PIDS"; wait'

@@ -113,6 +113,9 @@ def test_other_nodes_parameters_are_their_own() -> None:
     assert of_yaml(f"{ARM}\nmove_base:\n  recovery: true\n  rate: 3\n") == []
     (finding,) = of_yaml(f"{ARM}\nother:\n  typ: x/yController\n  joints: [a]\n")
     assert finding.remedy == "is 'typ' meant to be 'type'?"
+    assert finding.severity == "error"
+    (finding,) = of_yaml(f"{ARM}\nmy_node:\n  joints: [a]\n  gains: [1]\n")
+    assert (finding.rule, finding.severity) == ("no-type", "warning")
 
 
 def test_what_only_tool0_does_otherwise_is_no_fault_of_the_file() -> None:
@@ -125,10 +128,55 @@ def test_every_type_is_known(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["diff_drive_controller/DiffDriveController", "my_package/MyController"]
+    "name",
+    [
+        "diff_drive_controller/DiffDriveController",
+        "pass_through_controllers/JointTrajectoryController",
+        "position_controllers/CartesianTrajectoryController",
+    ],
 )
 def test_types_of_others_are_let_be(name: str) -> None:
     assert of_yaml(f"c: {{type: {name}, anything: 1}}") == []
+
+
+@pytest.mark.parametrize(
+    ("name", "severity"),
+    [
+        ("my_package/MyController", "warning"),
+        ("effort_controllers/CartesianTrajectoryController", "warning"),
+        ("my_controllers/JointTrajectoryController", "warning"),
+        ("effort_controler/JointTrajectoryController", "error"),
+        ("effort_controllers/jointtrajectorycontroller", "error"),
+        ("JointTrajectoryController", "error"),
+    ],
+)
+def test_an_unknown_type_is_an_error_only_if_it_is_misspelt(
+    name: str, severity: str
+) -> None:
+    (finding,) = of_yaml(f"{ARM}\nc: {{type: {name}}}")
+    assert (finding.rule, finding.severity) == ("unknown-type", severity)
+
+
+@pytest.mark.parametrize(
+    ("line", "severity"),
+    [
+        ("  stop_trajectory_durations: 0.1\n", "error"),
+        ("  own_setting_of_this_robot: 0.1\n", "warning"),
+        ("  goal_time: 0.1\n", "warning"),
+    ],
+)
+def test_an_unknown_key_is_an_error_only_if_it_is_misspelt(
+    line: str, severity: str
+) -> None:
+    (finding,) = of_yaml(ARM + line)
+    assert (finding.rule, finding.severity) == ("unread-key", severity)
+
+
+def test_a_robot_without_transmissions_is_driven_by_its_own_program() -> None:
+    text = re.sub("(?s)<transmission.*?</transmission>", "", assemble().urdf)
+    root = parse_text(text).documentElement
+    assert root is not None
+    assert of_yaml(ARM, facts_of(Tag(root))) == []
 
 
 def test_what_moveit_reads_is_no_controller_without_a_type() -> None:

@@ -120,7 +120,7 @@ def test_what_is_wrong_is_named_where_it_stands(
 
 
 def test_a_missing_level_is_told_once() -> None:
-    text = "controller_manager:\n  arm: {type: x/YController}\n"
+    text = "controller_manager:\n  arm: {type: pid_controller/PidController}\n"
     (finding,) = of_yaml(text)
     assert (finding.rule, finding.location.line) == ("no-ros-parameters", 1)
 
@@ -137,3 +137,19 @@ def test_a_dot_in_a_key_is_a_level() -> None:
     good = GOOD.replace(before, line.replace("GOAL", "goal") + before, 1)
     assert of_yaml(good) == []
     assert of_yaml(GOOD.replace(before, line + before, 1)) != []
+
+
+@pytest.mark.parametrize(
+    "name", ["my_package/MyController", "ur_controllers/ForceModesBroadcaster"]
+)
+def test_a_type_that_no_package_exports_is_suspicious_only(name: str) -> None:
+    (finding,) = of_yaml(
+        f"controller_manager:\n  ros__parameters:\n    c: {{type: {name}}}\n"
+    )
+    assert (finding.rule, finding.severity) == ("unknown-type", "warning")
+
+
+def test_a_similar_key_is_an_error_only_if_it_is_misspelt() -> None:
+    for key, severity in (("stalltimeout", "error"), ("stall_time", "warning")):
+        found = of_yaml(GOOD.replace("stall_timeout", key))
+        assert [f.severity for f in found] == [severity], key

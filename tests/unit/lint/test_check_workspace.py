@@ -211,3 +211,78 @@ def test_a_missing_dependency_may_come_with_another(
     (tmp_path / "xacro").mkdir()
     found = [f for f in check([tmp_path]).findings if f.rule == "missing-dependency"]
     assert [(item.key, item.severity) for item in found] == [("xacro", severity)]
+
+
+@pytest.mark.parametrize(
+    ("exported", "in_cmake"),
+    [
+        ('<export><controller_interface plugin="${prefix}/p.xml"/></export>', ""),
+        ("", "pluginlib_export_plugin_description_file(controller_interface p.xml)"),
+    ],
+)
+@pytest.mark.parametrize("where", ["workspace", "path"])
+def test_what_a_package_exports_is_a_known_type(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    *,
+    exported: str,
+    in_cmake: str,
+    where: str,
+) -> None:
+    """pluginlib finds it by package.xml in ROS 1, by CMakeLists.txt in ROS 2."""
+    plugins = """
+        <class_libraries><library path="lib/libown">
+          <class name="own_controllers/Twister"
+                 type="own::Twister" base_class_type="controller_interface::X"/>
+          <class type="own::NoName"
+                 base_class_type="controller_interface::X"></class>
+          <!-- <class name="own_controllers/Removed" type="x"/> -->
+        </library></class_libraries>
+    """
+    package = PACKAGE.format(name="own_controllers", depends=exported)
+    yaml = """
+        a: {type: own_controllers/Twister}
+        b: {type: "own::NoName"}
+        c: {type: own_controllers/Removed}
+        d: {type: effort_controllers/JointEffortController, joint: elbow_joint}
+    """
+    own = tmp_path / where
+    write(
+        own / "own_controllers",
+        {"package.xml": package, "CMakeLists.txt": in_cmake, "p.xml": plugins},
+    )
+    write(tmp_path / "workspace", {"config/c.yaml": yaml})
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "path"))
+    report = check([tmp_path / "workspace"])
+    (finding,) = (f for f in report.findings if f.rule == "unknown-type")
+    assert (finding.key, finding.severity) == ("c/type", "warning")
+
+
+def test_a_robot_that_a_launch_file_only_shows_needs_no_drive(tmp_path: Path) -> None:
+    urdf = """
+        <robot name="r"><link name="a"/>
+        <link name="b"><inertial><mass value="1"/>
+          <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+        <joint name="j" type="continuous"><parent link="a"/><child link="b"/>
+          <axis xyz="0 0 1"/></joint></robot>
+    """
+    launch = """
+        <launch>
+          <param name="robot_description" textfile="$(dirname)/r.urdf"/>
+        </launch>
+    """
+    write(tmp_path, {"r.urdf": urdf})
+    assert [rule for _, _, rule in rules(tmp_path)] == ["no-drive"]
+    write(tmp_path, {"show.launch": launch})
+    assert rules(tmp_path) == []
+
+
+def test_a_xacro_that_needs_an_argument_is_not_judged_without(tmp_path: Path) -> None:
+    """xacro evaluates the attributes of <robot> before it meets the default."""
+    text = """
+        <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="$(arg name)">
+          <xacro:arg name="name" default="ur"/><link name="a"/></robot>
+    """
+    report = check([write(tmp_path, {"r.srdf.xacro": text})])
+    assert report.findings == ()
+    assert any("nothing here gives it name" in note for note in report.notes)

@@ -12,6 +12,9 @@ from hypothesis import strategies as st
 import tool0
 from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Result
 from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Compound, Cylinder
+from tool0.description.transform import Pose
 from tool0.errors import (
     ClaimError,
     ConfigError,
@@ -23,9 +26,29 @@ from tool0.errors import (
 )
 from tool0.requests import codec
 from tool0.requests.motion import FollowTrajectory, MoveJoints
-from tool0.requests.objects import AddObject, BoxShape
+from tool0.requests.objects import (
+    AddObject,
+    BoxShape,
+    ObjectInfo,
+    info_of,
+    object_of,
+    shape_of,
+)
 from tool0.requests.state import EmergencyStop, ReadSnapshot, Step
 from tool0.requests.table import Request, checked
+
+MUG = Compound(
+    parts=(
+        (Cylinder(radius=0.04, length=0.1), Pose()),
+        (Box(size=(0.03, 0.01, 0.06)), Pose(xyz=(0.055, 0.0, 0.0), rpy=(0.1, 0, 0))),
+    )
+)
+
+
+def test_an_object_of_several_shapes_arrives_as_it_was_sent() -> None:
+    mug = SceneObject(name="mug", geometry=MUG, mass=0.3)
+    text = msgspec.json.encode(info_of(mug))
+    assert object_of(msgspec.json.decode(text, type=ObjectInfo)) == mug
 
 
 @pytest.mark.parametrize(
@@ -40,6 +63,7 @@ from tool0.requests.table import Request, checked
             path_tolerance={"a": 0.1},
         ),
         AddObject(name="cube", shape=BoxShape(size=(0.1, 0.1, 0.1)), mass=1.0),
+        AddObject(name="mug", shape=shape_of(MUG), mass=1.0),
     ],
 )
 def test_a_request_arrives_as_it_was_sent(request_: Request[Any]) -> None:

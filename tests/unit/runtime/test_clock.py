@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tool0.runtime.loop import CATCH_UP, Pacer, SpeedMeter
+from tool0.runtime.clock import CATCH_UP, SLOW_WINDOWS, Lag, Pacer, SpeedMeter
 
 
 class WallClock:
@@ -77,3 +77,36 @@ def test_the_speed_meter_measures_over_its_window() -> None:
     wall.time += 1.0
     assert meter.measure(1.0)
     assert meter.factor == pytest.approx(1.0)
+
+
+def test_the_speed_meter_counts_the_late_ticks_of_its_window() -> None:
+    wall = WallClock()
+    meter = SpeedMeter(wall)
+    for overruns, late_ticks in ((40, 40), (43, 3), (43, 0)):
+        wall.time += 1.0
+        assert meter.measure(wall.time, overruns)
+        assert meter.late_ticks == late_ticks
+
+
+def test_a_pause_does_not_count_as_slow() -> None:
+    wall = WallClock()
+    meter = SpeedMeter(wall)
+    wall.time += 60.0
+    meter.restart(0.0, 5)
+    wall.time += 1.0
+    assert meter.measure(1.0, 5)
+    assert meter.factor == pytest.approx(1.0)
+    assert meter.late_ticks == 0
+
+
+def test_only_a_lasting_lag_is_a_change() -> None:
+    lag = Lag()
+    hiccups = [0.5, 1.0] * 20
+    assert not any(lag.changes(share) for share in hiccups)
+    slow = [lag.changes(0.6) for _ in range(100)]
+    assert slow.index(True) < SLOW_WINDOWS
+    assert slow.count(True) == 1
+    assert lag.is_behind
+    good = [lag.changes(1.0) for _ in range(100)]
+    assert good.count(True) == 1
+    assert not lag.is_behind

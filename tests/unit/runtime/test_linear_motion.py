@@ -1,6 +1,7 @@
 """Laws of straight motions: line and limits are kept, and errors say where."""
 
 import re
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -144,6 +145,44 @@ def test_a_line_out_of_reach_says_where(end: Pose, arm: InverseKinematics) -> No
     with pytest.raises(UnreachableError) as caught:
         planned(arm, end, USUAL)
     assert re.search(r" \d+% ", str(caught.value))
+
+
+@pytest.mark.parametrize("tool", [0.0, 1e4])
+@pytest.mark.parametrize("distance", [50.0, 500.0, 1e6])
+def test_a_line_far_out_of_reach_takes_no_memory(
+    distance: float, tool: float, arm: InverseKinematics
+) -> None:
+    begin = arm.chain.forward(HOME[None]).T_base_tip[0]
+    T_tip_tool = as_matrix(Pose(xyz=(tool, 0.0, 0.0)))
+    start = begin @ T_tip_tool
+    line = LinePath(start, as_matrix(Pose(xyz=(distance, 0, 0))) @ start, T_tip_tool)
+    tracemalloc.start()
+    try:
+        with pytest.raises(UnreachableError, match="out of reach"):
+            LinearMotion(arm, line, HOME, USUAL)
+        assert tracemalloc.get_traced_memory()[1] < 1e6
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_line_of_a_very_long_tool_is_bounded(arm: InverseKinematics) -> None:
+    begin = arm.chain.forward(HOME[None]).T_base_tip[0]
+    T_tip_tool = as_matrix(Pose(xyz=(1e5, 0.0, 0.0)))
+    end = begin @ as_matrix(Pose(rpy=(0.0, 0.0, 0.5))) @ T_tip_tool
+    line = LinePath(begin @ T_tip_tool, end, T_tip_tool)
+    with pytest.raises(UnreachableError, match="too long"):
+        LinearMotion(arm, line, HOME, USUAL)
+
+
+@pytest.mark.parametrize("speed", [1e-6, 1e6])
+@pytest.mark.parametrize("acceleration", [1e-6, 1e6])
+def test_extreme_limits_have_a_timing(
+    speed: float, acceleration: float, arm: InverseKinematics
+) -> None:
+    limits = LinearLimits(speed=speed, acceleration=acceleration, angular_speed=1.0)
+    _, points = planned(arm, Pose(xyz=(0.0, 0.0, 0.05)), limits)
+    assert 0 < len(points) <= 1000
+    assert np.isfinite(points[-1].time_from_start)
 
 
 def test_a_line_through_a_singularity_says_where(arm: InverseKinematics) -> None:

@@ -15,8 +15,9 @@ from skew_rig import START, build_core, build_loop, follow, switch
 from tool0.control.goal import GoalStatus
 from tool0.errors import ControlError, DivergenceError
 from tool0.runtime.bus import Bus, Faulted, GoalFinished, Overran, WasReset
+from tool0.runtime.clock import SpeedMeter
 from tool0.runtime.core import Core
-from tool0.runtime.loop import Loop, SpeedMeter
+from tool0.runtime.loop import Loop
 from tool0.sensing.snapshot import Snapshot
 
 Starter = Callable[..., tuple[Loop, Bus, Core]]
@@ -306,21 +307,28 @@ def test_real_time_does_not_run_ahead_of_the_wall_clock(start: Starter) -> None:
     assert time.perf_counter() - before >= 0.2 / 2.0 - 0.002
 
 
-def test_real_time_that_is_missed_is_told_once_a_window(
+def test_real_time_that_is_missed_is_told_when_it_begins_and_ends(
     start: Starter, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setitem(SpeedMeter.measure.__kwdefaults__, "window", 0.02)
     loop, bus, _ = start(speed=1000.0, paused=True)  # a tick cannot take 1 µs
     reader = bus.subscribe()
     loop.call(lambda: loop.set_paused(False))
-    wait_until(bus, lambda snapshot: snapshot.overruns > 0 and bool(reader.events))
-    loop.close()
-    told = [event for event in reader.events if isinstance(event, Overran)]
-    assert told
-    assert sum(event.count for event in told) <= loop.overruns
-    assert all(event.count > 0 for event in told)
-    assert "ticks began late" in caplog.text
+    wait_until(bus, lambda snapshot: bool(reader.events))
+    missed = loop.overruns
+    wait_until(bus, lambda snapshot: snapshot.overruns > 2 * missed)
     assert loop.time < 1000.0  # what cannot be caught up is given up
+    loop.call(lambda: loop.set_speed(0.1))
+    wait_until(bus, lambda snapshot: len(reader.events) > 1)
+    loop.close()
+    behind, caught_up = (event for event in reader.events if isinstance(event, Overran))
+    assert behind.count > 0
+    assert caught_up.count == 0
+    told = [record.getMessage() for record in caplog.records]
+    assert [text.partition(":")[0] for text in told] == [
+        "the simulation falls behind",
+        "the simulation keeps up again",
+    ]
 
 
 @pytest.mark.parametrize("speed", [0.0, -1.0, 1001.0, math.nan])
@@ -348,7 +356,7 @@ def test_a_very_slow_simulation_still_answers_and_closes_at_once(
     loop.call(lambda: loop.set_speed(100.0))
     wait_until(bus, lambda snapshot: snapshot.time > 0.01)
     loop.close()
-    assert time.perf_counter() - before < 5.0
+    assert time.perf_counter() - before < LONG
 
 
 def test_a_fault_ends_steps_and_a_wait_in_real_time(start: Starter) -> None:

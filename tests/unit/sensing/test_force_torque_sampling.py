@@ -11,6 +11,7 @@ from ur5_rig import ARM, TWO_ROBOTS
 
 import tool0
 from tool0.errors import ControlError, ModelError
+from tool0.sensing.force_torque import READINGS_KEPT
 
 pytestmark = pytest.mark.slow
 
@@ -68,16 +69,31 @@ def test_a_sample_is_the_same_however_often_one_samples() -> None:
             assert often[reading.time] == reading.raw_force
 
 
+def test_samples_that_are_no_longer_kept_are_counted(robot: tool0.Robot) -> None:
+    sensor = robot.force_torque
+    sensor.start(rate=1000.0)
+    robot.run(0.01)
+    first = sensor.samples()
+    assert [reading.number for reading in first] == list(range(11))
+    assert not any(reading.dropped for reading in first)
+    robot.run((READINGS_KEPT + 20) * 0.001)
+    later = sensor.samples(since=first[-1].number)
+    assert len(later) == READINGS_KEPT
+    assert later[0].dropped == 20
+    assert not any(reading.dropped for reading in later[1:])
+    assert sensor.samples()[0].dropped == 31  # of all since the start
+
+
 def test_whoever_waits_for_a_sample_is_woken(robot: tool0.Robot) -> None:
     sensor = robot.force_torque
     first = sensor.read()
     found: list[object] = []
     waiting = threading.Thread(
-        target=lambda: found.extend(sensor.samples(first.number, timeout=10.0))
+        target=lambda: found.extend(sensor.samples(first.number, timeout=30.0))
     )
     waiting.start()
     robot.run(0.02)
-    waiting.join(10.0)
+    waiting.join(30.0)
     assert found
     assert sensor.samples(sensor.read().number, timeout=0.01) == ()
 

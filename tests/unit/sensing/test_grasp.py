@@ -208,3 +208,28 @@ def test_what_fingers_wrap_around_has_no_width(depth: float, wraps: bool) -> Non
         assert state.width is None
     else:
         assert state.width == pytest.approx(0.044, abs=0.001)
+
+
+@pytest.mark.parametrize("block", [None, 0.03])
+def test_fingers_that_jam_on_a_table_hold_nothing(watching, block) -> None:
+    """The pads advance while they close: here the table stops them half way."""
+    top = MIDDLE[2] - 0.012
+    table = SceneObject(
+        name="table",
+        geometry=Box(size=(0.4, 0.6, 0.04)),
+        pose=Pose(xyz=(0.6, 0.0, top - 0.02)),
+    )
+    objects = [table]
+    if block is not None:
+        shape = Box(size=(block, block, block))
+        place = Pose(xyz=(MIDDLE[0], MIDDLE[1], top + block / 2))
+        objects.append(SceneObject(name="block", geometry=shape, pose=place, mass=0.1))
+    watch = watching(*objects)
+    watch.robot.gripper.move(opening=0.0, force=60.0)
+    assert set(watch.run(3.0)) == {"moving", "blocked"}
+    assert watch.state.motion == "blocked"
+    assert watch.state.opening > 0.032
+    assert (watch.state.width, watch.state.gobj) == (None, 0)
+    assert watch.robot.gripper.state == watch.state
+    watch.robot.gripper.move(opening=0.085)
+    assert watch.run(2.5)[-1] == "at_target"

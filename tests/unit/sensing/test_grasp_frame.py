@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from ur5_rig import TWO_ROBOTS
 
+import tool0
 from tool0.description.catalogue import assemble, load_robot
-from tool0.errors import ControlError
-from tool0.sensing.grasp import grasp_frame, pad_links
+from tool0.errors import ControlError, ModelError
+from tool0.sensing.grasp import flange_of, grasp_frame, pad_links
 
 UR5 = assemble()
 MODEL = UR5.model
@@ -27,6 +28,31 @@ def test_the_frame_between_them(opening: float, z: float) -> None:
     frame = grasp_frame(MODEL, MODEL.grippers[0], opening, "tool0").matrix
     np.testing.assert_allclose(frame[:3, 3], (0.0, 0.0, z), atol=1e-5)
     np.testing.assert_allclose(frame[:3, :3], np.eye(3), atol=1e-12)
+
+
+def test_the_tcp_of_a_gripper_is_that_frame() -> None:
+    with tool0.bringup(realtime=False) as robot:
+        gripper = robot.gripper
+        heights = [gripper.tcp(opening).position[2] for opening in (0.085, 0.03, 0.0)]
+        assert heights == pytest.approx([0.13076, 0.14363, 0.14419], abs=1e-5)
+        gripper.move(opening=0.05)
+        robot.run(2.0)
+        pads = [
+            robot.pose(link).position for link in pad_links(MODEL, MODEL.grippers[0])
+        ]
+        between = (robot.pose("tool0") @ gripper.tcp()).position
+        np.testing.assert_allclose(between, np.mean(pads, axis=0), atol=1e-4)
+        base = gripper.tcp(0.03, relative_to="robotiq_arg2f_base_link")
+        assert base.position[2] == pytest.approx(0.14363, abs=1e-5)
+        with pytest.raises(ModelError):
+            gripper.tcp(0.09)
+
+
+def test_the_tcp_is_relative_to_the_flange_of_the_gripper() -> None:
+    model = load_robot(TWO_ROBOTS).model
+    flanges = [flange_of(model, gripper) for gripper in model.grippers]
+    assert len(set(flanges)) == 2
+    assert all(flange.endswith("tool0") for flange in flanges)
 
 
 def test_a_mounted_gripper_takes_its_frame_along() -> None:

@@ -28,7 +28,7 @@ export function speak(chosen: Language): void {
   remember("language", chosen);
 }
 
-/** Return a text in the person's language, `{name}` replaced by `values.name`. */
+/** Return a text in the user's language, `{name}` replaced by `values.name`. */
 export function t(key: Key, values: Record<string, string | number> = {}): string {
   return current.value[key].replace(/\{(\w+)\}/g, (whole, name: string) =>
     String(values[name] ?? whole),

@@ -1,4 +1,4 @@
-/** A further object: its shape, what it weighs, and where it is to be. */
+/** A new object: its shape, mass and pose. */
 import { useState } from "preact/hooks";
 import { connection } from "../connection";
 import { t } from "../i18n";
@@ -13,10 +13,10 @@ import { MILLIMETRES } from "../units";
 import type { Vector } from "../urdf";
 import { PoseFields } from "./pose-fields";
 
-type AddedShape = Exclude<AddObjectParams["shape"], { kind: "mesh" }>;
+type AddedShape = Exclude<AddObjectParams["shape"], { kind: "mesh" | "compound" }>;
 type Kind = AddedShape["kind"];
 const KINDS: readonly Kind[] = ["box", "cylinder", "sphere"];
-/** What the server takes [m]. */
+/** The range that the server accepts [m]. */
 const LENGTH = { min: 0.001, max: 100 } as const;
 
 /** Return a name that no object has: `box`, `box 2`, …. */

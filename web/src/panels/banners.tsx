@@ -1,10 +1,14 @@
-/** What a person must know before anything else, under the bar, as long as it is so. */
+/** The most important states, shown under the bar as long as they last. */
 import type { ComponentChildren } from "preact";
-import { connection } from "../connection";
+import { connection, sendRequest } from "../connection";
 import { t } from "../i18n";
-import { connectionState, status } from "../store";
+import type { StallInfo } from "../protocol";
+import { connectionState, joints, status } from "../store";
 import { Button } from "../ui/button";
+import { HoldButton } from "../ui/hold-button";
 import { EmergencyIcon, ErrorIcon, WarningIcon } from "../ui/icons";
+import { fixed } from "../ui/number-field";
+import { stopRequested } from "./estop";
 
 function Banner(props: {
   tone: "danger" | "warning";
@@ -64,23 +68,67 @@ function ConnectionBanner() {
   }
 }
 
+function EmergencyBanner() {
+  if (status.value?.stopped === true) {
+    return (
+      <Banner tone="danger" testId="estop-banner">
+        <EmergencyIcon />
+        <span>{t("estop.banner")}</span>
+        <HoldButton
+          data-testid="estop-release"
+          onHeld={() => void sendRequest("emergency_stop", { engaged: false })}
+        >
+          {t("estop.release")}
+        </HoldButton>
+      </Banner>
+    );
+  }
+  if (!stopRequested.value) return null;
+  return (
+    <Banner tone="danger" testId="stop-requested">
+      <EmergencyIcon />
+      <span>{t("estop.requested")}</span>
+    </Banner>
+  );
+}
+
+/** A joint that pushes at its effort limit and does not move. */
+function StallBanner({ stall }: { stall: StallInfo }) {
+  const type = joints.value.find((joint) => joint.name === stall.joint)?.type;
+  const unit = type === "prismatic" ? "N" : "N·m";
+  const [first] = stall.contacts;
+  const values = {
+    joint: stall.joint,
+    effort: `${fixed(Math.abs(stall.effort), 0)} ${unit}`,
+  };
+  const contacts = stall.contacts.map((pair) => pair.join(" – ")).join(", ");
+  return (
+    <Banner tone="warning" testId="stall-banner">
+      <WarningIcon />
+      <span>
+        {first
+          ? t("stall.against", { ...values, other: first[1], contacts })
+          : t("stall.free", values)}
+      </span>
+    </Banner>
+  );
+}
+
 export function Banners() {
   const now = status.value;
   return (
     <div class="banners">
       <ConnectionBanner />
-      {now?.stopped === true && (
-        <Banner tone="danger" testId="estop-banner">
-          <EmergencyIcon />
-          <span>{t("estop.banner")}</span>
-        </Banner>
-      )}
+      <EmergencyBanner />
       {now !== null && now.fault !== null && (
         <Banner tone="danger" testId="fault-banner">
           <ErrorIcon />
           <span>{t("simulation.fault", { reason: now.fault })}</span>
         </Banner>
       )}
+      {now?.stalls.map((stall) => (
+        <StallBanner key={stall.joint} stall={stall} />
+      ))}
     </div>
   );
 }

@@ -1,8 +1,9 @@
-/** The controller manager: what there is, what runs, what it claims; load, start, switch. */
+/** The controller manager: controllers, states and claims; load, start, switch. */
 import { Fragment } from "preact";
 import { useState } from "preact/hooks";
 import { conflicting } from "../conflicts";
 import { connection } from "../connection";
+import { mayMove } from "../driving";
 import { t } from "../i18n";
 import type { Method, Params } from "../messages";
 import type { ControllerInfo, ErrorInfo } from "../protocol";
@@ -58,6 +59,7 @@ function ControllerRow({ controller, all }: RowProps) {
   ) => (
     <Button
       aria-label={t("controllers.action", { action: t(`controllers.${key}`), name })}
+      disabled={key === "start" && !mayMove.value}
       data-testid={`controller-${key}-${name}`}
       onClick={() => {
         send(method, ...params);
@@ -97,6 +99,7 @@ function ControllerRow({ controller, all }: RowProps) {
         <Button
           kind={problem === null ? "default" : "primary"}
           class="switch"
+          disabled={!mayMove.value}
           data-testid={`controller-switch-${name}`}
           onClick={() => {
             send("switch_controllers", { start: [name], stop: [...inTheWay] });

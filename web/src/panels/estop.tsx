@@ -1,34 +1,55 @@
-/** The emergency stop: one button that is always in view, and Escape, which only engages. */
+/** The emergency stop: a button and Escape, which only engage; its release is in the banner. */
+import { signal } from "@preact/signals";
 import { sendRequest } from "../connection";
 import { t } from "../i18n";
 import { view, status } from "../store";
 import { EmergencyIcon } from "../ui/icons";
 
+/** The status follows the answer within a tenth of a second; no longer wait is needed. */
+const CONFIRMED_WITHIN_MS = 1000;
+
+/** Whether this page requested the stop, and the robot's state does not show it yet. */
+export const stopRequested = signal(false);
+
 function hasEmergencyStop(): boolean {
   return view.value?.mode === "simulation";
 }
 
+async function engage(): Promise<void> {
+  stopRequested.value = status.value?.stopped !== true;
+  const problem = await sendRequest("emergency_stop", { engaged: true });
+  if (problem === null) {
+    setTimeout(() => {
+      stopRequested.value = false;
+    }, CONFIRMED_WITHIN_MS);
+  } else {
+    stopRequested.value = false;
+  }
+}
+
 export function engageOnEscape(event: KeyboardEvent): void {
   if (event.key !== "Escape" || event.repeat || event.isComposing) return;
-  if (hasEmergencyStop()) void sendRequest("emergency_stop", { engaged: true });
+  if (hasEmergencyStop()) void engage();
 }
 
 export function EmergencyStop() {
   if (!hasEmergencyStop()) return null;
-  const engaged = status.value?.stopped ?? false;
-  const long = t(engaged ? "estop.releaseLong" : "estop.engageLong");
+  const long = t("estop.engageLong");
   return (
     <button
       type="button"
-      class={`estop ${engaged ? "engaged" : ""}`}
+      class="estop"
       aria-label={long}
       title={long}
       data-testid="estop"
-      data-engaged={engaged}
-      onClick={() => void sendRequest("emergency_stop", { engaged: !engaged })}
+      data-engaged={status.value?.stopped ?? false}
+      onClick={() => void engage()}
+      onKeyDown={(event) => {
+        if (event.repeat) event.preventDefault(); // a held Enter presses once
+      }}
     >
       <EmergencyIcon />
-      {t(engaged ? "estop.release" : "estop.engage")}
+      {t("estop.engage")}
     </button>
   );
 }

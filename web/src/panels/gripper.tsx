@@ -1,5 +1,6 @@
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { connection } from "../connection";
+import { mayMove } from "../driving";
 import { t } from "../i18n";
 import type { GripperInfo, GripperState, ErrorInfo } from "../protocol";
 import { view, status } from "../store";
@@ -14,10 +15,11 @@ const TONES: Record<GripperState["motion"], Tone> = {
   at_target: "neutral",
   holding_inside: "ok",
   holding_outside: "ok",
+  blocked: "warning",
   idle: "warning",
 };
 
-/** Return what a gripper does, in words. */
+/** Return the state of a gripper as text. */
 export function describeGripper({ motion, width }: GripperState): string {
   if (motion !== "holding_inside" && motion !== "holding_outside") {
     return t(`gripper.${motion}`);
@@ -31,7 +33,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
   const largest = gripper.max_opening * 1000;
   // the pads of a gripper that is open as wide as it can may be a little farther apart
   const actual = Math.min((now?.opening ?? 0) * 1000, largest);
-  // mm: while dragged, and as sent until it is there; otherwise where it is
+  // mm: the dragged or sent value until it is reached; otherwise the actual one
   const [dragged, setDragged] = useState<number | null>(null);
   const [sent, setSent] = useState<number | null>(null);
   const [speed, setSpeed] = useState(gripper.max_speed);
@@ -57,6 +59,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
       })
       .then(setProblem);
   };
+  const disabled = !mayMove.value;
   const isReal = view.value?.mode === "simulation";
   const isOneOfSeveral = (view.value?.robot.grippers.length ?? 0) > 1;
   const opening = dragged ?? sent ?? actual;
@@ -86,6 +89,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
           max={largest}
           step={1}
           value={opening}
+          disabled={disabled}
           root={marker}
           data-testid="gripper-opening"
           onInput={setDragged}
@@ -99,6 +103,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
           max={largest}
           step={1}
           value={opening}
+          disabled={disabled}
           data-testid="gripper-opening-field"
           onCommit={grip}
         />
@@ -132,6 +137,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
       <div class="row">
         <Button
           class="grow"
+          disabled={disabled}
           data-testid="gripper-open"
           onClick={() => {
             grip(largest);
@@ -141,6 +147,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
         </Button>
         <Button
           class="grow"
+          disabled={disabled}
           data-testid="gripper-close"
           onClick={() => {
             grip(0);

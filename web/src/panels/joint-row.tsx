@@ -1,4 +1,4 @@
-/** One joint: its slider, what is wanted as a number, and where it is. */
+/** One joint: its slider, its commanded value as a number, and its actual position. */
 import type { Signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { frames } from "../frames";
@@ -8,15 +8,20 @@ import type { JointInfo } from "../protocol";
 import { view, jointIndex } from "../store";
 import { fixed, NumberField } from "../ui/number-field";
 import { placeThumb, share, Slider } from "../ui/slider";
-import { angleUnit, spanOf, unitOf } from "../units";
+import { angleUnit, limitsOf, spanOf, unitOf } from "../units";
 
 interface JointRowProps {
   joint: JointInfo;
-  /** Where a person wants it [rad | m]; null: the slider follows the joint. */
+  /** Commanded position [rad | m]; null: the slider follows the joint. */
   goal: Signal<number> | null;
-  /** Whether a person may move a slider that follows. */
+  /** Whether the user may move a slider that follows. */
   editable?: boolean;
   onChange: (position: number) => void;
+}
+
+/** Whether the user is typing, or has to correct the input. */
+function isEdited(field: HTMLInputElement): boolean {
+  return document.activeElement === field || field.ariaInvalid === "true";
 }
 
 export function JointRow({ joint, goal, editable = false, onChange }: JointRowProps) {
@@ -43,13 +48,14 @@ export function JointRow({ joint, goal, editable = false, onChange }: JointRowPr
     slider.current.setAttribute("aria-valuetext", say(value));
     placeThumb(root.current, value, min, max);
     field.current?.setAttribute("aria-valuenow", String(value));
-    if (field.current && document.activeElement !== field.current) {
+    if (field.current && !isEdited(field.current)) {
       field.current.value = fixed(value, unit.digits);
     }
   });
 
   const change = (value: number) => {
-    onChange(Math.min(upper, Math.max(lower, value / unit.factor)));
+    const [low, high] = limitsOf(joint);
+    onChange(Math.min(high, Math.max(low, value / unit.factor)));
   };
   const disabled = goal === null && !editable;
   const label = t("motion.commanded", { joint: joint.name });
@@ -86,8 +92,8 @@ export function JointRow({ joint, goal, editable = false, onChange }: JointRowPr
           unit={unit.symbol}
           value={shown}
           digits={unit.digits}
-          min={min}
-          max={max}
+          min={limitsOf(joint)[0] * unit.factor}
+          max={limitsOf(joint)[1] * unit.factor}
           step={unit.step}
           disabled={disabled}
           input={field}

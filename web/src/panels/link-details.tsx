@@ -1,4 +1,4 @@
-/** What is known of one link: mass, the joint it hangs on, and where it is now. */
+/** Details of one link: mass, parent joint and present pose. */
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { t } from "../i18n";

@@ -27,26 +27,6 @@ function asLine(notice: Notice): string {
   return `${when}${time} ${notice.severity.toUpperCase()} ${notice.code}: ${notice.text}`;
 }
 
-interface Group {
-  /** The last of them. */
-  readonly notice: Notice;
-  readonly count: number;
-}
-
-/** Return the notices, overruns that follow each other as one: a slow machine has many. */
-export function grouped(all: readonly Notice[]): readonly Group[] {
-  const groups: Group[] = [];
-  for (const notice of all) {
-    const last = groups.at(-1);
-    if (last && notice.code === "overrun" && last.notice.code === "overrun") {
-      groups[groups.length - 1] = { notice, count: last.count + 1 };
-    } else {
-      groups.push({ notice, count: 1 });
-    }
-  }
-  return groups;
-}
-
 export function LogPanel() {
   const shown = notices.value.filter((notice) =>
     SHOWN[filter.value].includes(notice.severity),
@@ -84,15 +64,13 @@ export function LogPanel() {
       </header>
       {shown.length === 0 && <p class="muted">{t("log.empty")}</p>}
       <ol>
-        {grouped(shown)
-          .map((group, index) => <Entry key={index} {...group} />)
-          .reverse()}
+        {shown.map((notice, index) => <Entry key={index} notice={notice} />).reverse()}
       </ol>
     </section>
   );
 }
 
-function Entry({ notice, count }: Group) {
+function Entry({ notice }: { notice: Notice }) {
   const Icon = SEVERITY_ICONS[notice.severity];
   return (
     <li class={notice.severity} data-testid="log-entry" data-code={notice.code}>
@@ -103,10 +81,7 @@ function Entry({ notice, count }: Group) {
           <time>{clock(notice)}</time>
           {notice.time !== null && <span>t = {notice.time.toFixed(2)} s</span>}
         </p>
-        <p>
-          {notice.text}
-          {count > 1 && <span class="count"> ×{count}</span>}
-        </p>
+        <p>{notice.text}</p>
       </div>
     </li>
   );

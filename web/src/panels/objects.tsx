@@ -1,4 +1,4 @@
-/** What is around the robot: where it is, and what puts it elsewhere or takes it away. */
+/** The objects around the robot: their poses, and how to move or remove them. */
 import { useEffect, useRef } from "preact/hooks";
 import { sendRequest } from "../connection";
 import { frames } from "../frames";
@@ -14,6 +14,7 @@ import { TrashIcon } from "../ui/icons";
 import { fixed } from "../ui/number-field";
 import { angleUnit, unitOf } from "../units";
 import { AddObject } from "./add-object";
+import { confirm } from "./confirmation";
 import { PoseFields } from "./pose-fields";
 import { UnitSwitch } from "./unit-switch";
 
@@ -62,6 +63,12 @@ export function grouped(
   ]);
 }
 
+function remove(whole: string, parts: readonly ViewObject[]): void {
+  confirm(t("confirm.removeObject", { name: whole }), t("confirm.remove"), () => {
+    for (const { name } of parts) void sendRequest("remove_object", { name });
+  });
+}
+
 function Parts({ whole, parts }: { whole: string; parts: readonly ViewObject[] }) {
   return (
     <li>
@@ -73,7 +80,7 @@ function Parts({ whole, parts }: { whole: string; parts: readonly ViewObject[] }
         <Button
           data-testid={`object-remove-${whole}`}
           onClick={() => {
-            for (const { name } of parts) void sendRequest("remove_object", { name });
+            remove(whole, parts);
           }}
         >
           <TrashIcon />
@@ -89,13 +96,14 @@ function Parts({ whole, parts }: { whole: string; parts: readonly ViewObject[] }
   );
 }
 
-/** Return what an object is, in words: `Box 40 × 40 × 40 mm, 0.1 kg`. */
+/** Return the description of an object: `Box 40 × 40 × 40 mm, 0.1 kg`. */
 export function describeObject({ shape, mass }: ViewObject): string {
   const sizes = {
     box: shape.size ?? [],
     cylinder: [2 * (shape.radius ?? 0), shape.length ?? 0],
     sphere: [2 * (shape.radius ?? 0)],
     mesh: [],
+    compound: [],
   }[shape.kind];
   const round = shape.kind === "cylinder" || shape.kind === "sphere" ? "⌀ " : "";
   const shown = sizes.map((size) => String(Number((size * 1000).toFixed(1))));
@@ -105,7 +113,7 @@ export function describeObject({ shape, mass }: ViewObject): string {
   return `${t(`objects.${shape.kind}`)}${measures}, ${weight}`;
 }
 
-/** Return where an object is in a frame of the scene that is shown. */
+/** Return the pose of an object in a frame of the current scene. */
 function targetIn(frame: Frame | undefined, name: string): Target | undefined {
   const now = scene.peek();
   if (frame === undefined || frame.scene !== now?.number) return undefined;
@@ -144,7 +152,9 @@ function ObjectRow({ object }: { object: ViewObject }) {
         <IconButton
           label={t("objects.remove", { name })}
           data-testid={`object-remove-${name}`}
-          onClick={() => void sendRequest("remove_object", { name })}
+          onClick={() => {
+            remove(name, [object]);
+          }}
         >
           <TrashIcon />
         </IconButton>

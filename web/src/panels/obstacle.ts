@@ -1,4 +1,4 @@
-/** Why sliders cannot drive a controller, in the person's language where this page knows it. */
+/** Why sliders cannot drive a controller, in the page's language if there is a translation. */
 import { t } from "../i18n";
 import type { ControllerInfo } from "../protocol";
 
@@ -16,10 +16,9 @@ export function obstacle({ type, state, undrivable }: ControllerInfo): string | 
   return state === "running" ? undrivable : t("motion.notRunning");
 }
 
-/** Return what to say under the chosen controller while it is not driven. */
-export function advice(controller: ControllerInfo): string {
+/** Return the text under the chosen controller; null if it can be driven. */
+export function advice(controller: ControllerInfo): string | null {
   const why = obstacle(controller);
-  if (why === null) return t("motion.monitoring");
-  if (controller.state === "running") return why;
+  if (why === null || controller.state === "running") return why;
   return t("motion.startIt", { name: controller.name });
 }

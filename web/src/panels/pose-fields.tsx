@@ -1,10 +1,10 @@
-/** Where an object is to be and how it is to be turned, as numbers. */
+/** The position and orientation of an object, as numbers. */
 import { t } from "../i18n";
 import type { Target } from "../moving";
 import { VectorField } from "../ui/vector-field";
 import { angleUnit, MILLIMETRES, unitOf } from "../units";
 
-/** As far as the server takes it [m]. */
+/** The range that the server accepts [m]. */
 const FARTHEST = 1000;
 
 export function PoseFields(props: {

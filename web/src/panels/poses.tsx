@@ -1,12 +1,13 @@
 import { useState } from "preact/hooks";
 import { sendRequest } from "../connection";
-import { adopt, speedScale } from "../driving";
+import { adopt, mayMove, speedScale } from "../driving";
 import { t } from "../i18n";
 import { report } from "../notices";
 import type { PoseInfo } from "../protocol";
 import { status } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { TrashIcon } from "../ui/icons";
+import { confirm } from "./confirmation";
 
 async function go(pose: PoseInfo): Promise<void> {
   const speed = speedScale.value;
@@ -30,13 +31,23 @@ export function PosesPanel() {
               <IconButton
                 label={t("poses.delete", { name: pose.name })}
                 data-testid={`pose-delete-${pose.name}`}
-                onClick={() => void sendRequest("delete_pose", { name: pose.name })}
+                onClick={() => {
+                  const { name } = pose;
+                  confirm(
+                    t("confirm.deletePose", { name }),
+                    t("confirm.delete"),
+                    () => {
+                      void sendRequest("delete_pose", { name });
+                    },
+                  );
+                }}
               >
                 <TrashIcon />
               </IconButton>
             )}
             <Button
               aria-label={t("poses.goLong", { name: pose.name })}
+              disabled={!mayMove.value}
               data-testid={`pose-go-${pose.name}`}
               onClick={() => void go(pose)}
             >
@@ -52,9 +63,7 @@ export function PosesPanel() {
 
 function SavePose() {
   const [name, setName] = useState("");
-  const save = async () => {
-    const chosen = name.trim();
-    if (chosen === "") return;
+  const save = async (chosen: string) => {
     const problem = await sendRequest("save_pose", { name: chosen });
     if (problem !== null) return;
     report("info", t("poses.saved", { name: chosen }));
@@ -65,7 +74,19 @@ function SavePose() {
       class="row"
       onSubmit={(event) => {
         event.preventDefault();
-        void save();
+        const chosen = name.trim();
+        if (chosen === "") return;
+        if (!status.value?.poses.some((pose) => pose.saved && pose.name === chosen)) {
+          void save(chosen);
+          return;
+        }
+        confirm(
+          t("confirm.overwritePose", { name: chosen }),
+          t("confirm.overwrite"),
+          () => {
+            void save(chosen);
+          },
+        );
       }}
     >
       <span class="field grow">

@@ -1,15 +1,18 @@
-/** Time: run, pause, step, reset, how fast, and how well it keeps up. */
+/** Time: run, pause, step, reset, speed and real-time factor. */
 import { signal } from "@preact/signals";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useRef } from "preact/hooks";
 import { sendRequest } from "../connection";
 import { t } from "../i18n";
 import { useLive } from "../live";
+import type { Status } from "../protocol";
 import { view, status } from "../store";
 import { IconButton } from "../ui/button";
 import { PauseIcon, PlayIcon, ResetIcon, StepIcon } from "../ui/icons";
 import { Select } from "../ui/select";
+import { confirm } from "./confirmation";
 
-const CALM_AFTER_MS = 3000;
+/** Fraction of the requested speed. */
+const BEHIND = 0.95;
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 const STEPS = [1, 10, 100, 1000];
 
@@ -50,7 +53,11 @@ export function Simulation() {
         <IconButton
           label={t("simulation.reset")}
           data-testid="sim-reset"
-          onClick={() => void sendRequest("reset")}
+          onClick={() => {
+            confirm(t("confirm.resetAll"), t("confirm.reset"), () => {
+              void sendRequest("reset");
+            });
+          }}
         >
           <ResetIcon />
         </IconButton>
@@ -63,11 +70,23 @@ export function Simulation() {
           title={t("simulation.factor")}
           testId="sim-rtf"
           value={`${(now?.real_time_factor ?? 0).toFixed(2)}×`}
+          isWarning={isBehind(now)}
         />
-        <Overruns count={now?.overruns ?? 0} />
+        <Reading
+          label={t("simulation.lateShort")}
+          title={t("simulation.late")}
+          testId="sim-late"
+          value={t("simulation.perSecond", { count: now?.late_ticks ?? 0 })}
+        />
       </dl>
     </div>
   );
+}
+
+/** Whether the simulation does not reach the requested speed. */
+function isBehind(now: Status | null): boolean {
+  if (now === null || now.paused || now.speed === null) return false;
+  return now.late_ticks > 0 && now.real_time_factor < BEHIND * now.speed;
 }
 
 function StepLength() {
@@ -122,31 +141,6 @@ function SimulatedTime() {
       <dt class="visually-hidden">{t("simulation.time")}</dt>
       <dd class="time" ref={text} data-testid="sim-time" />
     </div>
-  );
-}
-
-/** The count, in the colour of warnings while it grows. */
-function Overruns({ count }: { count: number }) {
-  const before = useRef(count);
-  const [grows, setGrows] = useState(false);
-  useEffect(() => {
-    setGrows(count > before.current);
-    before.current = count;
-    const calm = setTimeout(() => {
-      setGrows(false);
-    }, CALM_AFTER_MS);
-    return () => {
-      clearTimeout(calm);
-    };
-  }, [count]);
-  return (
-    <Reading
-      label={t("simulation.overrunsShort")}
-      title={t("simulation.overruns")}
-      testId="sim-overruns"
-      value={String(count)}
-      isWarning={grows}
-    />
   );
 }
 

@@ -1,4 +1,5 @@
 import { language, speak, t } from "../i18n";
+import { silence } from "../silence";
 import { connectionState, view, status } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
@@ -83,18 +84,21 @@ export function TopBar() {
 
 function Connection() {
   const state = connectionState.value;
+  const silent = silence.value;
   const clients = status.value?.clients ?? 1;
   return (
     <span
       class="connection"
       data-testid="connection"
-      data-state={state}
+      data-state={silent === null ? state : "silent"}
       title={state === "open" ? t("connection.clients", { count: clients }) : ""}
     >
-      <Badge tone={TONES[state]}>
+      <Badge tone={silent === null ? TONES[state] : "danger"}>
         <span class="dot" />
-        {t(`connection.${state}`)}
-        {state === "open" && clients > 1 && ` · ${String(clients)}`}
+        {silent === null
+          ? t(`connection.${state}`)
+          : t("connection.silent", { seconds: silent.toFixed(1) })}
+        {state === "open" && silent === null && clients > 1 && ` · ${String(clients)}`}
       </Badge>
     </span>
   );

@@ -1,16 +1,6 @@
-/** rqt_joint_trajectory_controller's work: drive a controller by a slider for each joint. */
-import {
-  canDrive,
-  chosenController,
-  controllerOf,
-  disable,
-  drive,
-  enable,
-  endReason,
-  goals,
-  holdStill,
-  speedScale,
-} from "../driving";
+/** As rqt_joint_trajectory_controller: drives a controller by a slider for each joint. */
+import { useState } from "preact/hooks";
+import { choose, controllerOf, drive, goals, holdStill, speedScale } from "../driving";
 import { t } from "../i18n";
 import { report } from "../notices";
 import type { ControllerInfo } from "../protocol";
@@ -19,7 +9,6 @@ import { Button } from "../ui/button";
 import { StopIcon } from "../ui/icons";
 import { Select } from "../ui/select";
 import { Slider } from "../ui/slider";
-import { Toggle } from "../ui/toggle";
 import { advice, obstacle } from "./obstacle";
 import { JointRow } from "./joint-row";
 import { UnitSwitch } from "./unit-switch";
@@ -47,33 +36,11 @@ export function TrajectoryPanel() {
 function Drive({ controller }: { controller: ControllerInfo }) {
   const driven = goals.value;
   const moved = joints.value.filter((joint) => controller.joints.includes(joint.name));
-  const hint = endReason.value;
+  const why = advice(controller);
   return (
     <>
-      <div class="row">
-        <ControllerSelect controller={controller} />
-        <Toggle
-          label={t("motion.enable")}
-          checked={driven !== null}
-          disabled={!canDrive(controller) || status.value?.stopped === true}
-          data-testid="enable-toggle"
-          onChange={(checked) => {
-            if (checked) enable();
-            else disable();
-          }}
-        />
-      </div>
-      <p
-        class={`hint ${hint !== null && driven === null ? "ended" : ""}`}
-        role="status"
-        data-testid="driving-state"
-      >
-        {driven !== null
-          ? t("motion.driving")
-          : hint !== null
-            ? t(`motion.ended.${hint}`)
-            : advice(controller)}
-      </p>
+      <ControllerSelect controller={controller} />
+      {why !== null && <p class="hint">{why}</p>}
       <ul class={`joints ${driven === null ? "monitor" : ""}`}>
         {moved.map((joint) => (
           <JointRow
@@ -106,16 +73,19 @@ function ControllerSelect({ controller }: { controller: ControllerInfo }) {
           disabled: why !== null,
         };
       })}
-      onChange={(name) => {
-        disable();
-        endReason.value = null;
-        chosenController.value = name;
-      }}
+      onChange={choose}
     />
   );
 }
 
 function SpeedRow() {
+  const [isStopping, setStopping] = useState(false);
+  const stop = async () => {
+    setStopping(true);
+    const problem = await holdStill();
+    setStopping(false);
+    if (problem !== null) report("error", problem.message);
+  };
   const percent = Math.round(speedScale.value * 100);
   return (
     <div class="row speed">
@@ -136,20 +106,16 @@ function SpeedRow() {
       <Button
         title={t("motion.stopLong")}
         data-testid="hold-still"
-        onClick={() => {
-          void holdStill().then((problem) => {
-            if (problem !== null) report("error", problem.message);
-          });
-        }}
+        onClick={() => void stop()}
       >
         <StopIcon />
-        {t("motion.stop")}
+        {t(isStopping ? "motion.stopping" : "motion.stop")}
       </Button>
     </div>
   );
 }
 
-/** Those that cannot be driven, and why: a person looks for them here. */
+/** Controllers that cannot be driven, and why: users look for them here. */
 function Undrivable() {
   const others = (status.value?.controllers ?? []).filter(
     (controller) => obstacle(controller) !== null,

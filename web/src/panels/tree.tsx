@@ -1,4 +1,4 @@
-/** Links and the joints they hang on, by their ROS names and by a person's. */
+/** Links and their parent joints, by ROS name and display name. */
 import { signal } from "@preact/signals";
 import { language, t } from "../i18n";
 import { model, modelFailure } from "../model";
@@ -11,7 +11,7 @@ import { moveOf, visibleRows } from "./tree-keys";
 import type { TreeRow } from "./tree-keys";
 
 const folded = signal<ReadonlySet<string>>(new Set());
-/** The row that the tab key comes to. */
+/** The row that the tab key focuses. */
 const current = signal<string | null>(null);
 
 function toggled(set: ReadonlySet<string>, member: string): ReadonlySet<string> {

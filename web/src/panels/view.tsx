@@ -1,4 +1,4 @@
-/** `tool0 view`: no physics; sliders put the joints somewhere. */
+/** `tool0 view`: no physics; sliders set the joints. */
 import { signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { connection } from "../connection";
@@ -37,7 +37,7 @@ function anywhere(joint: JointInfo): number {
   return lower + Math.random() * (upper - lower);
 }
 
-/** A slider that goes before its joint while a person moves it, and follows it otherwise. */
+/** A slider that leads its joint while the user moves it, and follows it otherwise. */
 function PosedJoint({ joint }: { joint: JointInfo }) {
   const goal = useRef(signal(0));
   const [isMoved, setMoved] = useState(false);

@@ -1,4 +1,4 @@
-/** The drawing of the plots: uPlot, fed and dressed. */
+/** The drawing of the plots with uPlot: data and style. */
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { token } from "../ui/theme";
@@ -9,7 +9,7 @@ import { type Line, strokesOf, type Table, tableOf } from "./series";
 export interface ChartSetup {
   readonly plotted: Plotted;
   readonly lines: readonly Line[];
-  /** Seconds that are seen while nothing is frozen. */
+  /** Visible seconds while nothing is frozen. */
   readonly seconds: number;
   readonly frozen: boolean;
 }
@@ -45,7 +45,7 @@ export class Chart {
   private readonly plot: uPlot;
   /** What is drawn. */
   private table: Table = [[]];
-  /** Limits of effort that are seen. */
+  /** Visible limits of effort. */
   private limits: number[] = [];
 
   /** @param onCursor called with the index in the table under the cursor, or null */
@@ -117,7 +117,7 @@ export class Chart {
     );
   }
 
-  /** Draw what `recording` holds now. */
+  /** Draw the present content of `recording`. */
   update(recording: Recording): void {
     const { lines, plotted, seconds, frozen } = this.setup;
     const newest = recording.time(recording.length - 1);
@@ -157,7 +157,7 @@ export class Chart {
     return this.table[0][index];
   }
 
-  /** The times that are seen, from and to [s]. */
+  /** The visible range of time, from and to [s]. */
   get visible(): [number, number] {
     const { min, max } = this.plot.scales.x ?? {};
     return [min ?? -Infinity, max ?? Infinity];

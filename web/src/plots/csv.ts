@@ -17,7 +17,7 @@ export interface Column {
   readonly joint: JointInfo;
 }
 
-/** Names may hold anything; a table must not break on them. */
+/** Names may contain any character; the table must stay valid. */
 function quoted(text: string): string {
   return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }

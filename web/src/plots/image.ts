@@ -15,7 +15,7 @@ export interface Picture {
 const PADDING = 16;
 const LINE = 20;
 
-/** Return a PNG of what `picture` says. */
+/** Return a PNG of `picture`. */
 export function pngOf(picture: Picture): Promise<Blob> {
   const { plot, title, legend, colours } = picture;
   const ratio = window.devicePixelRatio;
@@ -74,7 +74,7 @@ export function placesOf(
   });
 }
 
-/** Give a file to the person. */
+/** Download a file. */
 export function save(blob: Blob, name: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);

@@ -1,4 +1,4 @@
-/** The plots: what the joints do and what is wanted of them, over the last seconds. */
+/** The plots: measured and desired joint values over the last seconds. */
 import { useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { type Key, t } from "../i18n";

@@ -1,4 +1,4 @@
-/** What can be plotted, and in which unit it is shown. */
+/** The quantities that can be plotted, and their units. */
 import type { JointInfo } from "../protocol";
 import { type AngleUnit, unitOf } from "../units";
 import type { Quantity } from "./recording";
@@ -35,7 +35,7 @@ export function siUnit(quantity: Quantity, type: JointInfo["type"]): string {
   return quantity === "velocity" ? `${unit}/s` : unit;
 }
 
-/** Return the range of an axis: what there is, and `also`, with some air. */
+/** Return the range of an axis: the values and `also`, with a margin. */
 export function rangeOf(
   least: number | null,
   most: number | null,
@@ -50,8 +50,8 @@ export function rangeOf(
 }
 
 /**
- * Return the limits, of `limit` and its negative, that a joint comes near to: only once
- * half of a limit is used does the distance to it matter.
+ * Return the limits, of `limit` and its negative, of which a joint uses more than half:
+ * below that the distance to the limit does not matter.
  */
 export function limitsNear(
   limit: number | null,

@@ -1,7 +1,7 @@
-/** The last minute of every joint, in buffers that are filled round and round. */
+/** The last minute of every joint, in ring buffers. */
 import type { Frame } from "../protocol";
 
-/** Simulated seconds that are kept. */
+/** Length of the recording [simulated s]. */
 export const SPAN = 60;
 const CAPACITY = 4096;
 
@@ -40,7 +40,7 @@ export class Recording {
     return this.times[this.place(index)] ?? NaN;
   }
 
-  /** What a joint had at a sample; `error` is desired minus position; NaN: not known. */
+  /** Values of a joint at a sample; `error` is desired minus position; NaN: not known. */
   value(quantity: Quantity, joint: number, index: number): number {
     const at = this.place(index) * this.joints + joint;
     if (quantity !== "error") return this.fields[quantity][at] ?? NaN;
@@ -76,7 +76,7 @@ export class Recording {
     this.start = this.count = 0;
   }
 
-  /** Return a copy that nothing is added to. */
+  /** Return a copy that no longer changes. */
   copy(): Recording {
     const copy = new Recording(this.joints, this.capacity, this.span);
     copy.times.set(this.times);

@@ -1,4 +1,4 @@
-/** What uPlot draws: one line for each, cut out of a recording. */
+/** The lines that uPlot draws, taken from a recording. */
 import type { JointInfo } from "../protocol";
 import type { Plotted, Scale } from "./quantities";
 import type { Quantity, Recording } from "./recording";

@@ -1,4 +1,4 @@
-/** What is plotted; it outlives the drawer, and so does the recording. */
+/** The state of the plots; like the recording, it outlives the drawer. */
 import { computed, effect, signal } from "@preact/signals";
 import { frames } from "../frames";
 import { jointIndex, joints, status } from "../store";
@@ -10,11 +10,11 @@ import type { Line } from "./series";
 export const WINDOWS = [5, 10, 30, 60] as const;
 
 export const plotted = signal<Plotted>("position");
-/** Seconds that are seen. */
+/** Visible seconds. */
 export const seconds = signal<number>(10);
-/** What is looked at while the robot goes on; null: the present. */
+/** The frozen recording while the robot continues; null: the present. */
 export const frozen = signal<Recording | null>(null);
-/** Joint → number of its colour; null until a person chooses. */
+/** Joint → number of its colour; null until the user chooses. */
 const chosen = signal<ReadonlyMap<string, number> | null>(null);
 
 /** The joints of the first trajectory controller that runs, or the first three; one a line. */
@@ -50,7 +50,7 @@ export function choose(name: string, isChosen: boolean): void {
   chosen.value = next;
 }
 
-/** What the joints of this robot did. */
+/** The recording of this robot's joints. */
 export const recording = signal(new Recording(0));
 const names = computed(() => joints.value.map(({ name }) => name).join(" "));
 effect(() => {

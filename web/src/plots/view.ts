@@ -6,9 +6,9 @@ import { fixed } from "../ui/number-field";
 import { Chart, type ChartSetup } from "./chart";
 import type { Recording } from "./recording";
 
-/** Between drawings [ms]. */
+/** Interval between drawings [ms]. */
 const INTERVAL_MS = 50;
-/** Between new texts for screen readers [ms]. */
+/** Interval between texts for screen readers [ms]. */
 const TEXT_MS = 2000;
 
 interface ViewSetup extends Omit<ChartSetup, "frozen"> {

@@ -1,11 +1,11 @@
-/** The camera and how a person moves it: by pointer, by keys, by view. */
+/** The camera, moved by pointer, keys or views. */
 import { type Box3, PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { distanceFor } from "./framing";
 
 const FOV = 32;
 const FLIGHT_MS = 320;
-/** Air around what is framed. */
+/** Margin around the framed box. */
 const MARGIN = 1.06;
 /** What an arrow key turns the view by [rad]. */
 const TURN = Math.PI / 36;
@@ -21,7 +21,7 @@ export class CameraRig {
   private flight: { from: Place; to: Place; start: number } | undefined;
   private dragging = false;
 
-  /** @param changed called whenever the view is another */
+  /** @param changed called whenever the view changes */
   constructor(canvas: HTMLElement, changed: () => void) {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -48,7 +48,7 @@ export class CameraRig {
     return this.dragging;
   }
 
-  /** From what is looked at towards the camera. */
+  /** Direction from the target to the camera. */
   get direction(): Vector3 {
     return this.camera.position.clone().sub(this.controls.target).normalize();
   }

@@ -1,4 +1,4 @@
-/** The canvas of one viewer, and what passes between it and the page. */
+/** The canvas of one viewer, and its connection to the page. */
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { frames } from "../frames";
@@ -95,7 +95,7 @@ function follow(
   };
 }
 
-/** Start a viewer in `host`; the answer ends it. */
+/** Start a viewer in `host`; call the result to end it. */
 function start(host: HTMLDivElement, props: CanvasProps): () => void {
   const canvas = document.createElement("canvas");
   canvas.tabIndex = 0;
@@ -168,7 +168,7 @@ export function Canvas(props: CanvasProps) {
       props.onProblem(t("scene.failed", { reason }));
       return undefined;
     }
-    // a change of the robot or of the quality makes another Canvas
+    // a change of the robot or of the quality creates a new Canvas
   }, []);
   return (
     <div

@@ -4,7 +4,7 @@ import { Box3, Vector3 } from "three";
 export type View = "iso" | "front" | "left" | "right" | "top" | "tool";
 export const VIEWS: readonly View[] = ["iso", "front", "left", "right", "top", "tool"];
 
-/** From what is seen towards the camera; `tool` depends on how the tool is turned. */
+/** Direction from the target to the camera; `tool` depends on how the tool is turned. */
 const DIRECTIONS: Record<Exclude<View, "tool">, readonly [number, number, number]> = {
   iso: [1, -1.15, 0.62],
   front: [1, 0, 0.06],

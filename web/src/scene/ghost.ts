@@ -49,7 +49,7 @@ export class Ghost {
     this.look.emissiveIntensity = 0.25;
   }
 
-  /** Show where the robot is to go; undefined: it is there.  Return whether anything changed. */
+  /** Show the target of the robot; undefined: it has arrived.  Return whether anything changed. */
   show(goal: ReadonlyMap<string, number> | undefined): boolean {
     const { root, twin } = this.robot;
     const was = twin.visible;

@@ -3,12 +3,12 @@ import type { JointInfo } from "../protocol";
 
 /**
  * Less than this is no goal but an error: an effort controller without an integral holds
- * an elbow some 10 mrad from where it is wanted.
+ * an elbow some 10 mrad from its setpoint.
  */
 const NOTICEABLE = { revolute: 0.025, continuous: 0.025, prismatic: 0.004 };
 
 /**
- * Return where the joints are to go, joint → position, or undefined if they are there.
+ * Return the targets of the joints, joint → position, or undefined if they are reached.
  *
  * Joints without a target stay where they are; those that mimic another are left out,
  * since they follow it.

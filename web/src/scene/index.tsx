@@ -1,6 +1,7 @@
 /** The 3D view.  Preact draws the frame and the buttons; the picture is the viewer's. */
 import { computed, useSignal } from "@preact/signals";
-import { useCallback } from "preact/hooks";
+import { useCallback, useEffect } from "preact/hooks";
+import { connection } from "../connection";
 import { t } from "../i18n";
 import { model, modelFailure, urdfText } from "../model";
 import { connectionState, view, status } from "../store";
@@ -38,7 +39,7 @@ export default function SceneView() {
 
   const shown = source.value;
   const chosen = quality.value;
-  // the banner says it if there will be none
+  // the banner reports if there will be none
   const isLoading =
     viewer.value === null && !["refused", "outdated"].includes(connectionState.value);
   const message =
@@ -46,11 +47,17 @@ export default function SceneView() {
       ? t("scene.noWebgl")
       : (problem.value ?? failureText() ?? (isLoading ? t("scene.loading") : null));
 
+  const isSettled = chosen === null || viewer.value !== null || problem.value !== null;
+  useEffect(() => {
+    // to each server, also one that a page finds again
+    if (isSettled && view.value !== null) void connection.request("view_shown");
+  }, [isSettled, view.value]);
+
   return (
     <div class="scene-view" data-stopped={status.value?.stopped ?? false}>
       {shown && chosen && (
         <Canvas
-          // another robot, another quality or a lost context: all anew
+          // another robot, another quality or a lost context: start again
           key={`${generation.value} ${chosen} ${shown.key}`}
           view={shown.view}
           urdf={shown.urdf}

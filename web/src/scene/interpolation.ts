@@ -90,7 +90,7 @@ export class Interpolator {
     if (this.history.length > HISTORY) this.history.shift();
     this.fit();
     if (Math.abs(this.timeAt(arrival) - frame.time) > 4 * this.interval * this.rate) {
-      // another speed: what was before says nothing about it
+      // another speed: the history no longer applies
       this.history = this.history.slice(-2);
       this.fit();
     }
@@ -116,7 +116,7 @@ export class Interpolator {
     if (pose.values.length !== to.values.length) {
       pose.values = new Float64Array(to.values.length);
     }
-    // from objects of one scene to those of another there is no way
+    // objects of different scenes cannot be interpolated
     const moving = from.scene === to.scene ? to.values.length : to.joints;
     for (let i = 0; i < to.values.length; i++) {
       const a = from.values[i] ?? 0;

@@ -1,4 +1,4 @@
-/** Soft light from everywhere, and a key light whose shadow says what stands where. */
+/** Soft light from everywhere, and a key light whose shadow shows where things are. */
 import {
   DirectionalLight,
   HemisphereLight,

@@ -1,7 +1,7 @@
 /** Draw on demand: a display frame is requested only while something moves. */
 
 export interface Scenery {
-  /** Bring everything to `now` [ms]; return whether it will go on moving by itself. */
+  /** Bring everything to `now` [ms]; return whether it keeps moving by itself. */
   step: (now: number) => boolean;
   draw: () => void;
 }

@@ -1,4 +1,4 @@
-/** What things are made of: URDF has only colours, so the colour decides how it shines. */
+/** Materials: URDF has only colours, so the colour determines the gloss. */
 import {
   Color,
   type Material,
@@ -26,7 +26,7 @@ export function finishOf(red: number, green: number, blue: number): Finish {
   return { roughness: 0.42, metalness: brightest < 0.6 ? 0.75 : 0.45 };
 }
 
-/** What urdf-loader and the readers of meshes give. */
+/** Materials from urdf-loader and the mesh loaders. */
 export type Coloured = Material & { color?: Color; map?: Texture | null };
 
 /** Materials by colour, each made once. */

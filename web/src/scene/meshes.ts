@@ -16,7 +16,7 @@ async function fetched(url: string): Promise<Response> {
   return response;
 }
 
-/** Return the shape and the normals that a person expects of a file of bare triangles. */
+/** Return a shape with normals from a file of bare triangles. */
 function rounded(geometry: BufferGeometry): BufferGeometry {
   geometry.deleteAttribute("color");
   return toCreasedNormals(geometry, CREASE);
@@ -64,7 +64,7 @@ export class Meshes {
       await import("three/examples/jsm/loaders/ColladaLoader.js");
     const parsed = new ColladaLoader(this.manager).parse(text, folder);
     if (!parsed) throw new Error(`${folder}: no COLLADA file`);
-    // the lights and cameras that modellers leave in their files are not ours
+    // ignore the lights and cameras in the files
     const strangers: Object3D[] = [];
     parsed.scene.traverse((object) => {
       if (object instanceof Mesh) {

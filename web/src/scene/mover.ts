@@ -9,7 +9,7 @@ const SIZE = 0.7;
 interface Listener {
   /** It looks different. */
   changed: () => void;
-  /** A person took hold of it, or let it go. */
+  /** The user grabbed or released it. */
   dragged: (is: boolean) => void;
   /** It was dragged to [m]. */
   moved: (position: Vector) => void;
@@ -35,7 +35,7 @@ export class Mover {
     });
   }
 
-  /** Offer to move what is to be there, or nothing. */
+  /** Show the arrows for this object, or hide them. */
   offer(target: Target | null): void {
     if (target === null) {
       this.controls.detach();

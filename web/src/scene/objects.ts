@@ -1,4 +1,4 @@
-/** The objects of the scene, as they come and go. */
+/** The objects of the scene, as they are added and removed. */
 import {
   BoxGeometry,
   type BufferGeometry,
@@ -8,17 +8,17 @@ import {
   MeshPhongMaterial,
   SphereGeometry,
 } from "three";
-import type { ViewObject, ViewScene } from "../protocol";
+import type { ShapeInfo, ViewObject, ViewScene } from "../protocol";
 import type { Pose } from "./interpolation";
 import { MODEL_LAYER } from "./layers";
 import type { Materials } from "./materials";
 import type { Meshes } from "./meshes";
 
-function primitive(shape: ViewObject["shape"]): BufferGeometry {
+function primitive(shape: ShapeInfo): BufferGeometry {
   const radius = shape.radius ?? 0;
   if (shape.kind === "sphere") return new SphereGeometry(radius, 48, 24);
   if (shape.kind === "cylinder") {
-    // three's stand along y, ours along z
+    // three.js cylinders are along y, ours along z
     return new CylinderGeometry(radius, radius, shape.length ?? 0, 64).rotateX(
       Math.PI / 2,
     );
@@ -27,7 +27,7 @@ function primitive(shape: ViewObject["shape"]): BufferGeometry {
   return new BoxGeometry(x, y, z);
 }
 
-/** An object as it was described; `failure` says why it has no shape. */
+/** An object and its description; `failure` is the reason if it has no shape. */
 interface Shown {
   readonly key: string;
   readonly holder: Group;
@@ -46,12 +46,12 @@ export class Objects {
     private readonly materials: Materials,
   ) {}
 
-  /** What could not be read of what is here. */
+  /** Parts of these objects that could not be loaded. */
   get failures(): readonly string[] {
     return this.shown.flatMap(({ failure }) => failure ?? []);
   }
 
-  /** Have these objects and no others; those that were here stay as they are. */
+  /** Show exactly these objects; existing ones are kept. */
   async show(scene: ViewScene): Promise<void> {
     const before = new Map(this.shown.map((one) => [one.key, one]));
     this.shown = scene.objects.map((info) => {
@@ -70,7 +70,7 @@ export class Objects {
     await Promise.all(this.shown.map((one) => one.made));
   }
 
-  /** Put them where a pose says, from `start` on: x y z w x y z of each. */
+  /** Set their poses from `start` on: x y z w x y z of each. */
   pose({ values, scene }: Pose, start: number): void {
     if (scene !== this.number) return;
     const at = (index: number) => values[index] ?? 0;
@@ -85,7 +85,7 @@ export class Objects {
   private add(info: ViewObject, key: string): Shown {
     const holder = new Group();
     holder.name = info.name;
-    // until a frame says where it is
+    // until a frame has its pose
     holder.visible = false;
     this.root.add(holder);
     const shown: Shown = { key, holder, made: this.fill(holder, info).catch(report) };
@@ -95,7 +95,29 @@ export class Objects {
     return shown;
   }
 
-  private async fill(holder: Group, { name, shape, rgba }: ViewObject): Promise<void> {
+  /** Draw an object into its holder; those of the shapes that can be drawn. */
+  private async fill(holder: Group, info: ViewObject): Promise<void> {
+    const { shape } = info;
+    if (shape.kind !== "compound") {
+      await this.draw(holder, shape, info);
+      return;
+    }
+    const drawn = (shape.parts ?? []).map(async (part) => {
+      const group = new Group();
+      group.position.set(...part.xyz);
+      // rpy turns about fixed axes: about x first, which three calls ZYX
+      group.rotation.set(...part.rpy, "ZYX");
+      holder.add(group);
+      await this.draw(group, part.shape, info);
+    });
+    await Promise.all(drawn);
+  }
+
+  private async draw(
+    holder: Group,
+    shape: ShapeInfo,
+    { name, rgba }: ViewObject,
+  ): Promise<void> {
     if (shape.kind === "mesh") {
       if (shape.size) holder.scale.set(...shape.size);
       const look = new MeshPhongMaterial({ opacity: rgba[3] });

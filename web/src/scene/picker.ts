@@ -1,4 +1,4 @@
-/** What the pointer is over. */
+/** The object under the pointer. */
 import { type Camera, type Object3D, Raycaster, Vector2, type Vector3 } from "three";
 
 export interface Hit {
@@ -16,7 +16,7 @@ export class Picker {
     private readonly camera: Camera,
   ) {}
 
-  /** Return what is seen at a point of the window [px]. */
+  /** Return the visible object at a point of the window [px]. */
   at(x: number, y: number, among: Object3D[]): Hit | undefined {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     this.pointer.set(((x - left) / width) * 2 - 1, 1 - ((y - top) / height) * 2);

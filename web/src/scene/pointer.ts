@@ -4,7 +4,7 @@ import { view, hoveredLink } from "../store";
 import type { Hit } from "./picker";
 import type { Viewer } from "./viewer";
 
-/** What a person calls what was hit. */
+/** The display name of the object under the pointer. */
 function nameOf(hit: Hit): string {
   const link = hit.link ?? "";
   const part = view.value?.robot.part_names[link]?.[language.value];
@@ -24,7 +24,7 @@ export function watchPointer(
   let set: string | null = null;
 
   const hover = (link: string | null) => {
-    // what the tree has set since is not ours to clear
+    // do not clear what the tree has set since
     if (link === null && hoveredLink.peek() !== set) return;
     set = link;
     hoveredLink.value = link;

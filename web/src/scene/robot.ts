@@ -30,12 +30,12 @@ function parsed(text: string, meshes: Meshes, part: "visual" | "collision") {
     );
   };
   const robot = loader.parse(text);
-  // the server's values say it all: they may lie beyond a limit, as those of real joints
+  // use the server's values unchanged: like those of real joints, they may exceed a limit
   for (const joint of Object.values(robot.joints)) joint.ignoreLimits = true;
   return { robot, failures, loaded: Promise.all(loading) };
 }
 
-/** Return the meshes of an object and what is in it, but not those of further links. */
+/** Return the meshes of an object and its children, but not those of further links. */
 export function meshesOf(object: Object3D): SolidMesh[] {
   const found: SolidMesh[] = [];
   const visit = (one: Object3D) => {
@@ -124,7 +124,7 @@ export class Robot {
     return box;
   }
 
-  /** Show the collision shapes, read when first asked for, or hide them. */
+  /** Show the collision shapes, which are loaded on first use, or hide them. */
   async showCollision(visible: boolean, look: (mesh: Mesh) => void): Promise<void> {
     if (!visible && !this.collision) return;
     this.collision ??= this.readCollision(look);

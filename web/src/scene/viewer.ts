@@ -39,7 +39,7 @@ export class Viewer {
   private readonly interpolator = new Interpolator();
   private readonly pose: Pose = { time: 0, values: new Float64Array(0), scene: 0 };
   private readonly meshes: Meshes;
-  /** Whether an object came or went since the last picture. */
+  /** Whether an object was added or removed since the last picture. */
   private isChanged = false;
   private shown = new Float64Array(0);
   private loaded: Loaded | undefined;
@@ -86,7 +86,7 @@ export class Viewer {
     return this.stage.drawn;
   }
 
-  /** Read the robot and the objects; return what could not be read. */
+  /** Load the robot and the objects; return load errors. */
   async load(scene: ViewScene | null): Promise<readonly string[]> {
     const objects = new Objects(this.meshes, this.materials);
     const [robot] = await Promise.all([
@@ -103,9 +103,9 @@ export class Viewer {
     return [...robot.failures, ...objects.failures];
   }
 
-  // ---- what the page tells ----------------------------------------------------------
+  // ---- input from the page -----------------------------------------------------------
 
-  /** Have these objects around the robot; return what could not be read. */
+  /** Show these objects around the robot; return load errors. */
   async surround(scene: ViewScene): Promise<readonly string[]> {
     if (!this.loaded) return [];
     const { robot, objects } = this.loaded;
@@ -137,7 +137,7 @@ export class Viewer {
     this.loaded?.ghost.paint(colours.ghost);
   }
 
-  /** Where controllers take the joints; undefined: show no goal. */
+  /** Targets of the controllers; undefined: show no goal. */
   aim(targets: Readonly<Record<string, number>> | undefined): void {
     this.targets = targets;
     this.updateGhost();
@@ -164,7 +164,7 @@ export class Viewer {
     });
   }
 
-  /** Offer arrows that move what is to be there, or none. */
+  /** Show arrows that move this object, or none. */
   offerMove(target: Target | null): void {
     this.mover.offer(target);
     this.loop.invalidate();
@@ -246,7 +246,7 @@ export class Viewer {
     return links.find((name) => name.endsWith("tool0")) ?? links.at(-1) ?? "";
   }
 
-  /** Frames that a person often wants: world, base and tool0, by their names here. */
+  /** Frames that are often needed: world, base and tool0, by their names here. */
   get usualFrames(): string[] {
     const links = Object.keys(this.loaded?.robot.root.links ?? {});
     const base = links.find((name) => /(^|_)base$/.test(name)) ?? this.view.robot.root;
@@ -280,7 +280,7 @@ export class Viewer {
     objects.pose(this.pose, this.view.robot.joints.length);
     this.updateGhost();
     this.stage.castAnew();
-    // before the first frame nobody knew where anything is
+    // before the first frame all poses were unknown
     if (shown.length === 0) this.look("iso", false);
   }
 

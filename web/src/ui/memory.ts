@@ -1,7 +1,7 @@
-/** What this browser remembers between visits; it may have forbidden it, so nothing depends on it. */
+/** Settings that the browser keeps between visits; nothing depends on them, since it may forbid that. */
 const PREFIX = "tool0.";
 
-/** Return what was remembered, if it is still one of `known`. */
+/** Return the stored value, if it is still one of `known`. */
 export function recall<T extends string>(
   key: string,
   known: readonly T[],
@@ -18,6 +18,6 @@ export function remember(key: string, value: string): void {
   try {
     localStorage.setItem(PREFIX + key, value);
   } catch {
-    // a browser that keeps nothing still shows everything
+    // without storage the page works, too
   }
 }

@@ -1,6 +1,7 @@
-/** A slider: the thumb is what a person wants; a marker may show what is. */
+/** A slider: the thumb is the commanded value; a marker may show the actual one. */
 import type { RefObject } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
+import { useDrag } from "./drag";
 
 interface SliderProps {
   label: string;
@@ -9,14 +10,14 @@ interface SliderProps {
   min: number;
   max: number;
   value: number;
-  /** What an arrow key adds; ten times as much with Shift or by Page Up. */
+  /** Step of an arrow key; ten times as much with Shift or Page Up. */
   step: number;
   disabled?: boolean;
   /** Given, there is a marker; its style's `--actual-at`, 0 to 1, says where. */
   root?: RefObject<HTMLDivElement | null>;
   input?: RefObject<HTMLInputElement | null>;
   onInput: (value: number) => void;
-  /** Called when the person is done: at the end of a drag, and after each key. */
+  /** Called when the user is done: at the end of a drag, and after each key. */
   onChange?: (value: number) => void;
   onDoubleClick?: () => void;
   "data-testid"?: string;
@@ -65,12 +66,13 @@ export function Slider(props: SliderProps) {
   const { min, max, value, step } = props;
   const own = useRef<HTMLDivElement | null>(null);
   const root = props.root ?? own;
-  // always, since who follows the robot writes it too, behind Preact's back
+  // always, since followers of the robot also write it, without Preact
   useLayoutEffect(() => {
     placeThumb(root.current, value, min, max);
   });
+  const drag = useDrag(props);
   return (
-    <div class="slider" ref={root} onDblClick={() => props.onDoubleClick?.()}>
+    <div class="slider" ref={root} onDblClick={() => props.onDoubleClick?.()} {...drag}>
       <input
         type="range"
         ref={props.input ?? null}

@@ -1,4 +1,4 @@
-/** Light or dark: as the system has it, until a person says otherwise. */
+/** Light or dark: the system's setting, until the user chooses. */
 import { computed, effect, signal } from "@preact/signals";
 import { recall, remember } from "./memory";
 
@@ -11,9 +11,9 @@ dark.addEventListener("change", (event) => {
   systemIsDark.value = event.matches;
 });
 
-/** What this person chose. */
+/** The user's choice. */
 export const theme = signal<Theme>(recall("theme", THEMES) ?? "system");
-/** What is shown.  Who draws on a canvas redraws, with the tokens' new values, when it changes. */
+/** The current theme.  Canvases are redrawn with the tokens' new values when it changes. */
 export const shownTheme = computed<"light" | "dark">(() => {
   if (theme.value !== "system") return theme.value;
   return systemIsDark.value ? "dark" : "light";

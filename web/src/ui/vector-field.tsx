@@ -30,6 +30,8 @@ export function VectorField(props: VectorFieldProps) {
           <NumberField
             key={axis}
             label={`${props.label} ${axis}`}
+            unit={unit.symbol}
+            showsUnit={false}
             digits={unit.digits}
             min={props.min * unit.factor}
             max={props.max * unit.factor}

@@ -1,1 +1,1 @@
-"""What ``tool0 demo`` shows: whole tasks, done with the façade alone."""
+"""The tasks of ``tool0 demo``, written with the public Python API alone."""

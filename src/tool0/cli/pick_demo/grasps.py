@@ -1,4 +1,4 @@
-"""Where a gripper that comes down from above can grasp an object, and where it goes."""
+"""Grasps of an object from above, and the bin to place it in."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import final
 
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.scene import SceneObject
-from tool0.description.shapes import Box, Cylinder, Sphere
+from tool0.description.shapes import Box, Compound, Cylinder, Sphere
 from tool0.description.transform import Pose, Transform, Vector3, to_transform
 from tool0.errors import ControlError
 from tool0.sensing.grasp import grasp_frame, pad_links
 
 CLEARANCE = 0.003
-"""Between finger tips and what the object stands on [m]."""
+"""Distance between finger tips and the support of the object [m]."""
 SLACK = 0.002
-"""Room that an object must leave between open pads, both sides together [m]."""
+"""Clearance between an object and the open pads, both sides together [m]."""
 _UPRIGHT = math.cos(math.radians(3.0))
 
 
@@ -43,7 +43,7 @@ def find_grasps(
         largest: The gripper's widest opening [m].
 
     Raises:
-        ControlError: If it stands on an edge, is a mesh, or is too wide.
+        ControlError: If it stands on an edge, has another shape, or is too wide.
     """
     geometry = item.geometry
     if isinstance(geometry, Sphere):
@@ -55,7 +55,7 @@ def find_grasps(
     elif isinstance(geometry, Box):
         widths = list(_sides(item.name, geometry, pose))
     else:
-        raise ControlError(f"'{item.name}' is a mesh; pick a box, cylinder or sphere")
+        raise _unknown_sides(item)
     fitting = [(frame, width) for frame, width in widths if width <= largest - SLACK]
     if not fitting:
         narrowest = min(width for _, width in widths)
@@ -63,7 +63,7 @@ def find_grasps(
             f"'{item.name}' is {1000 * narrowest:.1f} mm wide, and the gripper opens "
             f"to {1000 * largest:.1f} mm"
         )
-    # Turned by half, the same pads touch the same sides; a round thing has no sides.
+    # Turned by 180 degrees, the pads touch the same sides; round objects have no sides.
     turns = (
         (0.0, math.pi)
         if isinstance(geometry, Box)
@@ -85,7 +85,12 @@ def half_height(item: SceneObject, pose: Transform) -> float:
         return geometry.length / 2.0
     if isinstance(geometry, Box):
         return geometry.size[_upright_axis(item.name, pose)] / 2.0
-    raise ControlError(f"'{item.name}' is a mesh; pick a box, cylinder or sphere")
+    raise _unknown_sides(item)
+
+
+def _unknown_sides(item: SceneObject) -> ControlError:
+    what = "has several shapes" if isinstance(item.geometry, Compound) else "is a mesh"
+    return ControlError(f"'{item.name}' {what}; pick a box, cylinder or sphere")
 
 
 def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
@@ -146,10 +151,11 @@ class Bin:
     lower: Vector3
     """Its corner, outside, in the root [m]."""
     upper: Vector3
+    """The opposite corner, outside, in the root [m]."""
 
     @property
     def center(self) -> Vector3:
-        """The middle of its floor [m]."""
+        """The middle of its floor, in the root [m]."""
         return (
             (self.lower[0] + self.upper[0]) / 2.0,
             (self.lower[1] + self.upper[1]) / 2.0,

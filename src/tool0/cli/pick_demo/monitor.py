@@ -1,4 +1,4 @@
-"""Watches a demo while simulated time passes: what a grip does, and video frames."""
+"""Watches a demo while simulated time passes: grip measurements and video frames."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class GraspMonitor:
         item: str,
         on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
     ) -> None:
-        """Begin to measure what the gripper does to the object ``item``.
+        """Start measuring how the gripper acts on the object ``item``.
 
         Args:
             robot: The robot, with one gripper.
@@ -54,7 +54,7 @@ class GraspMonitor:
         self.peak_force = 0.0
         """The largest that a pad has exerted on the object so far [N]."""
         self.phases: dict[str, float] = {}
-        """Name → how long it took, simulated [s]."""
+        """Name → duration, simulated [s]."""
         self._phase = ""
         self._since = robot.time
 
@@ -73,10 +73,10 @@ class GraspMonitor:
         return self._phase
 
     def until(self, done: Callable[[], bool], timeout: float) -> bool:
-        """Let time pass until ``done()``; return whether it was within ``timeout``.
+        """Let time pass until ``done()``; return False on a timeout.
 
         Args:
-            done: Asked after each snapshot.
+            done: Called after each snapshot.
             timeout: Simulated [s].
 
         Raises:
@@ -101,7 +101,7 @@ class GraspMonitor:
         self.slip = 0.0
 
     def stop_slip(self) -> None:
-        """Measure slip no longer."""
+        """Stop measuring slip."""
         self._start = None
 
     def pose(self) -> Transform:
@@ -146,7 +146,7 @@ class GraspMonitor:
             self.slip = max(self.slip, moved)
 
     def _held_at(self, snapshot: Snapshot) -> Vector3:
-        """Return where the object is from midway between the pads, in the gripper."""
+        """Return the object's position from the middle of the pads, in the gripper."""
         position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
         found = link_poses(self._robot.description.model, position)
         (ax, ay, az), (bx, by, bz) = (found[pad].position for pad in self._pads)

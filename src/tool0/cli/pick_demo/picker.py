@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
 LIFT = 0.15
-"""How high above where it was taken and where it is placed an object is carried [m]."""
+"""Height at which an object is carried, above its pick and its place position [m]."""
 DROP = 0.015
-"""Above the floor of the bin at which it is let go [m]."""
+"""Height above the floor of the bin at which it is released [m]."""
 MOTION_TIMEOUT = 20.0
 """Longest duration of a motion, simulated [s]."""
 SETTLE_TIMEOUT = 1.0
-"""How long an object in the bin may take to come to rest [s]."""
+"""Longest time for an object in the bin to come to rest [s]."""
 
 
 @final
@@ -45,7 +45,7 @@ class PickFailure(Exception):  # noqa: N818  # of the task, not of a program
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickOptions:
-    """How a pick is done."""
+    """The parameters of a pick."""
 
     force: float = 60.0
     """At each pad [N]."""
@@ -89,14 +89,14 @@ class Picker:
         self._floor = pose.position[2] - half_height(thing, pose)
         reach = finger_reach(robot.description.model, geometry)
         top = 2.0 * pose.position[2] - self._floor
-        # Any lower the fingers would touch the table, or a tall object the knuckles.
+        # Lower, the fingers would touch the table, or the knuckles a tall object.
         self._height = max(
             pose.position[2], top - reach, self._floor + reach + CLEARANCE
         )
         """Of the middle of the pads, when they take it [m]."""
         self._tool = Transform()
         self.width: float | None = None
-        """Of what was gripped, by the gripper's joint [m]."""
+        """Width of the gripped object, from the gripper's joint [m]."""
         self.force: float | None = None
         """That a pad exerts on it when it is lifted [N]."""
 
@@ -127,7 +127,7 @@ class Picker:
         self.check_hold()
 
     def put(self, into: Bin) -> None:
-        """Carry what was taken to a bin, and let it go, or raise PickFailure."""
+        """Carry the object to a bin and release it, or raise PickFailure."""
         robot, monitor, options = self._robot, self._monitor, self._options
         gripper, arm, tool = robot.gripper, robot.arm, self._tool
 
@@ -197,28 +197,29 @@ class Picker:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickReport:
-    """One pick and place.  What was never reached is None."""
+    """One pick and place.  Values that were never reached are None."""
 
     success: bool
+    """Whether the object is in the bin."""
     failure: str | None = None
     """In which phase it failed, and why."""
     item: str
     """The object."""
     start: tuple[float, float, float]
-    """Where it was, in the root [m]."""
+    """Start position of the object, in the root [m]."""
     end: tuple[float, float, float] | None
-    """Where it is [m]; None if it was removed."""
+    """Final position [m]; None if it was removed."""
     force: float
-    """That each pad was to exert [N]."""
+    """Requested force at each pad [N]."""
     grip_force: float | None = None
-    """That a pad exerted when it was lifted [N]."""
+    """Force of a pad when the object was lifted [N]."""
     peak_force: float
-    """The largest that a pad exerted, of samples at 125 Hz: pads that meet something
-    rigid have to stop their drive's rotor, too [N]."""
+    """The largest that a pad exerted, of samples at 125 Hz: pads that meet a rigid
+    object must also stop the rotor of their drive [N]."""
     width: float | None = None
-    """Of what the gripper held, by its joint [m]."""
+    """Width of the held object, from the gripper's joint [m]."""
     slip: float | None = None
-    """How far it moved between the pads while it was held, at most [m]."""
+    """Largest slip between the pads while it was held [m]."""
     duration: float
     """Simulated [s]."""
     phases: Mapping[str, float] = field(default_factory=dict)

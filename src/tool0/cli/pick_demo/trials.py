@@ -30,12 +30,12 @@ TABLE_TOP = -0.02
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoReport:
-    """All picks of a demo, and under which conditions they were made."""
+    """All picks of a demo, and their conditions."""
 
     engine: str
     gripper_model: str
     grasp_assist: bool
-    """Whether objects were fixed to the gripper, which no real one does."""
+    """Whether gripped objects were fixed to the gripper, which is not physical."""
     picks: tuple[PickReport, ...]
     sim_time: float
     wall_time: float
@@ -52,7 +52,7 @@ class DemoReport:
         return {**asdict(self), "succeeded": self.n_succeeded}
 
     def to_text(self) -> str:
-        """Return what all came to, for people."""
+        """Return a summary as text."""
         lines = []
         if self.grasp_assist:
             lines.append("grasp assist was on: objects were fixed to the gripper")
@@ -94,13 +94,13 @@ def run_trials(
     on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
     on_pick: Callable[[PickReport], None] = lambda report: None,
 ) -> DemoReport:
-    """Pick an object from one pose after the other, the arm beginning as it is now.
+    """Pick an object from one pose after the other, starting with the arm as it is.
 
     Args:
         robot: As for ``pick_and_place``.
         item: The object, which is put back on the table between picks.
         into: Where it goes.
-        poses: Where it is taken from; None leaves it where it is.
+        poses: The start poses of the object; None leaves it where it is.
         n_picks: How many.
         options: Force and speeds.
         on_snapshot: Called with each snapshot, those between the picks too.
@@ -137,9 +137,9 @@ def run_trials(
 
 
 def _go_back(robot: Robot, home: Mapping[str, float], monitor: GraspMonitor) -> None:
-    """Let go, and bring the arm ``home``; after a failure it may be anywhere.
+    """Open the gripper and move the arm ``home``; after a failure it may be anywhere.
 
-    If that takes longer than ``RETURN_TIMEOUT``, the next pick begins elsewhere.
+    If that takes longer than ``RETURN_TIMEOUT``, the next pick starts elsewhere.
     """
     opened = robot.gripper.move(opening=robot.gripper.geometry.max_opening)
     monitor.until(lambda: opened.result is not None, RETURN_TIMEOUT)

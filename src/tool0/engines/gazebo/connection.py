@@ -17,12 +17,12 @@ import numpy as np
 from tool0.errors import EngineError, EngineUnavailableError
 from tool0.hardware.bodies import Matrix
 
-VERSION = 6
-"""Of the packets; as ``kVersion`` in bridge.cc."""
+VERSION = 7
+"""Version of the packets, as ``kVersion`` in bridge.cc."""
 ANSWER_TIMEOUT = 1.5
-"""For an answer [s]: a hang is reported within two seconds."""
+"""Timeout of an answer [s]: a hang is reported within two seconds."""
 SPAWN_TIMEOUT = 12.0
-"""For requests that make the bridge itself wait, which it does for 10 s at most [s]."""
+"""Timeout of requests for which the bridge waits, 10 s at most [s]."""
 _MAX_PACKET = 1 << 16  # [bytes]
 _FULL_SPEED_GAP = 1e-4  # [s] between an answer and the next request, at full speed
 _SPIN_POLLS = 400  # for an answer, at full speed; about 0.5 µs each
@@ -30,7 +30,7 @@ _MAX_SPIN_BACKOFF = 511  # answers without polling
 
 
 class RequestKind(IntEnum):
-    """The requests, as bridge.cc counts them."""
+    """The requests, numbered as in bridge.cc."""
 
     STEP = 1
     RESET = 2
@@ -42,6 +42,8 @@ class RequestKind(IntEnum):
     CONTACTS = 8
     ATTACH = 9
     DETACH = 10
+    CENTER = 11
+    WRENCHES = 12
 
 
 @final
@@ -62,12 +64,12 @@ class BridgeListener:
     def accept(
         self, dt: float, check: Callable[[], None], timeout: float
     ) -> socket.socket:
-        """Return the socket of a bridge of our version, for steps of ``dt`` [s].
+        """Return the socket of a bridge with our version, for steps of ``dt`` [s].
 
         ``check`` is called while waiting; it raises if the bridge will never connect.
 
         Raises:
-            EngineUnavailableError: If no bridge connects, or one of another version.
+            EngineUnavailableError: If no bridge connects, or its version differs.
         """
         deadline = perf_counter() + timeout
         self._socket.settimeout(0.1)
@@ -127,7 +129,7 @@ class BridgeConnection:
         self._loss: EngineError | None = None
         self._answer = bytearray(_MAX_PACKET)
         self._view = memoryview(self._answer)
-        # In blocking mode, so that waiting takes one system call and not two.
+        # In blocking mode, so that waiting takes one system call instead of two.
         self._peer.settimeout(None)
         self._set_timeout(ANSWER_TIMEOUT)
         poll = select.poll()
@@ -188,9 +190,9 @@ class BridgeConnection:
         self._peer.close()
 
     def _spin(self) -> None:
-        """Poll for the answer, since waking up from a blocking call takes long.
+        """Poll for the answer, because waking up from a blocking call takes long.
 
-        Where polling fails, as on busy processors, it is tried ever more rarely.
+        If polling fails, as on busy processors, it is tried less and less often.
         """
         if self._skip_spins:
             self._skip_spins -= 1
@@ -218,15 +220,15 @@ class BridgeConnection:
 
 
 def pack_text(value: str) -> bytes:
-    """Return ``value`` as the bridge reads it, or raise EngineError."""
+    """Return ``value`` in the bridge's format, or raise EngineError."""
     raw = value.encode()
     if b"\0" in raw:
-        raise EngineError(f"{value!r} has a zero byte, which Gazebo cannot name")
+        raise EngineError(f"{value!r} contains a zero byte, invalid in Gazebo")
     return raw + b"\0"
 
 
 def pack_floats(values: Sequence[float]) -> bytes:
-    """Return ``values`` as the bridge reads them."""
+    """Return ``values`` in the bridge's format."""
     return struct.pack(f"={len(values)}d", *values)
 
 

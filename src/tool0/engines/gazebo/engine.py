@@ -27,14 +27,20 @@ from tool0.engines.gazebo.server import GazeboServer
 from tool0.engines.gazebo.world import GazeboServerWorld
 from tool0.errors import DivergenceError
 from tool0.hardware.bodies import check_masses, moving_bodies
-from tool0.hardware.engine import JointState, check_dt, effort_divergence
+from tool0.hardware.engine import (
+    JointState,
+    check_dt,
+    effort_divergence,
+    fastest,
+    has_diverged,
+)
 from tool0.installation.gazebo.installation import find_installation
 from tool0.installation.gazebo.plugin import bridge_libraries
 
 
 @final
 class GazeboEngine:
-    """An ``Engine``: a gzserver of its own, in lock step with the loop."""
+    """An ``Engine`` with its own gzserver, in lock-step with the loop."""
 
     name = "gazebo"
 
@@ -117,10 +123,13 @@ class GazeboEngine:
             self._finish_step()
         values, n = self._state, len(self.joint_names)
         time = self._steps * self.dt
+        velocity = list(values[n:])
         if not math.isfinite(sum(values)):
             kind, _, name = self._diverged.partition(" ")
             raise DivergenceError(name, time, kind=kind)
-        return JointState(time, list(values[:n]), list(values[n:]), self._effort)
+        if has_diverged(velocity):
+            raise DivergenceError(self.joint_names[fastest(velocity)], time)
+        return JointState(time, list(values[:n]), velocity, self._effort)
 
     def write(self, effort: Sequence[float]) -> None:
         held = list(effort)
@@ -142,7 +151,7 @@ class GazeboEngine:
         self.server.close()
 
     def _finish_step(self) -> None:
-        """Receive the state after the step, if one is under way."""
+        """Receive the state after the step, if one is pending."""
         if self._is_stepping:
             self._is_stepping = False
             self._take_state(self._connection.receive())

@@ -1,12 +1,12 @@
-"""The robot's URDF as Gazebo needs it, and the constraints that hold mimic joints.
+"""The robot's URDF for Gazebo, and the constraints of mimic joints.
 
-Gazebo's own libsdformat converts the URDF, as for any Gazebo user.  Five things are
-changed before: mesh paths, the joint that fixes the robot to the world, the constraints
+Gazebo's own libsdformat converts the URDF, as for any Gazebo user.  tool0 changes five
+things before: mesh paths, the joint that fixes the robot to the world, the constraints
 and the stops of mimic joints, and colours.
 
-A mimic joint is held by ODE's gearbox joint where that is exact, else by gear teeth in
-the bridge.  The gearbox holds w_child + ratio · w_parent = 0 between the angular
-velocities of two bodies, without the body that carries both.  So it is exact only for
+ODE's gearbox joint constrains a mimic joint where that is exact, otherwise gear teeth
+in the bridge.  The gearbox holds w_child + ratio · w_parent = 0 between the angular
+velocities of two bodies, without the carrier of both.  It is therefore exact only for
 ratio -1 and parallel axes, where the carrier's velocity cancels.  With any other ratio
 it resists the carrier's rotation, with no reaction on the carrier.
 """
@@ -30,27 +30,27 @@ WORLD = "world"
 """The link that libsdformat fixes to the world if it is the URDF's root."""
 _PARALLEL = 1e-6  # [rad]
 STOP_SLACK = 0.02
-"""By how much the stops of mimic joints are set back [rad | m].
+"""Offset of the stops of mimic joints [rad | m].
 
-A master's stop holds its mimics, too: ODE's direct solver fails on redundant rows, and
+A master's stop also stops its mimics: ODE's direct solver fails on redundant rows, and
 undamped fingers then oscillate at 6 rad/s.
 """
 _COLORED = "tool0_paint"
-"""Starts the names of coloured shapes' links: libsdformat does not lump a link whose
-name begins with its parent's."""
+"""Prefix of the links of coloured shapes: libsdformat does not lump a link whose name
+begins with its parent's."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class MimicConstraint:
-    """Holds a mimic joint to an adjacent joint of its mechanism."""
+    """Couples a mimic joint to an adjacent joint of its mechanism."""
 
     joint: int
     """Index of the mimic joint among the movable ones."""
     other: int
-    """Index of the joint that it is held to: of its parent body, or beside it."""
+    """Index of the joint that it is coupled to: of its parent body, or beside it."""
     multiplier: float
-    """Position of the joint over that of the other."""
+    """Ratio of the joint's position to that of the other."""
     is_gearbox: bool
     """Whether both turn the same way at the same speed, seen from the world."""
 
@@ -106,7 +106,7 @@ def gazebo_urdf(
             child = joint.findtext("child")
             if child in constrained and constrained[child].is_gearbox:
                 geared.add(child)
-            elif child in constrained:  # the bridge holds it instead
+            elif child in constrained:  # the bridge couples it instead
                 extension.remove(joint)
     for child, constraint in constrained.items():
         if constraint.is_gearbox and child not in geared:
@@ -119,8 +119,8 @@ def _add_colors(robot: ET.Element, model: RobotModel) -> None:
     """Give the visuals of the URDF ``robot`` the colours of ``model``.
 
     libsdformat ignores ``<material>``, and its own extension colours a whole link.  A
-    fixed link keeps its extension when it is lumped into its parent link: so each
-    coloured shape gets a link of its own.
+    fixed link keeps its extension when it is lumped into its parent link; therefore
+    each coloured shape gets its own link.
     """
     elements = {link.get("name"): link for link in robot.findall("link")}
     for link in model.links:
@@ -222,7 +222,7 @@ def _constraint(
             # Carried by the other, it keeps its orientation seen from the body below.
             if np.isclose(multiplier * along, -1.0):
                 return MimicConstraint(i, j, multiplier, is_gearbox=True)
-            why = f"it is carried by '{other.name}' and does not turn back as far"
+            why = f"it moves with '{other.name}' without turning back by the same angle"
             continue
         if np.isclose(multiplier * along, 1.0):
             return MimicConstraint(i, j, multiplier, is_gearbox=True)

@@ -1,8 +1,9 @@
-"""SDF: models of scene objects, inertia of solid shapes, checks of a user's files."""
+"""SDF: models of scene objects, inertia of solids, checks of the user's files."""
 
 from __future__ import annotations
 
 import itertools
+import math
 import struct
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -10,14 +11,25 @@ from pathlib import Path
 import numpy as np
 
 from tool0.description.scene import SceneObject
-from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import (
+    Box,
+    Compound,
+    Cylinder,
+    Geometry,
+    Mesh,
+    Solid,
+    Sphere,
+    part_names,
+    parts_of,
+)
+from tool0.description.transform import Pose, pose_matrix
 from tool0.errors import DescriptionError, ModelError, SourceLocation
 from tool0.hardware.bodies import BodyInertia
 
 Array = np.ndarray
 
 STIFFNESS, DAMPING = 1e5, 10.0
-"""Of contact [N/m, N·s/m], as of the pads: still at rest, without visible depth."""
+"""Contact stiffness and damping [N/m, N·s/m], as for the pads: objects rest still."""
 MIN_DEPTH, MAX_VEL = 1e-5, 0.1
 """Overlap that is not corrected [m], and the highest speed of correction [m/s].
 
@@ -31,22 +43,40 @@ def object_sdf(item: SceneObject) -> str:
     """Return the object as an SDF document, at its model's origin.
 
     Raises:
-        ModelError: If it is a mesh that cannot be read, or that has a mass but no
+        ModelError: If it has a mesh that cannot be read, or that has a mass but no
             volume.
     """
-    if isinstance(item.geometry, Mesh):
-        check_mesh(item.geometry.path)
-    geometry = _geometry(item.geometry)
-    color = " ".join(map(repr, item.rgba))
-    # Neither an object's name nor a URI has a character that XML would need escaped.
+    parts = parts_of(item.geometry)
+    for geometry, _ in parts:
+        if isinstance(geometry, Mesh):
+            check_mesh(geometry.path)
+    names = [part_names(kind, item.geometry) for kind in ("collision", "visual")]
+    shapes = "".join(
+        _shape(item, collision, visual, *part)
+        for collision, visual, part in zip(*names, parts, strict=True)
+    )
+    # Neither object names nor URIs contain characters that XML must escape.
     return f"""\
 <sdf version="1.6">
   <model name="{item.name}">
     <static>{"false" if item.mass else "true"}</static>
     <link name="link">
       {_inertial(item)}
-      <collision name="collision">
-        {geometry}
+{shapes}    </link>
+  </model>
+</sdf>
+"""
+
+
+def _shape(
+    item: SceneObject, collision: str, visual: str, geometry: Geometry, pose: Pose
+) -> str:
+    placed = " ".join(repr(float(part)) for part in (*pose.xyz, *pose.rpy))
+    where = f"<pose>{placed}</pose>{_geometry(geometry)}"
+    color = " ".join(map(repr, item.rgba))
+    return f"""\
+      <collision name="{collision}">
+        {where}
         <surface>
           <friction><ode>
             <mu>{item.friction!r}</mu><mu2>{item.friction!r}</mu2>
@@ -57,14 +87,11 @@ def object_sdf(item: SceneObject) -> str:
           </ode></contact>
         </surface>
       </collision>
-      <visual name="visual">
-        {geometry}
+      <visual name="{visual}">
+        {where}
         <material><ambient>{color}</ambient><diffuse>{color}</diffuse></material>
         <transparency>{1.0 - item.rgba[3]!r}</transparency>
       </visual>
-    </link>
-  </model>
-</sdf>
 """
 
 
@@ -73,7 +100,7 @@ def check_world(file: Path) -> None:
     root = _root(file, "world")
     if root.tag != "sdf" or root.find("world") is None:
         raise DescriptionError(
-            f"<{root.tag}> is no world; a world is <sdf><world>…</world></sdf>",
+            f"<{root.tag}> is not a world; write <sdf><world>…</world></sdf>",
             SourceLocation(file, 1),
         )
 
@@ -83,19 +110,19 @@ def check_model(file: Path) -> None:
     root = _root(file, "model")
     if root.tag != "robot" and (root.tag != "sdf" or root.find("model") is None):
         raise DescriptionError(
-            f"<{root.tag}> is no model; a model is <sdf><model>…</model></sdf>, "
-            "or a URDF's <robot>",
+            f"<{root.tag}> is not a model; write <sdf><model>…</model></sdf>, "
+            "or a URDF with <robot>",
             SourceLocation(file, 1),
         )
 
 
-def unit_inertia(geometry: Geometry) -> BodyInertia:
+def unit_inertia(solid: Solid) -> BodyInertia:
     """Return the inertia of a homogeneous solid of 1 kg.
 
     Raises:
-        ModelError: If it is a mesh that cannot be read or encloses nothing.
+        ModelError: If it has a mesh that cannot be read or encloses nothing.
     """
-    match geometry:
+    match solid:
         case Box(size=(x, y, z)):
             return _centred(y * y + z * z, x * x + z * z, x * x + y * y, over=12.0)
         case Cylinder(radius=r, length=length):
@@ -105,6 +132,29 @@ def unit_inertia(geometry: Geometry) -> BodyInertia:
             return _centred(r * r, r * r, r * r, over=2.5)
         case Mesh(path=path, scale=scale):
             return _enclosed(_triangles(path) * np.asarray(scale), path)
+        case Compound(parts=parts):
+            units = [unit_inertia(geometry) for geometry, _ in parts]
+            volumes = [volume(geometry) for geometry, _ in parts]
+            return BodyInertia.total(
+                [
+                    _placed(unit, part / sum(volumes), pose)
+                    for unit, part, (_, pose) in zip(units, volumes, parts, strict=True)
+                ]
+            )
+
+
+def volume(geometry: Geometry) -> float:
+    """Return the volume of a shape [m³]; ModelError if a mesh cannot be read."""
+    match geometry:
+        case Box(size=size):
+            return math.prod(size)
+        case Cylinder(radius=r, length=length):
+            return math.pi * r * r * length
+        case Sphere(radius=r):
+            return 4.0 / 3.0 * math.pi * r**3
+        case Mesh(path=path, scale=scale):
+            triangles = _triangles(path) * np.asarray(scale)
+            return abs(float(np.linalg.det(triangles).sum())) / 6.0
 
 
 def check_mesh(path: Path) -> None:
@@ -162,15 +212,25 @@ def _root(file: Path, what: str) -> ET.Element:
         ) from None
     except ET.ParseError as error:
         line = error.position[0]
-        raise DescriptionError(f"no XML: {error}", SourceLocation(file, line)) from None
+        raise DescriptionError(
+            f"not XML: {error}", SourceLocation(file, line)
+        ) from None
 
 
 def _centred(*moments: float, over: float) -> BodyInertia:
     return BodyInertia(1.0, np.zeros(3), np.diag(moments) / over)
 
 
+def _placed(unit: BodyInertia, mass: float, pose: Pose) -> BodyInertia:
+    """Return a solid, given as if of 1 kg, in the frame in which it has ``pose``."""
+    frame = pose_matrix(pose)
+    R = frame[:3, :3]
+    center = R @ unit.center + frame[:3, 3]
+    return BodyInertia(mass, center, mass * R @ unit.tensor @ R.T)
+
+
 def _enclosed(triangles: Array, path: Path) -> BodyInertia:
-    """Return the inertia of what the triangles, shape (n, 3, 3), enclose.
+    """Return the inertia of the solid that triangles, shape (n, 3, 3), enclose.
 
     The signed sum of the tetrahedra between each triangle and the origin:
     F. Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia tensor" (2004).
@@ -180,8 +240,8 @@ def _enclosed(triangles: Array, path: Path) -> BodyInertia:
     extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     if not abs(volume) > 1e-9 * extent**3:
         raise ModelError(
-            f"the mesh {path} encloses no volume, so it can have no mass; "
-            "close its surface, or leave the mass out"
+            f"the mesh {path} encloses no volume, so it cannot have a mass; "
+            "close its surface, or omit the mass"
         )
     sums = triangles.sum(axis=1)
     center = sixfold @ sums / 24.0 / volume
@@ -208,7 +268,7 @@ def _triangles(path: Path) -> Array:
 
 
 def _read_stl(data: bytes) -> Array:
-    """Read binary STL, whose size tells it apart, or the text that means the same."""
+    """Read binary STL, recognised by its size, or ASCII STL."""
     header, record = 84, 50  # [bytes]: name and count; normal, corners, two spare
     count = struct.unpack_from("<I", data, 80)[0] if len(data) >= header else -1
     if len(data) != header + record * count:

@@ -1,4 +1,4 @@
-"""A gzserver of our own and its gzclient: start, logs, crashes and shutdown."""
+"""Our gzserver and gzclient: start, logs, crashes and shutdown."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from tool0.user_data import locked
 logger = logging.getLogger(__name__)
 
 START_TIMEOUT = 30.0
-"""Until gzserver has loaded the bridge [s]; with a cold disk it takes ten."""
+"""Timeout for gzserver to load the bridge [s]; with a cold disk it takes ten."""
 _EXIT_TIMEOUT: Final = 0.2
-"""For a server that closed the connection to end by itself [wall s]."""
+"""Timeout for a disconnected server to end by itself [wall s]."""
 _FOLDER: Final = "tool0-gazebo-"
 _LOCK: Final = "lock"
 _NEW_LOCK: Final = "lock.new"
@@ -42,7 +42,7 @@ _NOISE: Final = re.compile(
     r"|\[Msg\]|\[\w+\] \[RenderEngine"  # which draws nothing without a display
     r"|Error:\s+Could not find the 'robot'"  # before it tries SDF
 )
-"""Lines that every gzserver prints, and that never explain a failure."""
+"""Lines that every gzserver prints and that never explain a failure."""
 _ERROR: Final = re.compile(r"\[Err\]|Error|\[Wrn\] \[Server")
 
 
@@ -55,7 +55,7 @@ def _window_program(installation: GazeboInstallation) -> Path:
     if not os.environ.get("DISPLAY"):
         raise EngineUnavailableError(
             "gzclient needs an X display, and DISPLAY is not set; "
-            "leave out the Gazebo GUI, or use the panel"
+            "omit --gazebo-gui, or use the panel"
         )
     return installation.client
 
@@ -64,7 +64,7 @@ def _window_program(installation: GazeboInstallation) -> Path:
 class GazeboServer:
     """One gzserver with its own folder, port and HOME.
 
-    It ends with ``close``, and with this process however that ends.
+    It ends with ``close`` or with this process, however that ends.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class GazeboServer:
         """Start gzserver with ``world`` and the bridge; ``open_window`` needs ``gui``.
 
         Raises:
-            EngineUnavailableError: If a window is wanted and there can be none.
+            EngineUnavailableError: If a window is requested but impossible.
         """
         self._client = _window_program(installation) if gui else None
         self._installation = installation
@@ -92,7 +92,7 @@ class GazeboServer:
             self._listener = BridgeListener(self.folder / "bridge")
             exits.callback(self._listener.close)
             # Without a gzclient ``~/physics/contacts`` is not published: publishing at
-            # each step, to nobody, takes a tenth of the time.
+            # each step, without subscribers, takes a tenth of the time.
             quiet = () if gui else ("--minimal_comms",)
             bridge = str(libraries.bridge)
             self._process = self._run(
@@ -110,13 +110,13 @@ class GazeboServer:
 
     @property
     def process_ids(self) -> tuple[int, ...]:
-        """Of the running processes."""
+        """Process ids of the running processes."""
         window = [] if self._window is None else [self._window.process]
         running = (p for p in (self._process, *window) if p.exit_status is None)
         return tuple(process.pid for process in running)
 
     def connect(self, dt: float) -> BridgeConnection:
-        """Return the connection to the bridge, which makes steps of ``dt`` [s].
+        """Return the connection to the bridge, for steps of ``dt`` [s].
 
         Raises:
             EngineUnavailableError: If gzserver does not start, or its bridge is wrong.
@@ -129,7 +129,7 @@ class GazeboServer:
         """Run gzclient on the server, if ``gui`` was given."""
         client, log = self._client, self.folder / "gzclient.log"
         if client is not None:
-            # With the user's own HOME: the window keeps their settings.
+            # With the user's own HOME, so that the window has their settings.
             home = os.environ.get("HOME", str(self.folder))
             self._window = ClientWindow(
                 lambda: self._run(client, ["--verbose"], log, {"HOME": home}), log
@@ -156,7 +156,7 @@ class GazeboServer:
             )
 
     def _lost(self, why: str) -> EngineUnavailableError:
-        """End what is left of the server, and return the error that reports it."""
+        """End the rest of the server, and return the error to report."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(_EXIT_TIMEOUT)
         error = EngineUnavailableError(_exit_report(why, self._process, self._log))
@@ -196,7 +196,7 @@ class ClientWindow:
     """
 
     def __init__(self, run: Callable[[], ChildProcess], log: Path) -> None:
-        """Start it by ``run``, with its output in ``log``."""
+        """Start it with ``run``, its output in ``log``."""
         self._run = run
         self._log = log
         self._lock = threading.Lock()
@@ -227,10 +227,10 @@ class ClientWindow:
 
 @contextlib.contextmanager
 def _own_folder() -> Iterator[Path]:
-    """Make a folder that is removed at the end; remove those of killed processes."""
+    """Create a folder, removed at the end; remove folders of killed processes."""
     parent = Path(tempfile.gettempdir())
     for left in parent.glob(f"{_FOLDER}*/{_LOCK}"):
-        # That of a running server is locked, that of a starting one has no lock yet.
+        # The folder of a running server is locked; a starting one has no lock yet.
         with contextlib.suppress(OSError), locked(left, wait=False):
             shutil.rmtree(left.parent, ignore_errors=True)
     folder = Path(tempfile.mkdtemp(prefix=_FOLDER))

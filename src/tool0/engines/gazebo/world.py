@@ -1,4 +1,4 @@
-"""The models in Gazebo's world, and their contacts by the names of URDF and scene.
+"""The models in Gazebo's world, and contacts with the names of URDF and scene.
 
 libsdformat lumps fixed links into the link that they are fixed to, and names each shape
 by its original link.
@@ -11,7 +11,7 @@ import logging
 import math
 import re
 import struct
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import final
 
@@ -44,9 +44,12 @@ from tool0.hardware.bodies import Matrix, MovingBody, fixed_to_world
 from tool0.hardware.engine import (
     Contact,
     ObjectState,
+    Wrench,
     check_attachable,
     check_new_name,
     check_placement,
+    find_object,
+    immovable,
 )
 
 logger = logging.getLogger(__name__)
@@ -54,7 +57,7 @@ logger = logging.getLogger(__name__)
 _WORLD_REPLACED = "Falling back on"
 _INCOMPLETE_MODEL = "Loading model from factory message failed"
 _MESH_MISSING = "Unable to load mesh"
-"""In gzserver's log; gzserver itself continues as if nothing had happened."""
+"""Errors in gzserver's log, after which gzserver itself continues."""
 
 
 @final
@@ -92,7 +95,7 @@ class GazeboServerWorld:
         self._root = root
         self._names = LinkNames(model, bodies, own_world=world_file is None)
         self._finish_step = finish_step
-        self._objects: dict[str, SceneObject] = {}  # as the bridge lists them
+        self._objects: dict[str, SceneObject] = {}  # in the order of the bridge
         self._states: tuple[ObjectState, ...] = ()
         self.ground = None if world_file else -float(root[2, 3])
         file = server.folder / "robot.urdf"
@@ -121,7 +124,7 @@ class GazeboServerWorld:
         self.gravity: Vector3 = (x, y, z)
 
     def start_poses(self) -> bytes:
-        """Return the objects' poses after a reset, as the bridge reads them."""
+        """Return the objects' poses after a reset, in the bridge's format."""
         return b"".join(
             pack_pose(self._root @ pose_matrix(item.pose))
             for item in self._objects.values()
@@ -158,14 +161,14 @@ class GazeboServerWorld:
         """Add the model of a URDF or SDF file at ``pose`` in the robot's root.
 
         Raises:
-            DescriptionError: If the file is no XML with a model in it.
-            EngineError: If Gazebo refuses it, or can build only a part of it.
+            DescriptionError: If the file is not XML with a model.
+            EngineError: If Gazebo rejects it, or can build only part of it.
         """
         check_model(file)
         self._spawn(name, file.resolve(), self._root @ pose_matrix(pose))
 
     def delete(self, name: str) -> None:
-        """Remove any model but the robot, or raise EngineError."""
+        """Remove a model other than the robot, or raise EngineError."""
         if name == self._model.name:
             raise EngineError(f"'{name}' is the robot, which cannot be removed")
         try:
@@ -190,17 +193,43 @@ class GazeboServerWorld:
         )
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Return the contacts of the last step, one item for each pair.
+        """Return the contacts of the last step, one per pair.
 
         Gazebo records them from the first call on, so that call returns none.
         """
         packed, n, left = b"", 0, 1
-        while left:  # an answer holds only so many
+        while left:  # the size of an answer is limited
             answer = self._request(RequestKind.CONTACTS, struct.pack("=I", n))
             n_here, left = struct.unpack_from("=2I", answer)
             packed += answer[8:]
             n += n_here
         return unpack_contacts(packed, self._names, self._root)
+
+    def center_of_mass(self, name: str) -> Vector3:
+        answer = self._request(RequestKind.CENTER, self._packed_body(name))
+        x, y, z = struct.unpack("=3d", answer)
+        return x, y, z - float(self._root[2, 3])
+
+    def hold_wrenches(self, wrenches: Mapping[str, Wrench]) -> None:
+        self._request(
+            RequestKind.WRENCHES,
+            struct.pack("=I", len(wrenches)),
+            *(
+                self._packed_body(name) + pack_floats((*force, *torque))
+                for name, (force, torque) in wrenches.items()
+            ),
+        )
+
+    def _packed_body(self, name: str) -> bytes:
+        """Return model and link of what a link or object is part of, for the bridge."""
+        if name in self._names.body_of_link:
+            body = self._names.body_of_link[name]
+            if not body:
+                raise immovable(name)
+            return pack_text(self._model.name) + pack_text(body)
+        if find_object(self._objects, name).mass is None:
+            raise immovable(name)
+        return pack_text(name) + pack_text("link")
 
     def attach(self, name: str, link: str) -> None:
         self._model.link(link)
@@ -272,11 +301,11 @@ class GazeboServerWorld:
 
 _NUMBERS = struct.Struct("=10d")
 _REVERSED = np.array([1.0] * 4 + [-1.0] * 6)
-"""Factors of the numbers if the two names are swapped."""
+"""Factors of the numbers when the two names are swapped."""
 _GROUND = ("ground_plane", "ground")
 """The name of the model in our own world, and the name that tool0 uses."""
 _LUMP = "_fixed_joint_lump__"
-"""Between the names of a lump and of its link, unless that name begins as the lump."""
+"""Separates the names of a lump and its link, unless the link name starts with it."""
 _NUMBERED = re.compile(r"_collision(_\d+)?$")
 
 
@@ -297,7 +326,7 @@ class LinkNames:
                 self.body_of_link[link] = body.joint.child
 
     def owner(self, model: str, shape: str) -> str:
-        """Return the link or object that a shape of Gazebo's belongs to."""
+        """Return the link or object of one of Gazebo's shapes."""
         if model == self._robot:
             link = _NUMBERED.sub("", shape.rpartition(_LUMP)[2])
             return link if link in self.body_of_link else shape

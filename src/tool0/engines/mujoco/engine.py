@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import struct
 from collections.abc import Sequence
 from typing import Any, final
 
 import mujoco
-import numpy as np
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
@@ -19,8 +19,17 @@ from tool0.hardware.engine import (
     JointState,
     check_dt,
     effort_divergence,
+    fastest,
+    has_diverged,
     joint_selector,
 )
+
+logger = logging.getLogger(__name__)
+
+
+def _log_warning(message: str) -> None:
+    """Log what MuJoCo warns of, in place of a file in the working directory."""
+    logger.debug("MuJoCo: %s", message)
 
 
 @final
@@ -41,6 +50,8 @@ class MujocoEngine:
         ``ground`` is its height in the robot's root [m]; None without ground.
         """
         check_dt(dt)
+        if mujoco.get_mju_user_warning() is None:  # it would write to a file
+            mujoco.set_mju_user_warning(_log_warning)
         if ground is not None and not math.isfinite(ground):
             raise ConfigError(f"the height of the ground must be finite, got {ground}")
         self.joint_names = tuple(joint.name for joint in model.movable_joints)
@@ -55,7 +66,7 @@ class MujocoEngine:
         compiled = tuple(self.model.joint(i).name for i in range(self.model.njnt))
         if compiled[:n] != self.joint_names:
             raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")
-        # Packing plain floats costs a third of what assigning to the array does.
+        # Packing plain floats takes a third of the time of assigning to the array.
         self._pack = struct.Struct(f"{self.model.nu}d").pack_into
         self._motors = joint_selector(
             [
@@ -72,15 +83,15 @@ class MujocoEngine:
     def read(self) -> JointState:
         position, velocity = self._position.tolist(), self._velocity.tolist()
         time = self._steps * self.dt
-        if not math.isfinite(sum(velocity)):  # it makes the position infinite, too
-            raise self._divergence(time)
+        if has_diverged(velocity):  # the position follows it
+            raise self._divergence(time, fastest(velocity))
         if self._has_objects:
             del velocity[len(position) :]
         return JointState(time, position, velocity, self._effort)
 
     def write(self, effort: Sequence[float]) -> None:
         held = list(effort)
-        if not math.isfinite(sum(held)):  # MuJoCo would go limp, and only log it
+        if not math.isfinite(sum(held)):  # MuJoCo would only log it
             raise effort_divergence(self.joint_names, held, self._steps * self.dt)
         self._effort = held
         self._pack(self._ctrl, 0, *self._motors(held))
@@ -102,12 +113,9 @@ class MujocoEngine:
         self._has_objects = model.nv > n  # movable ones
         self._ctrl = memoryview(data.ctrl)
 
-    def _divergence(self, time: float) -> DivergenceError:
-        n = len(self.joint_names)
-        finite = np.isfinite(self._velocity)
-        finite[:n] &= np.isfinite(self._position)
-        joint = int(self.model.dof_jntid[int(np.argmin(finite))])
+    def _divergence(self, time: float, dof: int) -> DivergenceError:
+        joint = int(self.model.dof_jntid[dof])
         name = self.model.joint(joint).name
-        if joint < n:
+        if joint < len(self.joint_names):
             return DivergenceError(name, time)
         return DivergenceError(name.partition("/")[0], time, kind="object")

@@ -1,6 +1,6 @@
 """OpenGL contexts for rendering without a screen.
 
-MuJoCo's own modules make the contexts.  They are imported one by one here, because
+MuJoCo's own modules create the contexts.  They are imported separately here, because
 ``mujoco`` itself reads ``MUJOCO_GL`` at its first import, and without it needs a screen
 on Linux.
 """
@@ -18,7 +18,7 @@ from tool0.installation.doctor.report import ProbeResult
 from tool0.installation.machine import Machine
 
 PACKAGES: Final = "libegl1 libopengl0 libgl1-mesa-dri"
-"""Of Debian and Ubuntu; libosmesa6 is the alternative without EGL."""
+"""Packages of Debian and Ubuntu; libosmesa6 is the alternative without EGL."""
 
 _MODULES: Final = {
     "egl": "mujoco.egl",
@@ -28,7 +28,7 @@ _MODULES: Final = {
     "glew": "mujoco.glfw",
     "cgl": "mujoco.cgl",
 }
-"""Value of MUJOCO_GL → module that makes the context."""
+"""Value of MUJOCO_GL → module that creates the context."""
 
 
 def import_mujoco() -> None:
@@ -51,17 +51,17 @@ def import_mujoco() -> None:
 
 
 def make_context(width: int, height: int) -> Any:  # none of MuJoCo's is typed
-    """Return a GL context for pictures up to that size [pixels], not yet current.
+    """Return a GL context for images up to that size [pixels], not yet current.
 
     Raises:
-        RenderError: If there is none here, with what to install.
+        RenderError: If there is none, with the packages to install.
     """
     kind = kind_of_context()
     try:
         return importlib.import_module(_MODULES[kind]).GLContext(width, height)
     except Exception as error:  # the exception depends on the library
         raise RenderError(
-            f"no picture can be rendered: OpenGL by {kind} does not work here "
+            f"cannot render images: OpenGL by {kind} does not work here "
             f"({error or type(error).__name__}); on Debian and Ubuntu "
             f"run `apt-get install {PACKAGES}`"
         ) from error
@@ -74,19 +74,19 @@ def kind_of_context() -> str:
         return wanted
     if wanted not in ("", "on", "enable", "enabled", "true", "1"):
         raise RenderError(
-            f"no picture can be rendered: MUJOCO_GL is '{wanted}'; unset it, or set it "
+            f"cannot render images: MUJOCO_GL is '{wanted}'; unset it, or set it "
             "to egl or osmesa"
         )
     if sys.platform != "linux":
         return "cgl" if sys.platform == "darwin" else "glfw"
-    # PyOpenGL keeps the library that it looked for first: so only one is tried.
+    # PyOpenGL keeps the library that it tries first, so only one can be tried.
     platform = os.environ.get("PYOPENGL_PLATFORM", "")
     if platform in ("", "egl") and _egl_has_device():
         return "egl"
     if platform in ("", "osmesa") and _has("libOSMesa.so.8", "libOSMesa.so.6"):
         return "osmesa"
     raise RenderError(
-        "no picture can be rendered: there is neither EGL with a device, such as Mesa "
+        "cannot render images: there is neither EGL with a device, such as Mesa "
         "in software, nor OSMesa; on Debian and Ubuntu "
         f"run `apt-get install {PACKAGES}`, or install libosmesa6"
     )
@@ -103,7 +103,7 @@ def _has(*libraries: str) -> bool:
 
 
 def _egl_has_device() -> bool:
-    """Return whether EGL finds something that draws: the library alone does not."""
+    """Return whether EGL finds a device: the library alone is not enough."""
     try:
         egl = ctypes.CDLL("libEGL.so.1")
         egl.eglGetProcAddress.restype = ctypes.c_void_p
@@ -128,7 +128,7 @@ _MESA: Final = {
 
 
 def cameras(examined: Machine) -> list[ProbeResult]:
-    """Return whether pictures can be rendered, by making a context."""
+    """Return whether rendering works, by creating a context."""
     try:
         make_context(8, 8).free()
     except RenderError as error:

@@ -1,7 +1,7 @@
 """Converts the robot model to MuJoCo, through ``MjSpec``.
 
-Fixed links are merged into the moving body that carries them; their names remain as
-geom and site names.  ``<mimic>`` becomes a joint equality, a loop a connection of two
+Fixed links are merged into their moving parent body; their names remain as geom and
+site names.  ``<mimic>`` becomes a joint equality, a loop a connection of two
 points, ``<transmission>`` a motor.  A link with a ``<gazebo>`` surface gets the contact
 parameters of a pad.
 """
@@ -48,22 +48,22 @@ GRIP_CONDIM = 4
 IMPRATIO = 100.0
 MIMIC_SOLREF = (0.002, 1.0)
 """As stiff as a step of 1 ms allows: mimic joints follow within the step, loops stay
-closed, and passive joints stand firm at their stops."""
+closed, and passive joints do not pass their stops."""
 MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 LINKAGE_SOLIMP = (0.995, 0.999, 0.001, 0.5, 2.0)
-"""Impedance of loops and of stops of passive joints.  What presses there is hundreds of
-newtons on links of a few grams: with mimic's, loops gape by a millimetre at 235 N
-(with this, 0.15 mm); firmer yet, the closed pads tremble."""
+"""Impedance of loops and of stops of passive joints.  Hundreds of newtons act there on
+links of a few grams: with the impedance of mimic joints, loops open by a millimetre at
+235 N (with this, 0.15 mm); with a stiffer one, the closed pads vibrate."""
 
 MESH_SUFFIXES = (".stl", ".obj", ".msh")
-"""Of files that MuJoCo reads."""
+"""Suffixes of mesh files that MuJoCo reads."""
 
 _VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
 
 
 def build_spec(
     model: RobotModel, *, dt: float, visuals: bool = False, ground: float | None = 0.0
-) -> Any:  # MjSpec carries no types
+) -> Any:  # MjSpec has no type annotations
     """Return a ``mujoco.MjSpec`` of the robot.
 
     Args:
@@ -122,7 +122,7 @@ def compile_spec(spec: Any) -> Any:
     try:
         return spec.compile()
     except ValueError as error:
-        raise ModelError(f"MuJoCo refuses the robot: {error}") from error
+        raise ModelError(f"MuJoCo rejects the robot: {error}") from error
 
 
 def collision_name(link: Link, number: int) -> str:
@@ -191,7 +191,7 @@ def _add_body(
         armature=transmission.armature if transmission else 0.0,
     )
     hinge.damping = [joint.damping, 0.0, 0.0]  # a polynomial in the speed
-    if joint.passive:  # a firm stop
+    if joint.passive:  # a stiff stop
         hinge.solref_limit, hinge.solimp_limit = MIMIC_SOLREF, LINKAGE_SOLIMP
     if joint.spring is not None:
         hinge.stiffness = [joint.spring.stiffness, 0.0, 0.0]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, final
 
@@ -16,7 +17,15 @@ import numpy as np
 
 from tool0.description.model import Collision, RobotModel
 from tool0.description.scene import Scene, SceneObject
-from tool0.description.shapes import Cylinder, Mesh, Sphere
+from tool0.description.shapes import (
+    Compound,
+    Cylinder,
+    Geometry,
+    Mesh,
+    Sphere,
+    part_names,
+    parts_of,
+)
 from tool0.description.transform import Quaternion, Vector3, pose_matrix
 from tool0.engines.mujoco.model import (
     GRIP_CONDIM,
@@ -32,18 +41,18 @@ from tool0.errors import ModelError
 from tool0.hardware.engine import ObjectState
 
 OBJECT_SOLREF = (0.004, 1.0)
-"""Of contacts between objects, ground and links: a fifth of MuJoCo's time constant
-[s], so that a cube at rest penetrates by micrometres."""
+"""Time constant of contacts between objects, ground and links [s]: a fifth of
+MuJoCo's, so that a cube at rest penetrates by micrometres."""
 OBJECT_ROLLING = 0.0005
-"""Rolling friction [m], a guess for firm objects: a can on its side does not roll on a
-table that is up to one degree from level."""
+"""Rolling friction [m], a guess for stiff objects: a can on its side does not roll on
+a table that is tilted by up to one degree."""
 
 _PATCH, _ROUND = 4, 6  # condim: with spinning friction; with rolling friction, too
 
 
 def compile_with_scene(
     spec: Any, model: RobotModel, scene: Scene, known_files: Mapping[str, bytes]
-) -> tuple[Any, Mapping[str, bytes]]:  # MjSpec and MjModel carry no types
+) -> tuple[Any, Mapping[str, bytes]]:  # MjSpec and MjModel have no type annotations
     """Return the ``mujoco.MjModel`` of robot and scene, and its mesh files' contents.
 
     The scene is added to ``spec``, that of the robot.  ``known_files`` are the contents
@@ -51,24 +60,32 @@ def compile_with_scene(
     stays.
 
     Raises:
-        ModelError: If MuJoCo refuses the robot or an object, which is named.
+        ModelError: If MuJoCo rejects the robot or an object, whose name it contains.
     """
-    _add_objects(spec, model, scene)
+    _add_objects(spec, model, scene, known_files)
     files = _load_meshes(spec, known_files)
     try:
         return compile_spec(spec), files
     except ModelError:
         for item in scene.objects:
-            alone = mujoco.MjSpec()
-            _add_object(alone, item)
-            try:
-                alone.compile()
-            except ValueError as error:
-                raise ModelError(
-                    f"MuJoCo refuses object '{item.name}': {error}",
-                    scene.locations.get(item.name),
-                ) from error
+            _compile_alone(item, scene, known_files)
         raise
+
+
+def _compile_alone(
+    item: SceneObject, scene: Scene, known_files: Mapping[str, bytes]
+) -> Any:
+    """Return the ``mujoco.MjModel`` of one object; raises ModelError."""
+    alone = mujoco.MjSpec()
+    _add_object(alone, item, scene, known_files)
+    _load_meshes(alone, known_files)
+    try:
+        return alone.compile()
+    except ValueError as error:
+        raise ModelError(
+            f"MuJoCo rejects object '{item.name}': {error}",
+            scene.locations.get(item.name),
+        ) from error
 
 
 def free_joint_name(name: str) -> str:
@@ -76,32 +93,38 @@ def free_joint_name(name: str) -> str:
     return f"{name}/free"  # no object's name has a slash
 
 
-def _add_objects(spec: Any, model: RobotModel, scene: Scene) -> None:
+def _add_objects(
+    spec: Any, model: RobotModel, scene: Scene, known_files: Mapping[str, bytes]
+) -> None:
     """Add the scene to the spec of the robot.
 
     The smaller friction of two objects, or of an object and a pad, applies: MuJoCo
     would take the larger one, so these pairs are explicit.  Against the ground and
     the other links the object's friction applies, by its higher priority.
     """
-    # Static objects come first: messages about overlaps go by this order.
+    # Static objects come first: messages about overlaps rely on this order.
     for item in sorted(scene.objects, key=lambda item: item.mass is not None):
-        _add_object(spec, item)
+        _add_object(spec, item, scene, known_files)
     pads = [
         (collision_name(link, number), link.surface)
         for link in model.links
         if link.surface is not None
         for number in range(len(link.collisions))
     ]
-    for item, (pad, surface) in itertools.product(scene.objects, pads):
+    named = [(item, _geoms(item)) for item in scene.objects]
+    for (item, geoms), (pad, surface) in itertools.product(named, pads):
         mu = 1.0 if surface.mu1 is None else surface.mu1
-        pair = _add_pair(spec, _geom_name(item), pad, min(item.friction, mu))
-        pair.condim = GRIP_CONDIM
-        pair.solref, pair.solimp = GRIP_SOLREF, GRIP_SOLIMP
-    for first, second in itertools.combinations(scene.objects, 2):
-        if first.mass is not None or second.mass is not None:
-            mu = min(first.friction, second.friction)
-            pair = _add_pair(spec, _geom_name(first), _geom_name(second), mu)
-            pair.condim = max(_condim(first), _condim(second))
+        for geom, _ in geoms:
+            pair = _add_pair(spec, geom, pad, min(item.friction, mu))
+            pair.condim = GRIP_CONDIM
+            pair.solref, pair.solimp = GRIP_SOLREF, GRIP_SOLIMP
+    for (first, ones), (second, others) in itertools.combinations(named, 2):
+        if first.mass is None and second.mass is None:
+            continue
+        mu = min(first.friction, second.friction)
+        for (one, shape), (other, its_shape) in itertools.product(ones, others):
+            pair = _add_pair(spec, one, other, mu)
+            pair.condim = max(_condim(shape), _condim(its_shape))
             pair.solref = OBJECT_SOLREF
 
 
@@ -117,34 +140,53 @@ def _load_meshes(spec: Any, known: Mapping[str, bytes]) -> Mapping[str, bytes]:
             elif Path(name).is_file():  # otherwise MuJoCo reports what is wrong
                 files[name] = Path(name).read_bytes()
         if name in files:
-            # mujoco 3.3.0 takes two files of one name in two folders for the same.
+            # mujoco 3.3.0 confuses files with the same name in two folders.
             mesh.file = name.replace("/", "|").replace("\\", "|")
             assets[mesh.file] = files[name]
     spec.assets = assets
     return files
 
 
-def _add_object(spec: Any, item: SceneObject) -> None:
+def _add_object(
+    spec: Any, item: SceneObject, scene: Scene, known_files: Mapping[str, bytes]
+) -> None:
     frame = pose_matrix(item.pose)
     body = spec.worldbody.add_body(
         name=item.name, pos=frame[:3, 3], quat=quat_wxyz(frame)
     )
+    geoms = [
+        _add_part(spec, body, item, Collision(geometry=shape, origin=pose))
+        for shape, pose in parts_of(item.geometry)
+    ]
+    for geom, (name, _) in zip(geoms, _geoms(item), strict=True):
+        geom.name = name
+    if item.mass is None:
+        return
+    body.add_freejoint(name=free_joint_name(item.name))
+    if not isinstance(item.geometry, Compound):
+        geoms[0].mass = item.mass
+        return
+    # MuJoCo has the volumes: that of a mesh is its convex hull's.
+    fixed = _compile_alone(replace(item, mass=None), scene, known_files)
+    for geom in geoms:
+        geom.density *= item.mass / fixed.body(item.name).mass[0]
+
+
+def _add_part(spec: Any, body: Any, item: SceneObject, part: Collision) -> Any:
+    """Add one shape of an object to its body; return the geom."""
     try:
-        geom = add_geom(spec, body, Collision(geometry=item.geometry), np.eye(4))
+        geom = add_geom(spec, body, part, np.eye(4))
     except ModelError as error:
         raise ModelError(f"object '{item.name}': {error.message}") from None
-    geom.name = _geom_name(item)
     geom.rgba = item.rgba
-    geom.condim = _condim(item)
+    geom.condim = _condim(part.geometry)
     geom.friction = [item.friction, SPINNING, OBJECT_ROLLING]
     geom.solref = OBJECT_SOLREF
     geom.priority = 1
-    if isinstance(item.geometry, Mesh):  # as solid as what touches; never refused
+    if isinstance(part.geometry, Mesh):  # as solid as the other geom; never rejected
         mesh = spec.mesh(geom.meshname)
         mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
-    if item.mass is not None:
-        geom.mass = item.mass
-        body.add_freejoint(name=free_joint_name(item.name))
+    return geom
 
 
 def _add_pair(spec: Any, first: str, second: str, mu: float) -> Any:
@@ -152,19 +194,22 @@ def _add_pair(spec: Any, first: str, second: str, mu: float) -> Any:
     return spec.add_pair(geomname1=first, geomname2=second, friction=friction)
 
 
-def _condim(item: SceneObject) -> int:
-    return _ROUND if isinstance(item.geometry, Cylinder | Sphere) else _PATCH
+def _condim(geometry: Geometry) -> int:
+    return _ROUND if isinstance(geometry, Cylinder | Sphere) else _PATCH
 
 
-def _geom_name(item: SceneObject) -> str:
-    return f"{item.name}/object"
+def _geoms(item: SceneObject) -> list[tuple[str, Geometry]]:
+    """Return name and shape of each geom of an object."""
+    names = part_names(f"{item.name}/object", item.geometry)
+    shapes = [shape for shape, _ in parts_of(item.geometry)]
+    return list(zip(names, shapes, strict=True))
 
 
 @final
 class ObjectStates:
     """Poses and velocities of the objects, read from and written to ``qpos``, ``qvel``.
 
-    ``xpos`` would be that of the step before.  A free joint has its linear velocity in
+    ``xpos`` is from the step before.  A free joint has its linear velocity in
     the axes of the world and its angular velocity in those of the object; an
     ``ObjectState`` has both in the axes of the robot's root.
     """
@@ -214,7 +259,7 @@ class ObjectStates:
         self._warm_start[j : j + 6] = 0.0
 
     def reset(self) -> None:
-        """Put static objects where they began; MuJoCo resets the others."""
+        """Put static objects where they started; MuJoCo resets the others."""
         for state in self._static_at_start.values():
             self._put(state)
 

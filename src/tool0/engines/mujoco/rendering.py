@@ -1,6 +1,6 @@
-"""Pictures of a robot and its scene by MuJoCo's renderer, for any engine.
+"""Images of a robot and its scene by MuJoCo's renderer, for any engine.
 
-The renderer has a model of its own with the visual meshes, and computes only its
+The renderer has its own model with the visual meshes, and computes only its
 kinematics.
 """
 
@@ -29,25 +29,25 @@ from tool0.hardware.engine import ObjectState
 logger = logging.getLogger(__name__)
 
 MAX_GEOMS = 10000
-"""Shapes in one picture; MuJoCo leaves out the rest."""
+"""Largest number of shapes in an image; MuJoCo omits the rest."""
 HORIZON, ZENITH = np.array([237.0, 242.0, 247.0]), np.array([180.0, 203.0, 230.0])
 """Colours of the sky."""
 HAZE = (3.0, 9.0)
-"""Depth [m] at which things begin to fade, and at which only sky is left."""
+"""Depth [m] at which objects begin to fade, and at which only sky is visible."""
 STAND_IN_RGBA = (0.6, 0.62, 0.65, 1.0)
-"""Of collision shapes that replace a mesh."""
+"""Colour of collision shapes that replace a mesh."""
 
 Picture = tuple[NDArray[np.uint8], NDArray[np.float32], Transform]
 
 
 @final
 class Renderer:
-    """Draws states of one robot.  The thread that makes it must use and close it."""
+    """Renders states of one robot; the thread that creates it must use and close it."""
 
     def __init__(
         self, model: RobotModel, ground: float | None, width: int, height: int
     ) -> None:
-        """Prepare OpenGL for pictures up to ``width`` and ``height`` [pixels].
+        """Prepare OpenGL for images up to ``width`` and ``height`` [pixels].
 
         ``ground`` is its height in the robot's root [m]; None without ground.
 
@@ -64,7 +64,7 @@ class Renderer:
         self._drawing: Any = None  # MuJoCo's MjrContext
 
     def holds(self, width: int, height: int) -> bool:
-        """Return whether a picture of that size [pixels] fits."""
+        """Return whether an image of that size [pixels] fits."""
         return width <= self._size[0] and height <= self._size[1]
 
     def render(
@@ -99,7 +99,7 @@ class Renderer:
         self._context.free()
 
     def _compile(self, objects: tuple[SceneObject, ...]) -> None:
-        """Compile and use a scene; change nothing if MuJoCo refuses."""
+        """Compile and use a scene; change nothing if MuJoCo rejects it."""
         model, files = compile_with_scene(
             self._robot_spec.copy(), self._robot, Scene(objects), self._mesh_files
         )
@@ -149,7 +149,7 @@ class Renderer:
         return Transform(position=(x, y, z), rotation=(a, b, c)) @ camera.T_link_camera
 
     def _aim(self, camera: Camera, frame: Transform) -> None:
-        """Set the view by our own frustum, so the model needs no cameras."""
+        """Set the view with our own frustum, so that the model needs no cameras."""
         _, down, forward = zip(*frame.rotation, strict=True)
         half = camera.near * math.tan(camera.field_of_view / 2.0)
         for eye in self._visible.camera:  # two, for stereo; the mean is what counts
@@ -192,7 +192,7 @@ def _paint_sky(
     camera: Camera,
     T_root_camera: Transform,
 ) -> None:
-    """Paint the sky, and let distant things fade into it.
+    """Paint the sky, and let distant objects fade into it.
 
     MuJoCo's own sky is a box at a finite distance, which would appear in the depth.
     """
@@ -208,11 +208,11 @@ def _paint_sky(
 
 
 def _furnish(spec: Any, width: int, height: int) -> None:
-    """Add light, and room for pictures of this size."""
+    """Add light, and allocate images of this size."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.shadowsize = 2048
-    # With several samples in a pixel, the depth would be that of one off its middle:
-    # millimetres wrong on a steep face.  Drawing would also take twice as long.
+    # With several samples per pixel, the depth would be that of an off-centre sample:
+    # millimetres wrong on a steep face.  Rendering would also take twice as long.
     spec.visual.quality.offsamples = 0
     spec.visual.map.shadowscale = 0.3  # of the lamp's cone: 1.8 m around on the ground
     spec.visual.headlight.ambient = [0.38, 0.38, 0.38]

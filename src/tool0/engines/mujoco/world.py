@@ -24,24 +24,26 @@ from tool0.errors import EngineError
 from tool0.hardware.engine import (
     Contact,
     ObjectState,
+    Wrench,
     check_attachable,
     check_new_name,
     check_placement,
     find_object,
+    immovable,
 )
 
 logger = logging.getLogger(__name__)
 
 OVERLAP_WARNING = 0.002
-"""Overlap of two shapes from which on a warning is logged [m]."""
+"""Overlap of two shapes from which a warning is logged [m]."""
 
 
 @final
 class MujocoWorld:
     """A ``World`` that owns the compiled model of robot and scene, and its data.
 
-    Objects and attachments are part of the model.  When one comes or goes the model is
-    compiled again, which takes about 2 ms, and the state is transferred.
+    Objects and attachments are part of the model.  When one is added or removed, the
+    model is compiled again (about 2 ms) and the state is transferred.
     """
 
     def __init__(
@@ -74,7 +76,7 @@ class MujocoWorld:
         return x, y, z
 
     def reset(self, position: Sequence[float], time: float) -> None:
-        """Put joints at ``position`` [rad | m] and objects where they began."""
+        """Put joints at ``position`` [rad | m] and objects where they started."""
         if self._attached:
             self._compile(self._scene, {})
         mujoco.mj_resetData(self._model, self._data)
@@ -115,13 +117,36 @@ class MujocoWorld:
             self._contacts = (data.time, merge_by_pair(points))
         return self._contacts[1]
 
+    def center_of_mass(self, name: str) -> Vector3:
+        body = self._body(name)
+        mujoco.mj_kinematics(self._model, self._data)  # the frames are a step old
+        return _vector(self._data.xipos[body])
+
+    def hold_wrenches(self, wrenches: Mapping[str, Wrench]) -> None:
+        bodies = {name: self._body(name) for name in wrenches}
+        applied = self._data.xfrc_applied
+        applied[:] = 0.0
+        for name, (force, torque) in wrenches.items():
+            applied[bodies[name]] += (*force, *torque)
+
+    def _body(self, name: str) -> int:
+        """Return the number of the body that a link or object is part of."""
+        if name in self._robot.link_by_name:
+            body = int(self._model.site(name).bodyid[0])
+        else:
+            find_object(self._objects, name)
+            body = self._model.body(name).id
+        if self._model.body_weldid[body] == 0:
+            raise immovable(name)
+        return body
+
     def attach(self, name: str, link: str) -> None:
         self._robot.link(link)
         check_attachable(self._objects, name)
         if name in self._attached:
             link = self._attached[name].link
             raise EngineError(
-                f"object '{name}' is attached to '{link}' already; detach it first"
+                f"object '{name}' is already attached to '{link}'; detach it first"
             )
         attachment = attachment_now(self._model, self._data, name, link)
         self._recompile(self._scene, {**self._attached, name: attachment})
@@ -134,7 +159,7 @@ class MujocoWorld:
         return {other: it for other, it in self._attached.items() if other != name}
 
     def _compile(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
-        """Compile and use robot and scene; change nothing if MuJoCo refuses."""
+        """Compile and use robot and scene; change nothing if MuJoCo rejects them."""
         spec = self._robot_spec.copy()
         add_attachments(spec, attached)
         model, files = compile_with_scene(spec, self._robot, scene, self._mesh_files)
@@ -148,7 +173,7 @@ class MujocoWorld:
         self._on_compiled(model, self._data)
 
     def _recompile(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
-        """Use another scene; everything that is in both keeps its state, bit by bit."""
+        """Use another scene; everything in both keeps its state, to the bit."""
         model, data, states = self._model, self._data, self._states
         self.contacts()  # the new data has no contacts of the last step
         self._compile(scene, attached)
@@ -208,7 +233,7 @@ def _body_names(model: Any) -> set[str]:
 
 
 ContactPoint = tuple[Vector3, float, Vector3, Vector3]
-"""Its position, its weight in the mean, and the force and the torque there."""
+"""Its position, its weight in the mean, and the force and torque there."""
 MIN_WEIGHT = 1e-12
 """Keeps the mean point defined if the force is zero [N]."""
 
@@ -241,7 +266,7 @@ def attachment_now(model: Any, data: Any, name: str, link: str) -> Attachment:
 
 
 def add_attachments(spec: Any, attachments: Mapping[str, Attachment]) -> None:
-    """Add a weld for each attached object, by name, as stiff as mimic joints are."""
+    """Add a weld for each attached object, by name, as stiff as mimic joints."""
     for name, attachment in attachments.items():
         weld = spec.add_equality(
             name=_weld_name(name),
@@ -287,16 +312,16 @@ def _weld_name(name: str) -> str:
 
 
 def geom_owners(model: Any) -> tuple[str, ...]:
-    """Return the link or object that each geom belongs to, by the geom's number."""
+    """Return the link or object of each geom, by the geom's number."""
     return tuple(model.geom(i).name.partition("/")[0] for i in range(model.ngeom))
 
 
 def contact_points(
     model: Any, data: Any, owners: Sequence[str]
 ) -> Iterator[tuple[tuple[str, str], ContactPoint]]:
-    """Yield pairs in contact, and what the first exerts on the second at a point.
+    """Yield pairs in contact, and the wrench of the first on the second at a point.
 
-    After ``mj_step``, ``data`` still has the contacts and forces of that step: only
+    After ``mj_step``, ``data`` still has the contacts and forces of that step; only
     position and velocity are newer.  Plain floats are the fastest here; a force-torque
     sensor reads up to 1000 times a second.  ``owners`` has the name for each geom.
     """
@@ -322,7 +347,7 @@ def contact_points(
 def merge_by_pair(
     points: Iterable[tuple[tuple[str, str], ContactPoint]],
 ) -> tuple[Contact, ...]:
-    """Return each pair's points as one contact, whichever of the two came first."""
+    """Return the points of each pair as one contact, in either order of the pair."""
     found: dict[tuple[str, str], list[ContactPoint]] = {}
     for pair, point in points:
         if pair[::-1] in found:

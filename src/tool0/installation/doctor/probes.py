@@ -1,4 +1,4 @@
-"""Probes of the machine, Gazebo, ROS, and of what builds a catkin workspace."""
+"""Probes of the machine, Gazebo, ROS, and the tools for a catkin workspace."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tool0.installation.machine import (
 )
 
 PROGRAM_TIMEOUT: Final = 2.0
-"""For nvidia-smi [wall s]."""
+"""Timeout of nvidia-smi [wall s]."""
 _VENDORS: Final = {"0x10de": "NVIDIA", "0x1002": "AMD", "0x8086": "Intel"}
 _INSTALL_GAZEBO: Final = "tool0 gazebo install --gui"
 _INSTALL_ROS1: Final = "tool0 ros1 install --rviz"
@@ -34,7 +34,7 @@ _LAUNCHED_PACKAGES: Final = (
     *("joint_state_controller", "robot_state_publisher", "xacro"),
     "rqt_joint_trajectory_controller",
 )
-"""What the launch files of ``tool0 workspace`` start."""
+"""Packages that the launch files of ``tool0 workspace`` start."""
 
 
 # --- the machine itself, its Python and its GPUs ---
@@ -52,7 +52,7 @@ def machine(examined: Machine) -> list[ProbeResult]:
 
 
 def python(_: Machine) -> list[ProbeResult]:
-    """Return which Python runs this, and whether it has what tool0 needs."""
+    """Return which Python runs tool0, and whether it has all requirements."""
     found = f"{platform.python_version()}, {sys.prefix}"
     needed = python_requirements()
     missing = [name for name in needed if python_package_version(name) is None]
@@ -65,7 +65,7 @@ def python(_: Machine) -> list[ProbeResult]:
 
 
 def gpu(examined: Machine) -> list[ProbeResult]:
-    """Return which GPUs there are; nothing of tool0 needs one."""
+    """Return the GPUs; tool0 does not need one."""
     if examined.system == "darwin":
         return [ProbeResult("gpu", "ready", "the Mac's own")]
     nodes = _render_nodes(examined)
@@ -75,7 +75,7 @@ def gpu(examined: Machine) -> list[ProbeResult]:
         found = "nvidia-smi does not answer: NVIDIA's driver hangs"
         return [ProbeResult("gpu", "unknown", found)]
     if not cards:
-        found = "none, and none is needed: physics runs on the CPU, browsers draw on it"
+        found = "none, and none is needed: physics and browsers can use the CPU"
         return [ProbeResult("gpu", "missing", found)]
     found, remedy = ", ".join(cards), ""
     if not all(os.access(node, os.R_OK) for node in nodes.values()):
@@ -108,7 +108,7 @@ def _nvidia_cards(examined: Machine) -> list[str]:
 
 
 def _render_nodes(examined: Machine) -> dict[str, Path]:
-    """Return the nodes that programs draw by, each under a description."""
+    """Return the render nodes by description."""
     nodes = {}
     for node in sorted((examined.root / "dev/dri").glob("renderD*")):
         vendor = examined.read(f"sys/class/drm/{node.name}/device/vendor").strip()
@@ -120,7 +120,7 @@ def _render_nodes(examined: Machine) -> dict[str, Path]:
 
 
 def gazebo(examined: Machine) -> list[ProbeResult]:
-    """Return which Gazebo ``--engine gazebo`` runs, and whether it has a window."""
+    """Return the Gazebo of ``--engine gazebo``, and whether it has a window."""
     if examined.system != "linux":
         found = f"by tool0 on {examined.name()}: Gazebo 11 runs on Linux"
         return [ProbeResult("gazebo", "not supported", found)]
@@ -163,9 +163,9 @@ def ros1(examined: Machine) -> list[ProbeResult]:
         master = f"no master answers at {status.master}: add --roscore"
     found = f"rospy {status.version}, {status.source}, {status.rospy}; {master}"
     others = ", ".join(name for name in status.missing if name != "rviz")
-    rviz = examined.program("rviz") or "for seeing the robot in RViz"
+    rviz = examined.program("rviz") or "to show the robot in RViz"
     remedy = "; ".join(status.remedies)
-    tools_result = ProbeResult("ros1 tools", "ready", "roscore, rostopic and the like")
+    tools_result = ProbeResult("ros1 tools", "ready", "roscore, rostopic and similar")
     if others:
         tools_result = ProbeResult("ros1 tools", "missing", others, remedy)
     rviz_result = ProbeResult("rviz", "ready", rviz)
@@ -179,7 +179,7 @@ def _without_ros1(missing: list[str], *, can_have: bool) -> ProbeResult:
 
     try:
         plan_install(rviz=False)
-    except RosUnavailableError as error:  # it says who packages it, or what is wrong
+    except RosUnavailableError as error:  # the message has the remedy
         state: ProbeState = "missing" if can_have else "not supported"
         return ProbeResult("ros1", state, str(error))
     first = ", ".join(missing[:4]) + ", …" * (len(missing) > 4)
@@ -187,7 +187,7 @@ def _without_ros1(missing: list[str], *, can_have: bool) -> ProbeResult:
 
 
 def ros2(examined: Machine) -> list[ProbeResult]:
-    """Return what there is of ROS 2, which tool0 does not support yet."""
+    """Return the installed ROS 2, which tool0 does not support yet."""
     pattern = "*/lib/python3*/site-packages/rclpy"
     homes = sorted((examined.root / "opt/ros").glob(pattern))
     distros = [f"{home.parents[3]} with rclpy" for home in homes]
@@ -212,7 +212,7 @@ def _catkin(examined: Machine) -> ProbeResult:
     setup = examined.root / "opt/ros" / _DISTRO / "setup.bash"
     programs = {name: examined.program(name) for name in _BUILD_TOOLS}
     missing = [name for name, path in programs.items() if path is None]
-    found = f"no {', '.join(missing)}; for building what `tool0 workspace` writes"
+    found = f"no {', '.join(missing)}; to build the packages of `tool0 workspace`"
     if not missing:
         found = f"{programs['catkin_make']}, {programs['cmake']}"
         return ProbeResult("catkin", "ready", found)
@@ -231,7 +231,7 @@ def _native_gazebo_ros(examined: Machine) -> ProbeResult:
     prefixes = [*(Path(name) for name in named if name), noetic, examined.root / "usr"]
     folders = {name: _package_folder(name, prefixes) for name in _LAUNCHED_PACKAGES}
     missing = [name for name, folder in folders.items() if folder is None]
-    purpose = "for roslaunch of what `tool0 workspace` writes"
+    purpose = "to launch the packages of `tool0 workspace`"
     if not missing:
         return ProbeResult(what, "ready", str(folders["gazebo_ros_control"]))
     if noetic.is_dir():

@@ -40,9 +40,9 @@ PROBES: Final = {
 }
 """Function → the module that defines it, in the order of the report."""
 NEEDED: Final = ("python", "mujoco")
-"""Without which ``tool0 bringup`` does not run."""
+"""Required by ``tool0 bringup``."""
 TIMEOUT: Final = 15.0
-"""For all probes together [wall s]."""
+"""Timeout of all probes together [wall s]."""
 
 _PROGRAM: Final = """\
 import sys
@@ -58,12 +58,12 @@ ProbeState = Literal["ready", "missing", "not supported", "unknown"]
 @final
 @dataclass(frozen=True, slots=True)
 class ProbeResult:
-    """The state of one thing that a machine has, or lacks."""
+    """The state of one component of the machine."""
 
     what: str
     state: ProbeState
     found: str
-    """Its version and place; or what is missing, and what for."""
+    """Its version and location, or what is missing and why it is needed."""
     remedy: str = ""
     """The command that installs what is missing; empty if there is none."""
 
@@ -81,11 +81,11 @@ class DoctorReport:
         return all(one.state == "ready" for one in self.lines if one.what in NEEDED)
 
     def as_json(self) -> dict[str, object]:
-        """Return what JSON can hold."""
+        """Return the report for JSON."""
         return {"can_run": self.can_run, "lines": [asdict(one) for one in self.lines]}
 
     def rows(self) -> list[tuple[str, str, str]]:
-        """Return names, states and what was found, for people."""
+        """Return names, states and findings as text."""
         rows: list[tuple[str, str, str]] = []
         for line in self.lines:
             rows.append((line.what, line.state, line.found))
@@ -105,7 +105,7 @@ def examine(
 
     Args:
         probes: Function → the module that defines it.
-        timeout: For all of them together [wall s].
+        timeout: Timeout of all probes together [wall s].
     """
     deadline = time.monotonic() + timeout
     lines: list[ProbeResult] = []
@@ -146,7 +146,7 @@ def run_probe(module: str, function: str) -> None:
     from importlib import import_module
 
     answer = os.dup(1)
-    os.dup2(2, 1)  # what a library prints is not part of the answer
+    os.dup2(2, 1)  # output of a library is not part of the answer
     try:
         results = getattr(import_module(module), function)(Machine())
     except ImportError as error:

@@ -1,7 +1,7 @@
-"""The packages of Debian 11 that make a private Gazebo: download and unpacking.
+"""Downloads and unpacks the packages of Debian 11 for a private Gazebo.
 
 apt runs with its own sources, lists and status, as an ordinary user.  It verifies
-Debian's signature and every hash, and never touches what the machine has installed.
+Debian's signature and every hash, and never changes the packages of the machine.
 """
 
 from __future__ import annotations
@@ -23,26 +23,26 @@ RELEASE: Final = "bullseye"
 """Debian 11: the last one with Gazebo 11."""
 
 TRIPLETS: Final = {"amd64": "x86_64-linux-gnu", "arm64": "aarch64-linux-gnu"}
-"""Architecture as apt calls it → the folder of its libraries."""
+"""Architecture in apt's notation → the folder of its libraries."""
 
 PROGRAMS: Final = ("gazebo", "gazebo-plugin-base")
-"""Installed with all that they depend on, except what follows."""
+"""Installed with all their dependencies, except the following."""
 
 FROM_HOST: Final = (
-    # The host's own, newer ones must be used: what its g++ compiles needs them.
+    # The host's newer ones must be used: code compiled by its g++ needs them.
     *("libc6", "libgcc-s1", "libgcc1", "libstdc++6", "libcrypt1"),
     # Programs and scripts of the base system, which the simulator never calls.
     *("coreutils", "debconf", "dpkg", "lsb-base", "mariadb-common", "mysql-common"),
     *("perl-base", "sensible-utils", "shared-mime-info", "tar", "ucf", "x11-common"),
 )
-"""Considered as installed: apt leaves them out, and what only they need."""
+"""Considered as installed: apt omits them and their own dependencies."""
 
 FOR_GUI: Final = (
     *("libgl1-mesa-dri", "libgvc6", "libspnav0"),
     *("libqt5core5a", "libqt5dbus5", "libqt5gui5", "libqt5network5", "libqt5opengl5"),
     *("libqt5svg5", "libqt5widgets5", "libqtpropertybrowser4", "libqwt-qt5-6"),
 )
-"""What gzclient loads and gzserver does not, and the driver that both draw with."""
+"""Packages that only gzclient loads, and the driver that both render with."""
 
 HEADERS: Final = (
     *("libboost1.74-dev", "libgazebo-dev", "libprotobuf-dev", "libsdformat-dev"),
@@ -50,7 +50,7 @@ HEADERS: Final = (
     *("libignition-transport-dev", "libtbb-dev", "libtinyxml-dev", "libtinyxml2-dev"),
     "uuid-dev",
 )
-"""Without dependencies: a plugin is compiled with headers, and links nothing."""
+"""Without dependencies: compiling a plugin needs only their headers."""
 
 DROPPED: Final = (
     *("./usr/share/bug", "./usr/share/doc", "./usr/share/icons"),
@@ -64,19 +64,19 @@ _EXPLANATIONS: Final = {
         "the disk is full; free some space (a GUI needs 1 GB), then run it again"
     ),
     "unreachable": (
-        "the mirror {mirror} cannot be reached: is there a network, or a proxy to be "
-        "set in http_proxy or apt.conf? Another mirror: --mirror URL"
+        "the mirror {mirror} cannot be reached: check the network, or set the proxy "
+        "in http_proxy or apt.conf. Another mirror: --mirror URL"
     ),
     "unsigned": (
         "the release file of {mirror} is not signed by a key of {keyring}; upgrade "
-        "debian-archive-keyring, or name other keys: --keyring FILE"
+        "debian-archive-keyring, or pass other keys: --keyring FILE"
     ),
     "wrong content": (
-        "{mirror} provides other files than Debian signed; try again later, or "
-        "another mirror: --mirror URL"
+        "the files of {mirror} differ from those that Debian signed; try again "
+        "later, or use another mirror: --mirror URL"
     ),
     "no package": (
-        "the mirror {mirror} has no Debian 11 (bullseye); name one that has, such as "
+        "the mirror {mirror} has no Debian 11 (bullseye); pass one that has, such as "
         "an archive of old releases: --mirror URL"
     ),
 }
@@ -112,11 +112,11 @@ Dir::State::extended_states "{folder}/extended_states";
 """
 """Read after the machine's own settings, so that its proxies apply.
 
-Its hooks, which would inform other programs of packages that are not theirs, its
-preferences and other architectures do not.
+Its hooks (which would notify other programs), preferences and other architectures do
+not apply.
 """
 _AS_ROOT: Final = 'APT::Sandbox::User "root";\n'
-"""Or apt, run as root, downloads as a user who may not write here."""
+"""Otherwise apt, run as root, downloads as a user without write access here."""
 _HOST_PACKAGE: Final = """\
 Package: {name}
 Status: install ok installed
@@ -124,7 +124,7 @@ Version: 99:0
 Architecture: {architecture}
 Multi-Arch: foreign
 Maintainer: none
-Description: the host's
+Description: provided by the host
 
 """
 _PACKAGE: Final = re.compile(r"^'[^']*' (\S+) (\d+) (?:SHA256:([0-9a-f]{64}))?", re.M)
@@ -142,14 +142,14 @@ class DebianPackage:
     """One file to download."""
 
     file: str
-    """Its name, as apt writes it: ``name_version_architecture.deb``."""
+    """Its name in apt's format: ``name_version_architecture.deb``."""
     size: int
     """Bytes."""
     sha256: str
-    """Of its content, in hexadecimal; empty if the index does not state it."""
+    """SHA-256 in hexadecimal; empty if the index does not state it."""
 
     def size_in(self, folder: Path) -> int:
-        """Return the bytes of it that the folder has."""
+        """Return how many bytes of it are in the folder."""
         try:
             return min((folder / self.file).stat().st_size, self.size)
         except FileNotFoundError:
@@ -174,10 +174,10 @@ class PrivateApt:
         """Write the configuration, and fetch the signed list of packages.
 
         Args:
-            folder: Made if it does not exist; lists and downloads in it are reused.
+            folder: Created if needed; lists and downloads in it are reused.
             mirror: Address of a Debian mirror.
             keyring: The keys by which the release must be signed.
-            architecture: As Debian calls it.
+            architecture: In Debian's notation.
 
         Raises:
             EngineUnavailableError: If the list cannot be fetched or is not signed.
@@ -200,7 +200,7 @@ class PrivateApt:
         """Return the names of the packages to add for ``wanted``.
 
         Args:
-            wanted: Packages that shall run.
+            wanted: Packages to run.
             installed: Packages to consider as installed.
         """
         text = "".join(
@@ -232,7 +232,7 @@ class PrivateApt:
         configuration = str(self._folder / "apt.conf")
         answer = run_program(
             ["apt-get", "--config-file", configuration, "-qq", *arguments],
-            # Not where the downloads are: apt lists only files that are not there.
+            # Not the folder of the downloads: apt lists only missing files.
             folder=folder or self._folder,
             while_running=while_running,
         )
@@ -316,7 +316,7 @@ def _unpack_one(file: Path, root: Path) -> None:
 
 
 def _make_links_relative(root: Path) -> None:
-    """Make absolute links refer to what was unpacked, where that has their target."""
+    """Redirect absolute links to the unpacked files, if those have the target."""
     for folder, subfolders, files in os.walk(root):
         for link in (Path(folder, name) for name in (*subfolders, *files)):
             target = os.readlink(link) if link.is_symlink() else ""  # noqa: PTH115
@@ -327,7 +327,7 @@ def _make_links_relative(root: Path) -> None:
 
 
 def size_on_disk(root: Path) -> int:
-    """Return the bytes that a folder takes; a file with several names counts once."""
+    """Return the size of a folder [bytes]; hard links count once."""
     sizes: dict[int, int] = {}
     for folder, subfolders, files in os.walk(root):
         for name in (*subfolders, *files):

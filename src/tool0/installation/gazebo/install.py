@@ -1,4 +1,4 @@
-"""Gets a Gazebo 11 ready to run, and removes it.
+"""Installs and removes a private Gazebo 11.
 
 A private prefix is downloaded, verified, unpacked, checked, and then put in place.
 """
@@ -38,11 +38,11 @@ from tool0.installation.gazebo.plugin import (
     plugin_folder,
     require_compiler,
 )
-from tool0.user_data import locked
+from tool0.user_data import expanded, locked
 
 KEYRING: Final = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
 _UNPACKED: Final = 3.6
-"""Bytes on disk of a byte downloaded, measured: 258 MB become 907 MB."""
+"""Bytes on disk per downloaded byte, measured: 258 MB become 907 MB."""
 
 
 def install_gazebo(
@@ -53,20 +53,20 @@ def install_gazebo(
     mirror: str | None = None,
     keyring: Path = KEYRING,
 ) -> GazeboInstallation:
-    """Return a Gazebo that is ready to run, with what we load into it compiled.
+    """Return a Gazebo that is ready to run, with its plugin compiled.
 
-    That is the system's, the private one if it exists, or one that is made now.
+    It is the system's, or the private one, which is installed if needed.
 
     Args:
-        progress: Called while it is made.
-        has_client: Whether gzclient and a driver to draw with shall run, too.
+        progress: Called during the installation.
+        has_client: Whether to include gzclient and a driver for rendering.
         is_private: Whether to ignore the system's own Gazebo.
         mirror: Address of a Debian mirror; None for those of the machine's apt.
         keyring: The keys by which Debian 11 must be signed.
 
     Raises:
-        ConfigError: If an argument cannot be used.
-        EngineUnavailableError: If there can be none, with the reason and the remedy.
+        ConfigError: If an argument is invalid.
+        EngineUnavailableError: If that is impossible, with the reason and the remedy.
     """
     if mirror is not None and ("://" not in mirror or len(mirror.split()) != 1):
         raise ConfigError(
@@ -83,7 +83,7 @@ def install_gazebo(
         with _exclusive(prefix.parent):
             installation = from_prefix(prefix)
             if installation is None or (has_client and not installation.client):
-                keyring = keyring.expanduser().absolute()
+                keyring = expanded(keyring).absolute()
                 apt = _usable_apt(prefix.with_name("work"), mirror, keyring, progress)
                 installation = _make_prefix(prefix, apt, has_client, progress)
     progress("compiling the bridge to Gazebo", 0.0)
@@ -125,14 +125,14 @@ def _usable_apt(
     """Return an apt in the folder ``work``, of the first mirror with the release."""
     if not keyring.is_file():
         raise EngineUnavailableError(
-            f"the keys that sign Debian are not here ('{keyring}'); install them (apt "
-            "install debian-archive-keyring), or name others: --keyring FILE"
+            f"Debian's keys are missing ('{keyring}'); install them (apt "
+            "install debian-archive-keyring), or pass others: --keyring FILE"
         )
     if shutil.which("apt-get") is None or shutil.which("dpkg-deb") is None:
         raise EngineUnavailableError(
-            "a private Gazebo is made of Debian's packages by apt-get and dpkg-deb, "
-            "which this machine does not have; install Gazebo 11 by other means, "
-            "gzserver on the PATH and its headers beside it"
+            "installing a private Gazebo needs apt-get and dpkg-deb, "
+            "which this machine does not have; install Gazebo 11 another way, with "
+            "gzserver on the PATH and its headers"
         )
     architecture = run_program(["dpkg", "--print-architecture"]).stdout.strip()
     if architecture not in TRIPLETS:
@@ -154,16 +154,16 @@ def _usable_apt(
     if failures:
         raise failures[0]  # of the likeliest mirror
     raise EngineUnavailableError(
-        "this machine's apt names no Debian mirror; name one: --mirror URL"
+        "this machine's apt has no Debian mirror; pass one: --mirror URL"
     )
 
 
 def _make_prefix(
     prefix: Path, apt: PrivateApt, has_client: bool, progress: ProgressCallback
 ) -> GazeboInstallation:
-    """Make the prefix, and replace the one that may exist.
+    """Make the prefix, and replace an existing one.
 
-    What an interrupted run downloaded, in ``work`` beside it, is used.
+    Downloads of an interrupted run, in ``work`` beside it, are reused.
     """
     files = _download(apt, has_client, progress)
     work = prefix.with_name("work")
@@ -220,7 +220,7 @@ def _download(
 
 
 def _relocate(root: Path, final: Path) -> None:
-    """Make what was unpacked in ``root`` find its fonts at the place ``final``."""
+    """Set the font paths of the files in ``root`` to their final folder."""
     fonts = root / "etc" / "fonts" / "fonts.conf"
     if fonts.is_file():
         text = fonts.read_text(encoding="utf-8")

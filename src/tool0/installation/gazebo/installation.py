@@ -1,8 +1,8 @@
-"""Which Gazebo would run: the one that is named, the system's, or the private one.
+"""Which Gazebo would run: the named one, the system's, or the private one.
 
-Each is a folder of the same shape: the root of a system (``/usr``, ``/usr/local``), or
-what ``tool0 gazebo install`` unpacked, which is a root within a folder that linker,
-drivers and Qt do not know, and so are told by environment variables.
+Each is a folder with the same layout: the root of a system (``/usr``, ``/usr/local``),
+or the result of ``tool0 gazebo install``: a root in another folder, which environment
+variables make known to the linker, the drivers and Qt.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from typing import Any, Final, final
 
 from tool0.errors import EngineUnavailableError
 from tool0.installation.child_process import run_program
-from tool0.user_data import data_folder
+from tool0.user_data import data_folder, expanded
 
 NAMED_BY: Final = "TOOL0_GAZEBO"
-"""The variable that names a prefix, or a root such as ``/usr``, to take it alone."""
+"""The variable that selects a prefix, or a root such as ``/usr``."""
 _ADVICE: Final = "install one: tool0 gazebo install"
 MARKER: Final = "tool0-gazebo.json"
 """Written last into a private prefix: a folder without it is not finished."""
@@ -33,7 +33,7 @@ _VERSION: Final = re.compile(r'GAZEBO_VERSION_FULL\s+"([^"]+)"')
 @final
 @dataclass(frozen=True, slots=True)
 class GazeboInstallation:
-    """A Gazebo 11 that can run, and against which a plugin can be compiled."""
+    """A Gazebo 11 that can run, with the headers to compile a plugin."""
 
     version: str
     """As ``11.1.0``."""
@@ -44,15 +44,15 @@ class GazeboInstallation:
     client: Path | None
     """The program gzclient, if it can run."""
     environment: dict[str, str]
-    """Variables for both programs, on top of what the process has."""
+    """Additional environment variables for both programs."""
     include_dirs: tuple[Path, ...]
     """Where the compiler finds the headers."""
     size: int | None = None
-    """Bytes of the private prefix on disk."""
+    """Size of the private prefix on disk [bytes]."""
 
 
 def private_prefix() -> Path:
-    """Return where ``tool0 gazebo install`` makes a Gazebo; it may not be there."""
+    """Return where ``tool0 gazebo install`` installs; it may not exist."""
     return data_folder() / "gazebo" / "prefix"
 
 
@@ -60,16 +60,16 @@ def find_installation() -> GazeboInstallation:
     """Return the Gazebo that would run.
 
     Raises:
-        EngineUnavailableError: If there is none; it says which command gets one.
+        EngineUnavailableError: If there is none, with the command that installs one.
     """
     named = os.environ.get(NAMED_BY)
     if named:
-        root = Path(named).expanduser().absolute()
+        root = expanded(named).absolute()
         found = from_prefix(root) or from_root(root)
         if found is None:
             raise EngineUnavailableError(
-                f"{NAMED_BY} names '{named}', which has no complete Gazebo 11: neither "
-                "made by `tool0 gazebo install` nor with bin/gzserver and its headers"
+                f"{NAMED_BY} is '{named}', which has no complete Gazebo 11: it is "
+                "not from `tool0 gazebo install`, and lacks bin/gzserver or its headers"
             )
         return found
     found = find_system() or from_prefix(private_prefix())
@@ -108,13 +108,13 @@ def from_prefix(prefix: Path) -> GazeboInstallation | None:
 
 
 def mark_complete(prefix: Path, *, triplet: str, has_client: bool, size: int) -> None:
-    """Write the marker of a private prefix, all of which is there.
+    """Write the marker of a complete private prefix.
 
     Args:
         prefix: The folder.
-        triplet: The folder of libraries in it, as ``x86_64-linux-gnu``.
-        has_client: Whether gzclient can run: Qt and a driver to draw with are there.
-        size: Bytes on disk.
+        triplet: Its folder of libraries, such as ``x86_64-linux-gnu``.
+        has_client: Whether gzclient can run: it has Qt and a driver for rendering.
+        size: Size on disk [bytes].
 
     Raises:
         EngineUnavailableError: If it has no headers of Gazebo.
@@ -150,7 +150,7 @@ def _why_none() -> str:
     version = _stated_version(server)
     if version is not None and version.startswith("11."):
         return (
-            f"Gazebo {version} is here ('{server}') but not its headers; install "
+            f"Gazebo {version} ('{server}') lacks its headers; install "
             "them (apt install libgazebo-dev), or another Gazebo: tool0 gazebo install"
         )
     stated = "prints no version" if version is None else f"is Gazebo {version}, not 11"
@@ -158,7 +158,7 @@ def _why_none() -> str:
 
 
 def _stated_version(server: str) -> str | None:
-    try:  # it takes a while to load its libraries
+    try:  # loading its libraries takes a while
         answer = run_program([server, "--version"], timeout=30.0)
     except subprocess.TimeoutExpired:
         return None
@@ -192,7 +192,7 @@ def include_folders(root: Path) -> tuple[Path, ...]:
 
 
 def _gazebo_paths(root: Path) -> dict[str, str]:
-    """Return where Gazebo finds its own things, as its ``setup.sh`` says it.
+    """Return the paths of Gazebo's own files, as its ``setup.sh`` sets them.
 
     The current values of these variables come first.
     """
@@ -202,7 +202,7 @@ def _gazebo_paths(root: Path) -> dict[str, str]:
         "GAZEBO_RESOURCE_PATH": _appended("GAZEBO_RESOURCE_PATH", share),
         "GAZEBO_MODEL_PATH": _appended("GAZEBO_MODEL_PATH", share / "models"),
         "GAZEBO_PLUGIN_PATH": _appended("GAZEBO_PLUGIN_PATH", plugins / "plugins"),
-        # Or the server waits for a web site of models, which may be out of reach.
+        # Otherwise the server waits for a web site of models, perhaps unreachable.
         "GAZEBO_MODEL_DATABASE_URI": os.environ.get("GAZEBO_MODEL_DATABASE_URI", ""),
     }
     ogre = next(iter(sorted(plugins.parent.glob("OGRE-1.*"))), None)
@@ -225,7 +225,7 @@ def _private_environment(
         lib / "gazebo-11" / "plugins",
     ]
     own = os.environ.get("LD_LIBRARY_PATH", "").split(":")
-    # With a display and no driver to draw with, gzserver would end at once.
+    # With a display but no rendering driver, gzserver would end at once.
     display = {} if has_client else {"DISPLAY": ""}
     return {
         **_gazebo_paths(usr),

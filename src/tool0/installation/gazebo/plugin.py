@@ -1,7 +1,7 @@
-"""The C++ that runs inside Gazebo, compiled on this machine against its own headers.
+"""Compiles the C++ plugin for Gazebo on this machine, against Gazebo's headers.
 
-A binary is not shipped: Gazebo's classes differ between its versions, and the
-compiler's library between distributions.
+tool0 ships no binary: Gazebo's classes differ between versions, and the compiler's
+library between distributions.
 """
 
 from __future__ import annotations
@@ -35,21 +35,21 @@ class BridgeLibraries:
     """The libraries that gzserver loads."""
 
     bridge: Path
-    """The plugin that talks with the engine."""
+    """The plugin that communicates with the engine."""
     preload: Path
-    """Preloaded, also into gzclient: keeps them on this machine."""
+    """Preloaded, also into gzclient: restricts both to this machine."""
 
 
 def plugin_folder() -> Path:
-    """Return where compiled libraries are kept; it may not be there yet."""
+    """Return the folder of compiled libraries; it may not exist yet."""
     return cache_folder() / "gazebo"
 
 
 def bridge_libraries(installation: GazeboInstallation) -> BridgeLibraries:
-    """Return the libraries for this Gazebo; compile those that never were.
+    """Return the libraries for this Gazebo, compiled if needed.
 
     Raises:
-        EngineUnavailableError: If one has to be compiled and cannot be.
+        EngineUnavailableError: If compiling fails.
     """
     paths = expected_libraries(installation)
     for source, library in zip(_SOURCES, (paths.bridge, paths.preload), strict=True):
@@ -59,7 +59,7 @@ def bridge_libraries(installation: GazeboInstallation) -> BridgeLibraries:
 
 
 def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
-    """Return where the libraries for this Gazebo are, once they are compiled.
+    """Return the paths of the libraries for this Gazebo, compiled or not.
 
     Each name has a hash of all that the library depends on, except the compiler's
     version: what was compiled stays in use after the compiler was removed.
@@ -72,7 +72,7 @@ def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
             installation.version,
             *map(str, installation.include_dirs),
             platform.machine(),
-            *platform.libc_ver(),  # what was made for a newer one cannot be loaded
+            *platform.libc_ver(),  # it cannot load a library made for a newer one
         )
         digest = hashlib.sha256("\0".join(dependencies).encode()).hexdigest()[:16]
         return plugin_folder() / f"{source.stem}-{digest}.so"
@@ -91,8 +91,8 @@ def require_compiler() -> list[str]:
     command = compiler()
     if command is None:
         raise EngineUnavailableError(
-            "what runs inside Gazebo has to be compiled, and there is no C++ compiler "
-            "here; install one (apt install g++), or name it in CXX"
+            "the plugin for Gazebo must be compiled, and there is no C++ compiler "
+            "here; install one (apt install g++), or set CXX to it"
         )
     return command
 

@@ -1,4 +1,4 @@
-"""Whether a Gazebo could run here, which, and what is missing."""
+"""Which Gazebo would run here, and what is missing."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from tool0.installation.gazebo.installation import GazeboInstallation, find_inst
 from tool0.installation.gazebo.plugin import compiler, expected_libraries
 
 _REPORTED: Final = ("version", "prefix", "size", "server", "client")
-"""What is reported of the installation."""
+"""The reported fields of the installation."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GazeboStatus:
-    """What ``tool0 gazebo status`` prints."""
+    """The output of ``tool0 gazebo status``."""
 
     installation: GazeboInstallation | None
     """The Gazebo that would run."""
     compiler: str | None
     """The command of the C++ compiler."""
     is_compiled: bool = False
-    """Whether what runs inside Gazebo is compiled."""
+    """Whether the plugin for Gazebo is compiled."""
     missing: tuple[str, ...]
-    """What prevents it from running, or from having a window; each with a remedy."""
+    """Why it cannot run or open a window, each with a remedy."""
 
     @property
     def can_run(self) -> bool:
@@ -35,7 +35,7 @@ class GazeboStatus:
         return self.installation is not None and has_bridge
 
     def as_json(self) -> dict[str, object]:
-        """Return what JSON can hold."""
+        """Return the status for JSON."""
         found = {name: getattr(self.installation, name, None) for name in _REPORTED}
         return {
             "can_run": self.can_run,
@@ -46,7 +46,7 @@ class GazeboStatus:
         }
 
     def rows(self) -> list[tuple[str, str]]:
-        """Return names and values for people."""
+        """Return names and values as text."""
         rows = [("gazebo", "none")]
         if found := self.installation:
             kind = "the system's"

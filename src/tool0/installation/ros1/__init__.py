@@ -1,1 +1,1 @@
-"""Which ROS 1 a machine has, and how to get one."""
+"""Which ROS 1 a machine has, and how to install it."""

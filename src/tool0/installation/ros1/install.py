@@ -1,4 +1,4 @@
-"""Installs what tool0 uses of ROS 1 by the system's apt, or says who else can."""
+"""Installs tool0's ROS 1 packages by the system's apt, or names another way."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from tool0.installation.ros1.library import import_ros, is_of_distribution, ros_
 from tool0.installation.ros1.packages import other_install_command, required_components
 
 PYTHON_OF_RELEASE: Final = {"bookworm": "3.11", "trixie": "3.13", "jammy": "3.10"}
-"""Release that packages ROS 1 → the Python that its packages are for.
+"""Release that packages ROS 1 → the Python version of its packages.
 
 Debian 12 and 13, and Ubuntu 22.04.  Ubuntu removed ROS 1 before 24.04:
 https://bugs.launchpad.net/ubuntu/+source/ros-catkin/+bug/2063103
 """
 _NOT_PACKAGED: Final = (
-    "RoboStack runs on any Linux, and a container or another machine with Debian 12 "
-    "or 13 can be used over ROS_MASTER_URI (docs/ros1.md)"
+    "use RoboStack, which runs on any Linux, or a container or machine with Debian 12 "
+    "or 13 over ROS_MASTER_URI (docs/ros1.md)"
 )
 _ON_FOCAL: Final = (
-    "Ubuntu 20.04 has ROS 1 as Noetic: install that from its own packages and "
-    "`source /opt/ros/noetic/setup.bash`; docs/ros1.md has the rest"
+    "On Ubuntu 20.04, ROS 1 is Noetic: install it from its own packages and "
+    "`source /opt/ros/noetic/setup.bash` (docs/ros1.md)"
 )
 
 _APT: Final = (
@@ -41,18 +41,18 @@ _INSTALL: Final = (
 _ACTIVITIES: Final = {"dlstatus": "downloading", "pmstatus": "installing"}
 """apt prints its progress in lines: 'dlstatus:…:percent:…', 'pmstatus:…'."""
 _EXPLANATIONS: Final = {
-    "disk full": "the disk is full; RViz and what it needs take 1 GB, the rest 0.4 GB",
+    "disk full": "the disk is full; RViz needs 1 GB, the rest 0.4 GB",
     "unreachable": (
-        "the distribution's mirror cannot be reached: is there a network, or a proxy "
-        "to be set in http_proxy or apt.conf?"
+        "the distribution's mirror cannot be reached: check the network, or set the "
+        "proxy in http_proxy or apt.conf"
     ),
     "no package": (
-        "the machine's sources of packages lack some; on Ubuntu they are in "
+        "some packages are not in the machine's apt sources; on Ubuntu they are in "
         "`universe`: sudo add-apt-repository universe"
     ),
-    "locked": "another program installs packages; wait for it, then run this again",
+    "locked": "another program is installing packages; wait for it, then try again",
     "broken": (
-        "packages of this machine conflict, or are half installed: "
+        "packages of this machine conflict, or are partly installed; run "
         "sudo apt-get install --fix-broken"
     ),
 }
@@ -61,16 +61,16 @@ _EXPLANATIONS: Final = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ros1InstallPlan:
-    """What is to be installed; perhaps nothing."""
+    """The packages to install; perhaps none."""
 
     target: str
-    """The distribution, or the ROS, that it is for."""
+    """The distribution, or the ROS, to install for."""
     packages: tuple[str, ...]
     """Debian's packages that are not installed yet."""
 
     @property
     def command(self) -> str:
-        """What a person would type to install them."""
+        """The shell command that installs them."""
         sudo = "" if os.geteuid() == 0 else "sudo "
         return (
             f"{sudo}apt-get update && {sudo}apt-get install --yes "
@@ -83,7 +83,7 @@ def plan_install(*, rviz: bool) -> Ros1InstallPlan:
     """Return what is missing.
 
     Raises:
-        RosUnavailableError: If we cannot install it, with who can.
+        RosUnavailableError: If tool0 cannot install it, with another way.
     """
     components = required_components(rviz=rviz)
     if _has_other_ros():
@@ -91,8 +91,8 @@ def plan_install(*, rviz: bool) -> Ros1InstallPlan:
         if missing:
             names = ", ".join(component.name for component in missing)
             raise RosUnavailableError(
-                f"there is a {ros_origin()} here, without: {names}. Add them by its "
-                f"own means: {other_install_command(missing)}"
+                f"{ros_origin()} is installed, without: {names}. Add them with its "
+                f"own tools: {other_install_command(missing)}"
             )
         return Ros1InstallPlan(target=ros_origin() or "ROS", packages=())
     name, codename = Machine().name(), Machine().codename()
@@ -100,15 +100,15 @@ def plan_install(*, rviz: bool) -> Ros1InstallPlan:
     if theirs is None:
         remedy = _ON_FOCAL if codename == "focal" else _NOT_PACKAGED
         raise RosUnavailableError(
-            f"{name} has no packages of ROS 1 that tool0 knows of; Debian 12 and 13 "
-            f"and Ubuntu 22.04 have. {remedy}"
+            f"tool0 knows no ROS 1 packages for {name}; Debian 12 and 13 "
+            f"and Ubuntu 22.04 have them. {remedy}"
         )
     ours = f"{sys.version_info.major}.{sys.version_info.minor}"
     if ours != theirs:
         raise RosUnavailableError(
             f"the packages of {name} are for Python {theirs}, and this is Python "
-            f"{ours} ('{sys.prefix}'). Make a virtual environment of the "
-            "distribution's own: rm -rf .venv && make setup PYTHON=/usr/bin/python3, "
+            f"{ours} ('{sys.prefix}'). Make a virtual environment with the "
+            "distribution's: rm -rf .venv && make setup PYTHON=/usr/bin/python3, "
             "or /usr/bin/python3 -m venv FOLDER and FOLDER/bin/pip install ."
         )
     packages = not_installed(n for part in components for n in part.debian)
@@ -122,10 +122,10 @@ def install_ros1(plan: Ros1InstallPlan, progress: ProgressCallback) -> None:
         RosUnavailableError: If that fails, with the reason and the command.
     """
     apt = [*_root_prefix(plan), *_APT]
-    progress("asking for the lists of packages", 0.0)
-    # If one source of several cannot be reached, others may have the packages.
+    progress("updating the package lists", 0.0)
+    # If one source is unreachable, others may have the packages.
     _, update_output = _run_apt([*apt, "update"], progress)
-    progress("finding what they need", 0.0)
+    progress("resolving dependencies", 0.0)
     status, output = _run_apt([*apt, *_INSTALL, *plan.packages], progress)
     if status != 0:
         reason = explain_failure(
@@ -137,7 +137,7 @@ def install_ros1(plan: Ros1InstallPlan, progress: ProgressCallback) -> None:
 
 
 def _has_other_ros() -> bool:
-    """Return whether a ROS of another origin than the distribution is active."""
+    """Return whether a ROS from outside the distribution is active."""
     try:
         import_ros()
     except RosUnavailableError:
@@ -157,7 +157,7 @@ def _has_other_ros() -> bool:
 
 
 def not_installed(packages: Iterable[str]) -> tuple[str, ...]:
-    """Return those that dpkg does not have."""
+    """Return the packages that dpkg does not list as installed."""
     names = tuple(dict.fromkeys(packages))
     if shutil.which("dpkg-query") is None or shutil.which("apt-get") is None:
         raise RosUnavailableError(
@@ -175,7 +175,7 @@ def not_installed(packages: Iterable[str]) -> tuple[str, ...]:
 
 
 def _root_prefix(plan: Ros1InstallPlan) -> tuple[str, ...]:
-    """Return what a command begins with to run as root."""
+    """Return the prefix that runs a command as root."""
     if os.geteuid() == 0:
         return ()
     if shutil.which("sudo") is not None:
@@ -193,9 +193,9 @@ def _root_prefix(plan: Ros1InstallPlan) -> tuple[str, ...]:
 def _run_apt(
     command: Sequence[str], progress: ProgressCallback
 ) -> tuple[int, list[str]]:
-    """Run it, and return its exit status and what else it printed.
+    """Run the command; return its exit status and its other output.
 
-    It is no ``ChildProcess``: sudo needs the terminal, and dpkg must not be killed.
+    Not a ``ChildProcess``: sudo needs the terminal, and dpkg must not be killed.
     """
     output: list[str] = []
     with subprocess.Popen(

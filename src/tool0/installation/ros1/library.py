@@ -1,4 +1,4 @@
-"""Where ROS 1 is: in a sourced workspace, a RoboStack, or Debian's packages."""
+"""Finds ROS 1: in a sourced workspace, RoboStack, or Debian's packages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 from tool0.errors import RosUnavailableError
 
 DEBIAN = Path("/usr/lib/python3/dist-packages")
-"""Where Debian and Ubuntu put the modules of their own Python 3."""
+"""The modules of Debian's and Ubuntu's own Python 3."""
 DEFAULT_MASTER = "http://localhost:11311"
 SET_UP = (
     "`tool0 ros1 install` installs it on Debian and Ubuntu; on a machine with Noetic, "
@@ -23,16 +23,15 @@ SET_UP = (
 def import_ros() -> None:
     """Make rospy and its messages importable.
 
-    Debian's folder is appended, so that everything else is imported from where it was
-    before.
+    Debian's folder is appended, so that all other modules are imported as before.
 
     Raises:
-        RosUnavailableError: If there is no rospy that this Python can import.
+        RosUnavailableError: If this Python cannot import rospy.
     """
     if importlib.util.find_spec("rospy") is not None:
         return
     if not (DEBIAN / "rospy").is_dir():
-        raise RosUnavailableError(f"ROS 1 needs rospy, which is not here; {SET_UP}")
+        raise RosUnavailableError(f"rospy, which ROS 1 needs, is missing; {SET_UP}")
     try:
         program = Path("/usr/bin/python3").resolve(strict=True)
     except OSError:
@@ -41,7 +40,7 @@ def import_ros() -> None:
     ours = f"{sys.version_info.major}.{sys.version_info.minor}"
     if theirs not in (ours, ""):
         raise RosUnavailableError(
-            f"rospy is installed for Python {theirs}, and this is Python {ours}; make "
+            f"rospy is installed for Python {theirs}, but this is Python {ours}; make "
             "the virtual environment with /usr/bin/python3"
         )
     sys.path.append(str(DEBIAN))
@@ -55,13 +54,13 @@ def rospy_folder() -> Path | None:
 
 
 def is_of_distribution() -> bool:
-    """Return whether the ROS that is importable is of the distribution's packages."""
+    """Return whether the importable ROS is from the distribution's packages."""
     folder = rospy_folder()
     return folder is not None and folder.parent == DEBIAN
 
 
 def ros_origin() -> str | None:
-    """Return the origin of the ROS that is importable: a distribution, RoboStack, …."""
+    """Return the origin of the importable ROS: a distribution, RoboStack, …."""
     if rospy_folder() is None:
         return None
     if is_of_distribution():
@@ -119,7 +118,7 @@ def package_version(module: str) -> str | None:
 
 
 def keep_to_this_machine() -> None:
-    """Make ROS listen on 127.0.0.1 alone, unless the environment says otherwise.
+    """Make ROS listen on 127.0.0.1 only, unless the environment says otherwise.
 
     It does if ``ROS_IP`` or ``ROS_HOSTNAME`` is set, or the master is elsewhere.
     """
@@ -129,5 +128,5 @@ def keep_to_this_machine() -> None:
 
 
 def is_local(uri: str) -> bool:
-    """Return whether an address of ROS is one of this machine."""
+    """Return whether an address of ROS is on this machine."""
     return urlsplit(uri).hostname in ("localhost", "127.0.0.1", "::1", node())

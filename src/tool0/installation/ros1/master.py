@@ -1,4 +1,4 @@
-"""The ROS master: whether it is there, starting one, and coming back after it."""
+"""The ROS master: finding it, starting one, and registering again."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from tool0.installation.ros1.library import is_local
 logger = logging.getLogger(__name__)
 
 ROSCORE_TIMEOUT = 20.0
-"""[s] until a roscore of ours answers; two are usual."""
+"""[s] until our roscore answers; usually two."""
 CALL_TIMEOUT = 3.0
-"""[s] that a master has for an answer."""
+"""Timeout of a call to the master [s]."""
 ROSCORE_GRACE = 5.0
-"""[s] that a roscore of ours has to end by itself."""
+"""[s] for our roscore to end by itself."""
 
 
 @final
@@ -47,11 +47,11 @@ class Master:
         except ValueError as error:
             raise RosUnavailableError(f"ROS_MASTER_URI: {error}") from None
 
-    def call(self, method: str, *arguments: object) -> Any:  # what XML-RPC brings
-        """Return the answer's value.
+    def call(self, method: str, *arguments: object) -> Any:  # any type of XML-RPC
+        """Return the value of the answer.
 
         Raises:
-            RosUnavailableError: If nobody answers, or the master refuses.
+            RosUnavailableError: If there is no answer, or the master refuses.
         """
         code, message, value = self._call(self.uri, method, *arguments)
         if code != 1:
@@ -79,11 +79,11 @@ class Master:
         return True
 
     def uri_of(self, node: str) -> str | None:
-        """Return the address of a node that lives, None if there is none."""
+        """Return the address of a running node, or None."""
         try:
             uri = str(self.call("lookupNode", node))
             code, _, _ = self._call(uri, "getPid")
-        except RosUnavailableError:  # unknown; or killed, and never unregistered
+        except RosUnavailableError:  # unknown, or killed without being unregistered
             return None
         return uri if code == 1 else None
 
@@ -92,13 +92,27 @@ class Master:
         publishers, _, _ = self.call("getSystemState")
         return next((tuple(nodes) for name, nodes in publishers if name == topic), ())
 
+    def unregister_all(self, uri: str) -> None:
+        """Remove what is registered for our node, which is reached at ``uri``."""
+        publishers, subscribers, services = self.call("getSystemState")
+        for topic, nodes in publishers:
+            if self._node in nodes:
+                self.call("unregisterPublisher", topic, uri)
+        for topic, nodes in subscribers:
+            if self._node in nodes:
+                self.call("unregisterSubscriber", topic, uri)
+        for service, nodes in services:
+            if self._node in nodes:
+                address = self.call("lookupService", service)
+                self.call("unregisterService", service, address)
+
 
 @contextmanager
 def running_master(master: Master, *, start: bool) -> Iterator[None]:
-    """Have a master while the context lasts: the one that answers, or our roscore.
+    """Provide a master within the context: a running one, or our roscore.
 
     Raises:
-        RosUnavailableError: If none answers, and none is to be or can be started.
+        RosUnavailableError: If none answers, and none may or can be started.
     """
     if master.is_up:
         yield
@@ -125,12 +139,11 @@ def _roscore(master: Master) -> ChildProcess:
     program = shutil.which("roscore")
     if program is None:
         raise RosUnavailableError(
-            "there is no roscore on this machine's PATH; `tool0 ros1 install` gets one"
+            "there is no roscore on the PATH; `tool0 ros1 install` installs one"
         )
     if not is_local(master.uri):
         raise RosUnavailableError(
-            f"ROS_MASTER_URI is {master.uri}, on another machine: a roscore can be "
-            "started only there"
+            f"ROS_MASTER_URI is {master.uri}, on another machine: start roscore there"
         )
     port = urlsplit(master.uri).port or 11311
     return ChildProcess([program, "-p", str(port)], grace=ROSCORE_GRACE)
@@ -138,12 +151,12 @@ def _roscore(master: Master) -> ChildProcess:
 
 @final
 class MasterWatch:
-    """Notices that the master is gone, or does not know us."""
+    """Detects that the master is gone, or has lost our registration."""
 
     def __init__(
         self, master: Master, node: str, uri: str, register: Callable[[], None]
     ) -> None:
-        """Call ``register`` when a master is up that does not know us at ``uri``."""
+        """Call ``register`` when a master runs without our registration at ``uri``."""
         self._master = master
         self._node = node
         self._uri = uri

@@ -1,8 +1,8 @@
-"""Makes the message classes importable that the ROS interface uses.
+"""Makes the message classes of the ROS interface importable.
 
-``control_msgs``, ``controller_manager_msgs`` and ``gazebo_msgs`` are taken as they are
-installed.  A missing package is generated from our definitions once, into the cache.
-It is a Python package for ``import`` and a ROS package for ``rosmsg`` and its like.
+Installed packages ``control_msgs``, ``controller_manager_msgs`` and ``gazebo_msgs`` are
+used.  A missing one is generated from our definitions, once, into the cache.  It is a
+Python package for ``import`` and a ROS package for ``rosmsg`` and similar commands.
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ from tool0.installation.ros1.library import SET_UP, import_ros, message_folders
 from tool0.user_data import cache_folder, locked
 
 DEFINITIONS = Path(__file__).parent / "definitions"
-"""One folder a ROS package, holding msg/, srv/ and action/."""
+"""One folder per ROS package, with msg/, srv/, action/ and Python modules."""
 EMBEDDED_PACKAGES = ("std_msgs", "geometry_msgs", "trajectory_msgs", "actionlib_msgs")
-"""Installed packages whose messages are part of ours."""
+"""Installed packages whose messages ours contain."""
 _SECTIONS = re.compile(r"^---.*\n", re.MULTILINE)
 _CLASSES_OF_SECTIONS = {
     ".msg": ("",),
     ".srv": ("Request", "Response"),
     ".action": ("Goal", "Result", "Feedback"),
 }
-"""What the names of the classes of a file's sections end in."""
+"""Suffixes of the class names of a file's sections."""
 _FIELD = re.compile(r"^\S+ (\w+)$", re.MULTILINE)
-"""A line of our definitions that is no constant."""
+"""A line of our definitions that is a field, not a constant."""
 _MANIFEST = """\
 <package format="2">
   <name>{0}</name>
   <version>0.0.0</version>
   <description>{0} as tool0 defines it</description>
-  <maintainer email="nobody@invalid">tool0</maintainer>
+  <maintainer email="tool0@example.org">The tool0 authors</maintainer>
   <license>Apache-2.0</license>
 </package>
 """
@@ -51,11 +51,10 @@ _SHELL_VARIABLES = ("PYTHONPATH", "ROS_PACKAGE_PATH")
 
 
 def import_messages() -> None:
-    """Make rospy and every message package importable; a second call changes nothing.
+    """Make rospy and every message package importable; repeated calls do nothing.
 
     Raises:
-        RosUnavailableError: If there is no rospy, or an installed package lacks what
-            is needed.
+        RosUnavailableError: If there is no rospy, or an installed package lacks types.
     """
     import_ros()
     absent = absent_packages()
@@ -73,7 +72,7 @@ def import_messages() -> None:
 
 
 def package_names() -> tuple[str, ...]:
-    """Return the packages that there are definitions of."""
+    """Return the packages that tool0 has definitions of."""
     return tuple(sorted(folder.name for folder in DEFINITIONS.iterdir()))
 
 
@@ -82,13 +81,18 @@ def definition_files(package: str) -> list[Path]:
     return sorted(DEFINITIONS.joinpath(package).glob("*/*.*"))
 
 
-def absent_packages() -> tuple[str, ...]:
-    """Return the packages of ours that are not installed; rospy is importable.
+def module_files(package: str) -> list[Path]:
+    """Return the Python modules that the package has beside its types."""
+    return sorted(DEFINITIONS.joinpath(package).glob("*.py"))
 
-    What an earlier run generated, and PYTHONPATH names, does not count as installed.
+
+def absent_packages() -> tuple[str, ...]:
+    """Return our packages that are not installed; rospy must be importable.
+
+    A package that an earlier run generated does not count as installed.
     """
     specs = {name: PathFinder.find_spec(name, _path()) for name in package_names()}
-    # The spec of a mere folder of that name has no origin.
+    # The spec of a folder without __init__.py has no origin.
     return tuple(n for n, spec in specs.items() if spec is None or spec.origin is None)
 
 
@@ -106,7 +110,7 @@ def _cache() -> Path:
 
 
 def shell_exports() -> list[str]:
-    """Return lines for a POSIX shell; none where every message is installed.
+    """Return lines for a POSIX shell; none if every message is installed.
 
     They append to the current values of the variables, once.
 
@@ -121,7 +125,7 @@ def shell_exports() -> list[str]:
         folder = generated_packages(absent)
     except OSError as error:
         raise RosUnavailableError(
-            f"cannot write the cache: {error}; XDG_CACHE_HOME names another folder"
+            f"cannot write the cache: {error}; set XDG_CACHE_HOME to another folder"
         ) from None
     lines = []
     for variable in _SHELL_VARIABLES:
@@ -136,13 +140,13 @@ def shell_exports() -> list[str]:
 
 
 def generated_packages(packages: tuple[str, ...]) -> Path:
-    """Return the folder that holds these packages, made if it is not there.
+    """Return the folder with these packages, generated if needed.
 
     It is an entry for both PYTHONPATH and ROS_PACKAGE_PATH.
 
     Raises:
         RosUnavailableError: If genpy cannot make them.
-        OSError: If it is not there and the cache cannot be written.
+        OSError: If it does not exist and the cache cannot be written.
     """
     folder = _cache() / _key(packages)
     if folder.is_dir():
@@ -164,13 +168,13 @@ def generated_packages(packages: tuple[str, ...]) -> Path:
 
 
 def _key(packages: tuple[str, ...]) -> str:
-    """Return a name for all that the outcome depends on."""
+    """Return a hash of everything that the result depends on."""
     generator = importlib.util.find_spec("genpy.generator")
     if generator is None or generator.origin is None:
-        raise RosUnavailableError(f"ROS 1 needs genpy, which is not here; {SET_UP}")
+        raise RosUnavailableError(f"genpy, which ROS 1 needs, is missing; {SET_UP}")
     files = [Path(generator.origin), Path(__file__)]
     for package in packages:
-        files += definition_files(package)
+        files += definition_files(package) + module_files(package)
     digest = hashlib.sha256(f"{sys.version_info[:2]} {packages}".encode())
     for file in files:
         digest.update(f"\0{file.name}\0".encode() + file.read_bytes())
@@ -224,7 +228,7 @@ def generate(packages: tuple[str, ...], folder: Path) -> None:
 
 
 def _write_definitions(package: str, home: Path) -> None:
-    """Lay the definitions out as a ROS package, actions also as messages."""
+    """Write the definitions as a ROS package, actions also as messages."""
     for file in definition_files(package):
         texts = {file: file.read_text(encoding="utf-8")}
         if file.suffix == ".action":
@@ -233,12 +237,14 @@ def _write_definitions(package: str, home: Path) -> None:
             target = home / name.suffix.removeprefix(".") / name.name
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")
+    for module in module_files(package):
+        shutil.copyfile(module, home / module.name)
     (home / "__init__.py").touch()
     (home / "package.xml").write_text(_MANIFEST.format(package), encoding="utf-8")
 
 
 def _messages_of_action(name: str, text: str) -> dict[Path, str]:
-    """Return the seven messages that an action stands for, as actionlib has them."""
+    """Return the seven messages of an action, as actionlib defines them."""
     goal, result, feedback = _SECTIONS.split(text)
     status = "Header header\nactionlib_msgs/GoalStatus status\n"
     texts = {
@@ -283,6 +289,6 @@ def _classes(file: Path) -> Iterator[tuple[str, list[str]]]:
 def _mismatch(package: str, reason: str) -> RosUnavailableError:
     where = getattr(import_module(package), "__file__", None)
     return RosUnavailableError(
-        f"the installed {package} does not fit, {reason} ({where}); install Noetic's, "
-        "or take that folder off PYTHONPATH, and tool0 makes its own"
+        f"the installed {package} differs: {reason} ({where}); install Noetic's, "
+        "or remove that folder from PYTHONPATH: tool0 then generates its own"
     )

@@ -1,4 +1,4 @@
-"""What tool0 uses of ROS 1, whether it is installed, and what installs it."""
+"""The parts of ROS 1 that tool0 uses: whether and how they are installed."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class RosComponent:
 
     name: str
     purpose: str
-    """What needs it."""
+    """Its purpose."""
     modules: tuple[str, ...] = ()
     """Python modules to import; each has a package of its name."""
     programs: tuple[str, ...] = ()
@@ -52,7 +52,7 @@ class RosComponent:
 
     @property
     def contents(self) -> tuple[str, ...]:
-        """All that it consists of, by name."""
+        """Its parts, by name."""
         definitions = (f"{name}/msg" for name in self.definitions)
         return (*self.modules, *self.programs, *self.nodes, *definitions)
 
@@ -71,9 +71,9 @@ class RosComponent:
         return (*self.modules, *(ros for ros, _ in self.other_packages))
 
     def missing(self) -> tuple[str, ...]:
-        """Return what of it is missing, by name; nothing is imported.
+        """Return its missing parts by name, without importing anything.
 
-        Debian's modules are on no path before ``import_ros``.
+        Debian's modules are not on the path before ``import_ros``.
         """
         return (
             *(name for name in self.modules if not importlib.util.find_spec(name)),
@@ -114,7 +114,7 @@ COMPONENTS: Final = (
     ),
     RosComponent(
         name="roscore",
-        purpose="a master of one's own: --roscore",
+        purpose="starting a master: --roscore",
         modules=("rosmaster", "roslaunch"),
         programs=("roscore",),
         nodes=("rosout/rosout",),
@@ -122,13 +122,13 @@ COMPONENTS: Final = (
     ),
     RosComponent(
         name="robot_state_publisher",
-        purpose="/tf by the usual node; without it tool0 publishes /tf itself",
+        purpose="/tf by the usual node; without it, tool0 publishes /tf",
         nodes=("robot_state_publisher/robot_state_publisher",),
         other_packages=(("robot_state_publisher", "ros-robot-state-publisher"),),
     ),
     RosComponent(
         name="tf2",
-        purpose="looking transforms up in Python",
+        purpose="transforms in Python",
         modules=("tf2_ros",),
     ),
     RosComponent(
@@ -139,7 +139,7 @@ COMPONENTS: Final = (
     ),
     RosComponent(
         name="rviz",
-        purpose="seeing the robot in RViz",
+        purpose="showing the robot in RViz",
         programs=("rviz",),
         other_packages=(("rviz", "rviz"),),
     ),
@@ -152,7 +152,7 @@ def required_components(*, rviz: bool) -> tuple[RosComponent, ...]:
 
 
 def other_install_command(components: Iterable[RosComponent]) -> str:
-    """Return what installs them in a ROS that is not the distribution's."""
+    """Return the command for a ROS from outside the distribution."""
     distro = os.environ.get("ROS_DISTRO", "noetic")
     names = (name.replace("_", "-") for one in components for name in one.ros)
     packages = " ".join(f"ros-{distro}-{name}" for name in dict.fromkeys(names))
@@ -170,24 +170,24 @@ def other_install_command(components: Iterable[RosComponent]) -> str:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ros1Status:
-    """What ``tool0 ros1 status`` prints."""
+    """The output of ``tool0 ros1 status``."""
 
     rospy: Path | None = None
-    """The folder it is imported from."""
+    """The folder that rospy is imported from."""
     version: str | None = None
     """Of rospy."""
     source: str | None = None
-    """Where its packages come from."""
+    """The origin of its packages."""
     master: str
-    """Where one is expected."""
+    """The expected address of the master."""
     is_master_up: bool = False
-    """Whether it answers."""
+    """Whether the master answers."""
     missing: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    """Component → what of it is missing; complete ones are left out."""
+    """Component → missing parts; complete components are left out."""
     messages: dict[str, str] = field(default_factory=dict)
     """Package of messages → ``installed``, or ``ours``."""
     remedies: tuple[str, ...] = ()
-    """What installs it."""
+    """The command that installs what is missing."""
 
     @property
     def can_run(self) -> bool:
@@ -196,13 +196,13 @@ class Ros1Status:
         return self.rospy is not None and self.missing.keys().isdisjoint(needed)
 
     def why_not(self, names: Iterable[str]) -> str | None:
-        """Return why these components cannot all be used, None if they can."""
+        """Return why these components cannot all be used, or None."""
         absent = [name for name in names if name in self.missing]
         gaps = [f"no {', '.join(self.missing[name])}" for name in absent]
         return "; ".join([*gaps, *self.remedies]) if gaps else None
 
     def as_json(self) -> dict[str, object]:
-        """Return what JSON can hold."""
+        """Return the status for JSON."""
         return {
             "can_run": self.can_run,
             "rospy": None if self.rospy is None else str(self.rospy),
@@ -217,11 +217,14 @@ class Ros1Status:
         }
 
     def rows(self) -> list[tuple[str, str]]:
-        """Return names and values for people."""
+        """Return names and values as text."""
         master = "does not answer: start roscore, or add --roscore"
         if self.is_master_up:
             master = "answers"
-        kinds = {"installed": "installed", "ours": "not installed: tool0 makes its own"}
+        kinds = {
+            "installed": "installed",
+            "ours": "missing: tool0 generates its own",
+        }
         return [
             ("master", f"{self.master}, {master}"),
             *((part.name, self._about(part)) for part in COMPONENTS),
@@ -275,10 +278,10 @@ def ros1_status() -> Ros1Status:
 def _import_rospy() -> None:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # not ours to fix
+            warnings.simplefilter("ignore")  # tool0 cannot fix that
             importlib.import_module("rospy")
     except ImportError as error:
         raise RosUnavailableError(
             f"rospy is in '{rospy_folder()}' but cannot be imported ({error}); install "
-            f"what it lacks into '{sys.prefix}', such as: pip install rospkg"
+            f"its requirements into '{sys.prefix}', such as: pip install rospkg"
         ) from None

@@ -1,1 +1,1 @@
-"""The web page: its server, and the protocol that they speak."""
+"""The web panel: its server, and the protocol between page and server."""

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import errno
+import functools
 import ipaddress
 import os
+import re
 import secrets
 import socket
 from dataclasses import dataclass
@@ -17,11 +19,12 @@ DEFAULT_HOST: Final = "127.0.0.1"
 DEFAULT_PORT: Final = 8085
 TOKEN_VARIABLE: Final = "TOOL0_PANEL_TOKEN"
 _LOOPBACK_NAMES: Final = frozenset({"127.0.0.1", "localhost", "::1"})
+_PORT: Final = re.compile(r"[0-9]{1,5}")
 _SEND_BUFFER: Final = 65536
 """Bytes that the system buffers for a slow page: two seconds of frames.  Its default,
-megabytes, would show such a page the robot as it was half a minute ago."""
+megabytes, would let such a page lag half a minute behind the robot."""
 _RECEIVE_BUFFER: Final = 32768
-"""Bytes of a flooding page that are read at once."""
+"""Bytes that are read at once from a page."""
 
 
 @final
@@ -34,7 +37,8 @@ class Endpoint:
     """As requested, without brackets."""
     port: int
     token: str | None
-    """Required by ``/ws``, the URDF and the meshes; None at the default address."""
+    """Required by ``/ws``, the URDF and the meshes; None if it listens at the loopback
+    only and no token was chosen."""
 
     @property
     def url(self) -> str:
@@ -49,37 +53,37 @@ class Endpoint:
     def is_known_as(self, host_header: str) -> bool:
         """Return whether the header ``Host`` names this server.
 
-        A page elsewhere can make its own name lead here (DNS rebinding); the browser
-        then says that name.  Behind a token the port may differ, as it does where a
-        container or a tunnel maps it.
+        A page elsewhere can make its own name resolve to this machine (DNS rebinding);
+        the browser then sends that name.  With a token the port may differ, since a
+        container or a tunnel may map it.
         """
         name, port = _split(host_header)
+        is_chosen = name in _LOOPBACK_NAMES or name == self.host.lower()
         if self.token is None:
-            return name in _LOOPBACK_NAMES and port == self.port
-        if name in _LOOPBACK_NAMES or name == self.host.lower():
-            return True
-        own_names = {socket.gethostname().lower(), socket.getfqdn().lower()}
-        return _is_any(self.host) and (_is_ip(name) or name in own_names)
+            return is_chosen and port == self.port
+        if is_chosen or not _is_any(self.host):
+            return is_chosen
+        return _is_ip(name) or name in _own_names()
 
 
 def open_endpoint(
     host: str | None = None, port: int | None = None, token: str | None = None
 ) -> Endpoint:
-    """Listen, and return where.
+    """Listen, and return the address.
 
     Args:
         host: A name or address of this machine; the loopback if left out.
         port: If left out the default one, or a free one if that is taken.
-        token: Required from clients.  With a host or a port and without a token,
-            the one of the environment or a new one is required.
+        token: Required from clients.  If left out, with a host or a port, the one of
+            the environment; beyond the loopback without that, a new one.
 
     Raises:
         TransportError: If the address is taken or is not this machine's.
     """
     if port is not None and not 0 <= port <= 65535:
-        raise TransportError(f"port {port} is no port; choose one in 0 … 65535")
+        raise TransportError(f"port {port} is invalid; choose one in 0 … 65535")
     if token is None and (host is not None or port is not None):
-        token = os.environ.get(TOKEN_VARIABLE) or secrets.token_urlsafe(16)
+        token = os.environ.get(TOKEN_VARIABLE) or None
     where = (host or DEFAULT_HOST).removeprefix("[").removesuffix("]")
     try:
         listener = _listen(where, DEFAULT_PORT if port is None else port)
@@ -87,9 +91,10 @@ def open_endpoint(
         if port is not None or error.errno != errno.EADDRINUSE:
             raise _refusal(where, port, error) from None
         listener = _listen(where, 0)
-    return Endpoint(
-        listener=listener, host=where, port=listener.getsockname()[1], token=token
-    )
+    address, chosen_port = listener.getsockname()[:2]
+    if token is None and not ipaddress.ip_address(address).is_loopback:
+        token = secrets.token_urlsafe(16)
+    return Endpoint(listener=listener, host=where, port=chosen_port, token=token)
 
 
 def _listen(host: str, port: int) -> socket.socket:
@@ -127,14 +132,20 @@ def _refusal(host: str, port: int | None, error: OSError) -> TransportError:
 def _split(host_header: str) -> tuple[str, int | None]:
     """Return the name in lower case, without brackets, and the port.
 
-    HTTP's own port is not written; None is none at all.
+    The default HTTP port may be left out; None means no header.
     """
     name, colon, port = host_header.strip().lower().rpartition(":")
     if not colon or "]" in port:
         name, port = host_header.strip().lower(), "80"
     if name.startswith("[") and name.endswith("]"):
         name = name[1:-1]
-    return name, int(port) if port.isascii() and port.isdigit() else None
+    return name, int(port) if _PORT.fullmatch(port) else None
+
+
+@functools.cache
+def _own_names() -> frozenset[str]:
+    """Return the names of this machine; finding them may take time."""
+    return frozenset({socket.gethostname().lower(), socket.getfqdn().lower()})
 
 
 def _is_any(host: str) -> bool:

@@ -15,6 +15,7 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
 from tool0.interfaces.panel.address import Endpoint
+from tool0.interfaces.panel.entrance import Visitor
 from tool0.interfaces.panel.robot_info import URDF_PATH
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ _READING: Final = frozenset({"GET", "HEAD"})
 
 @final
 class Guard:
-    """Passes our own pages and programs to ``app``, but no pages of other origins.
+    """Passes our own pages and programs to ``app``; rejects pages of other origins.
 
     Browsers let any page open a WebSocket to any address, this machine's included.
     They always send the page's origin (``Origin``) and the name it used for us
@@ -67,12 +68,15 @@ class Guard:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         refusal = self._refusal(scope)
         if refusal is None:
-            await self._app(scope, receive, _with_headers(scope, send))
+            visitor = Visitor.of(scope)
+            visitor.is_stranger &= not _is_secret(scope)
+            with visitor.answered():
+                await self._app(scope, receive, _with_headers(scope, send))
             return
         status, text = refusal
         response = PlainTextResponse(text + "\n", status, dict(_HEADERS))
         if scope["type"] == "websocket":
-            await receive()  # what opens it; refused before it is accepted
+            await receive()  # the connect event; refused before it is accepted
         await response(scope, receive, send)
 
     def _refusal(self, scope: Scope) -> tuple[int, str] | None:
@@ -90,13 +94,18 @@ class Guard:
             and origin.lower() != f"http://{host}".lower()
         ):
             return 403, f"pages from '{origin}' may not drive this robot"
-        if self._endpoint.token is not None and scope["path"].startswith(_SECRET_PATHS):
+        if self._endpoint.token is not None and _is_secret(scope):
             given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])
             if not secrets.compare_digest(
                 given[-1].encode(), self._endpoint.token.encode()
             ):
                 return 401, "give the token of the address that bringup printed"
         return None
+
+
+def _is_secret(scope: Scope) -> bool:
+    path: str = scope["path"]
+    return path.startswith(_SECRET_PATHS)
 
 
 def _with_headers(scope: Scope, send: Send) -> Send:
@@ -115,7 +124,7 @@ def _with_headers(scope: Scope, send: Send) -> Send:
 
 NO_PAGE: Final = (
     "The panel's page is not built: `make run` builds it, or `npm run build` in web/.\n"
-    "The robot runs all the same: programs can connect to /ws.\n"
+    "The robot still runs: programs can connect to /ws.\n"
 )
 _REVALIDATE: Final = {"cache-control": "no-cache"}
 _IMMUTABLE: Final = "public, max-age=31536000, immutable"
@@ -170,10 +179,17 @@ def build_app(
             return PlainTextResponse(NO_PAGE, headers=_REVALIDATE)
         return FileResponse(index, headers=_REVALIDATE)
 
+    async def licenses(request: Request) -> Response:
+        file = static / "licenses.md"
+        if not file.is_file():
+            return PlainTextResponse(NO_PAGE, 404)
+        return FileResponse(file, media_type="text/plain", headers=_REVALIDATE)
+
     assets = static / "assets"
     app = Starlette(
         routes=[
             Route("/", page),
+            Route("/licenses.md", licenses),
             Route(URDF_PATH, urdf),
             Route("/meshes/{name}", mesh),
             WebSocketRoute("/ws", serve_page),

@@ -1,4 +1,4 @@
-"""What happens to a robot, in words for its users, numbered and kept as notices."""
+"""Notices: numbered messages to users about what happens to a robot."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ _GOAL_CODES: Final[dict[GoalStatus, tuple[Severity, NoticeCode]]] = {
 }
 NOTICES_KEPT: Final = 200
 _REPEAT_AFTER: Final = 5.0
-"""Wall time after which the same refusal is noted again [s]: sliders repeat it with
-other numbers."""
+"""Wall time after which the same refusal is noted again [s]: sliders repeat it
+with other numbers."""
 _NUMBER: Final = re.compile(r"-?\d+(\.\d+)?")
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Notification:
-    """Something that users should know."""
+    """A message to the users."""
 
     severity: Severity
     code: NoticeCode
@@ -98,7 +98,7 @@ class EventWatcher:
         ]
 
     def report_once(self, text: str) -> None:
-        """Return a warning from the next ``notifications``, unless it was before."""
+        """Return a warning with the next ``notifications``, unless sent before."""
         if text not in self._reported:
             self._reported.add(text)
             self._waiting.append(
@@ -106,7 +106,7 @@ class EventWatcher:
             )
 
     def notifications(self) -> Sequence[Notification]:
-        """Return what happened since the last call; at first the YAML's findings."""
+        """Return the events since the last call; at first, the YAML's findings."""
         found, self._waiting = self._waiting, []
         snapshot = self._simulation.snapshot
         events = self._subscription.events
@@ -139,9 +139,12 @@ def _described(event: Event, now: float) -> Notification:
             severity, code = _GOAL_CODES[goal.status]
             text = _outcome(goal)
         case Overran(count):
-            severity, code = "warning", "overrun"
-            ticks = "1 tick" if count == 1 else f"{count} ticks"
-            text = f"{ticks} began late within a second"
+            severity, code = "warning" if count else "info", "overrun"
+            text = (
+                f"the simulation falls behind: {count} late ticks in a second"
+                if count
+                else "the simulation keeps up again"
+            )
         case Faulted(message):
             severity, code, text = "error", "fault", message
         case WasReset():
@@ -155,7 +158,7 @@ def _outcome(goal: Goal) -> str:
         case GoalResult(error_string=reason) if reason:
             return f"{text}: {reason}"
         case GripperResult(stalled=True):
-            return f"{text}: the gripper stands still before its goal"
+            return f"{text}: the gripper stopped before its goal"
     return text
 
 
@@ -170,6 +173,12 @@ def _changes(before: Snapshot, now: Snapshot) -> list[Notification]:
                 time=now.time,
             )
         )
+    known = {stall.joint for stall in before.stalls}
+    found += [
+        Notification(severity="warning", code="stall", text=str(stall), time=now.time)
+        for stall in now.stalls
+        if stall.joint not in known
+    ]
     if now.controllers != before.controllers:
         old = {status.name: status.state for status in before.controllers}
         new = {status.name: status.state for status in now.controllers}

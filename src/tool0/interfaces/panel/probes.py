@@ -1,4 +1,4 @@
-"""Probes of ``tool0 doctor``: whether the panel is served, and what shows it."""
+"""Probes of ``tool0 doctor``: the panel's server, and a browser for it."""
 
 from __future__ import annotations
 

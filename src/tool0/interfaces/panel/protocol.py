@@ -1,4 +1,4 @@
-"""What the panel receives after ``subscribe_view``: the robot as pages show it.
+"""The messages to a page after ``subscribe_view``: the robot as pages show it.
 
 Each message is a JSON object with its name in ``type``.  ``web/protocol.schema.json``
 and the page's TypeScript types are made from the classes below and the request table.
@@ -23,6 +23,7 @@ NoticeCode = Literal[
     "goal_aborted",
     "goal_preempted",
     "overrun",
+    "stall",
     "fault",
     "reset",
     "emergency_stop",
@@ -31,7 +32,7 @@ NoticeCode = Literal[
     "log",
 ]
 
-# ---- what messages are made of ------------------------------------------------------
+# ---- parts of messages ---------------------------------------------------------------
 
 
 class JointInfo(Struct, frozen=True, kw_only=True):
@@ -78,16 +79,26 @@ class RobotInfo(Struct, frozen=True, kw_only=True):
     """Link or joint → its name in English and Chinese, where it has one."""
 
 
+class PartInfo(Struct, frozen=True, kw_only=True):
+    """One of the shapes of an object, and its pose in the object's frame."""
+
+    shape: ShapeInfo
+    xyz: Vector3
+    rpy: Vector3
+
+
 class ShapeInfo(Struct, frozen=True, kw_only=True):
     """The shape of an object, centred at its origin; cylinders stand along z."""
 
-    kind: Literal["box", "cylinder", "sphere", "mesh"]
+    kind: Literal["box", "cylinder", "sphere", "mesh", "compound"]
     size: Vector3 | None = None
     """Edges of a box [m]; scale of a mesh."""
     radius: float | None = None
     length: float | None = None
     url: str | None = None
     """Path of a mesh on this server."""
+    parts: list[PartInfo] | None = None
+    """Of a compound: several shapes that are one rigid body."""
 
 
 class ViewObject(Struct, frozen=True, kw_only=True):
@@ -118,14 +129,27 @@ class GripperState(Struct, frozen=True, kw_only=True):
     name: str
     opening: float
     """[m]"""
-    motion: Literal["moving", "at_target", "holding_inside", "holding_outside", "idle"]
+    motion: Literal[
+        "moving", "at_target", "holding_inside", "holding_outside", "blocked", "idle"
+    ]
     """``holding_inside`` squeezes between the pads; ``holding_outside`` presses
-    outwards; ``idle`` if no controller moves it."""
+    outwards; ``blocked`` cannot move on, without an object; ``idle`` if no controller
+    moves it."""
     gobj: int
-    """The same as Robotiq's ``gOBJ`` has it: 0 moving, 1 and 2 stopped at an object
+    """The same as Robotiq's ``gOBJ``: 0 moving, 1 and 2 stopped at an object
     while opening and closing, 3 at target."""
     width: float | None
-    """Of what it holds [m]."""
+    """Width of the object it holds [m]."""
+
+
+class StallInfo(Struct, frozen=True, kw_only=True):
+    """A joint that pushes at its effort limit and does not move."""
+
+    joint: str
+    effort: float
+    """[N·m | N]"""
+    contacts: list[tuple[str, str]]
+    """Links beyond the joint, and what they touch; the strongest contact first."""
 
 
 class PoseInfo(Struct, frozen=True, kw_only=True):
@@ -154,7 +178,7 @@ class Notice(Struct, frozen=True, kw_only=True, tag="notice"):
 
 
 class Status(Struct, frozen=True, kw_only=True, tag="status"):
-    """What changes seldom: sent first, and when something in it changed."""
+    """Slowly changing state: sent first, and on every change."""
 
     paused: bool
     stopped: bool
@@ -164,19 +188,22 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     """Requested simulated seconds per wall second; null: as fast as possible."""
     real_time_factor: float
     """Measured over about the last second."""
-    overruns: int
+    late_ticks: int
+    """Ticks of about the last second that started late."""
     clients: int
-    """Pages that are connected."""
+    """Number of connected pages."""
     controllers: list[ControllerInfo]
     grippers: list[GripperState]
     poses: list[PoseInfo]
+    stalls: list[StallInfo]
     targets: dict[str, float]
-    """Joint → the end of its controller's motion; the page draws it as a ghost."""
+    """Joint → target of its controller's motion; the page draws it as a ghost."""
 
 
 class Frame(Struct, frozen=True, kw_only=True, tag="frame"):
     """Where everything is: at most 60 times a second of wall time, the newest only.
 
+    If nothing changes, the same one is repeated five times a second.
     The arrays are in the order of the joints of ``view``.
     """
 

@@ -1,4 +1,4 @@
-"""The robot as a page needs it: its description, its URDF and its meshes."""
+"""The robot's description, URDF and meshes, as served to pages."""
 
 from __future__ import annotations
 
@@ -12,12 +12,22 @@ from typing import TYPE_CHECKING, Literal, cast, final
 from tool0.description.catalogue import RobotDescription, part_names
 from tool0.description.model import Joint, JointLimits, JointType, RobotModel
 from tool0.description.scene import SceneObject
-from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import (
+    Box,
+    Compound,
+    Cylinder,
+    Geometry,
+    Mesh,
+    Solid,
+    Sphere,
+    parts_of,
+)
 from tool0.description.xml_source import parse_text, to_text
 from tool0.errors import ConfigError
 from tool0.interfaces.panel.protocol import (
     GripperInfo,
     JointInfo,
+    PartInfo,
     PoseInfo,
     RobotInfo,
     ShapeInfo,
@@ -57,7 +67,7 @@ class RobotFiles:
         A mesh that is removed and added again gets another path, since its file may
         have changed.
         """
-        geometries = [item.geometry for item in objects]
+        geometries = [part for item in objects for part, _ in parts_of(item.geometry)]
         meshes = [item for item in geometries if isinstance(item, Mesh)]
         self._url_of_object = self._urls(meshes, self._url_of_object)
 
@@ -102,7 +112,7 @@ def robot_info(
     """Return what a page needs to draw the robot.
 
     ``joints`` are in the order of every frame's arrays, ``ground`` is its height in the
-    robot's root [m], and ``limits`` are those that are not the URDF's.
+    robot's root [m], and ``limits`` are those that differ from the URDF's.
     """
     model = description.model
     parts = [item for item in (description.arm, description.gripper) if item]
@@ -172,8 +182,8 @@ def _joint_info(
     )
 
 
-def _shape_info(geometry: Geometry, files: RobotFiles) -> ShapeInfo:
-    match geometry:
+def _shape_info(solid: Solid, files: RobotFiles) -> ShapeInfo:
+    match solid:
         case Box(size=size):
             return ShapeInfo(kind="box", size=size)
         case Cylinder(radius=radius, length=length):
@@ -181,7 +191,13 @@ def _shape_info(geometry: Geometry, files: RobotFiles) -> ShapeInfo:
         case Sphere(radius=radius):
             return ShapeInfo(kind="sphere", radius=radius)
         case Mesh(scale=scale):
-            return ShapeInfo(kind="mesh", size=scale, url=files.url(geometry))
+            return ShapeInfo(kind="mesh", size=scale, url=files.url(solid))
+        case Compound(parts=parts):
+            infos = [
+                PartInfo(shape=_shape_info(part, files), xyz=pose.xyz, rpy=pose.rpy)
+                for part, pose in parts
+            ]
+            return ShapeInfo(kind="compound", parts=infos)
 
 
 def _finite(value: float) -> float | None:

@@ -22,7 +22,9 @@ from tool0.requests.table import Request
 
 if TYPE_CHECKING:
     import uvicorn
+    from starlette.types import ASGIApp
 
+    from tool0.interfaces.panel.entrance import Entrance
     from tool0.interfaces.panel.view import RobotView
     from tool0.interfaces.panel.view_feed import ViewFeed, ViewSource
     from tool0.interfaces.server.hub import Hub
@@ -38,7 +40,7 @@ FULL: Final = 503
 _MAX_MESSAGE: Final = 1 << 16
 """Longest message of a page [bytes]; a longer one ends the connection."""
 _PING_PERIOD: Final = 20.0
-"""Wall time between checks whether a silent page is still there [s]."""
+"""Wall time between checks that a silent page is still connected [s]."""
 
 
 def is_page_built() -> bool:
@@ -49,12 +51,13 @@ def is_page_built() -> bool:
 def load() -> None:
     """Import what the server needs, before a control loop runs.
 
-    Otherwise the server's thread does it: 0.1 s in which ticks would be late.
+    Otherwise the server's thread imports it later, which delays ticks by 0.1 s.
     """
     import uvicorn.protocols.http.h11_impl
     import uvicorn.protocols.websockets.websockets_sansio_impl  # noqa: F401
 
     import tool0.interfaces.panel.app
+    import tool0.interfaces.panel.entrance
     import tool0.interfaces.panel.simulation_view
     import tool0.interfaces.panel.view_feed  # noqa: F401
 
@@ -91,45 +94,42 @@ class WebService:
         self._feed: ViewFeed | None = None
         self._server: uvicorn.Server | None = None
         self._serving: asyncio.Task[None] | None = None
+        self._entrance: Entrance | None = None
 
     def await_page(self, timeout: float | None = None) -> bool:
-        """Wait up to ``timeout`` [wall s] for a first page; return whether one came."""
+        """Wait up to ``timeout`` [wall s] until a page has drawn the robot.
+
+        Returns whether one has.
+        """
         return self._shown.wait(timeout)
 
     async def start(self, hub: Hub) -> None:
         import uvicorn
 
         from tool0.interfaces.panel.app import build_app
+        from tool0.interfaces.panel.entrance import Entrance
         from tool0.interfaces.panel.view_feed import ViewFeed
 
         source = self._make_source()
+        hub.when_shown = self._shown.set
         hub.setpoint_requests += self._setpoint_requests
         self._feed = ViewFeed(source, hub)
         app = build_app(source.files, self._serve_page(hub), self._endpoint, STATIC)
-        self._server = uvicorn.Server(
-            uvicorn.Config(
-                app,
-                loop="asyncio",
-                http="h11",
-                ws="websockets-sansio",
-                lifespan="off",
-                log_config=None,
-                log_level=logging.WARNING,
-                access_log=False,
-                proxy_headers=False,
-                server_header=False,
-                ws_max_size=_MAX_MESSAGE,
-                ws_ping_interval=_PING_PERIOD,
-                ws_ping_timeout=_PING_PERIOD,
-                ws_per_message_deflate=False,
-                timeout_graceful_shutdown=1,
-            )
-        )
+        self._server = server = uvicorn.Server(_configuration(app))
         logging.getLogger("uvicorn.error").addFilter(_is_problem)
-        serving = self._server.serve(sockets=[self._endpoint.listener])
-        self._serving = asyncio.create_task(serving)
+        self._serving = asyncio.create_task(server.serve(sockets=[]))
+
+        def make_protocol(state: dict[str, Any]) -> asyncio.Protocol:
+            protocol: asyncio.Protocol = server.config.http_protocol_class(  # type: ignore[call-arg]  # uvicorn's own
+                config=server.config, server_state=server.server_state, app_state=state
+            )
+            return protocol
+
+        self._entrance = Entrance(self.listener, make_protocol)
 
     async def stop(self) -> None:
+        if self._entrance is not None:
+            self._entrance.close()
         if self._feed is not None:
             self._feed.close()
 
@@ -152,10 +152,8 @@ class WebService:
                 return
             await socket.accept()
             n_pages += 1
-            self._shown.set()
             try:
-                assert self._server is not None  # it accepted the page
-                await hub.serve(_PageTransport(socket, self._server))
+                await hub.serve(_PageTransport(socket))
             finally:
                 n_pages -= 1
 
@@ -168,9 +166,8 @@ class _PageTransport:
 
     is_trusted: Final = False
 
-    def __init__(self, socket: WebSocket, server: uvicorn.Server) -> None:
+    def __init__(self, socket: WebSocket) -> None:
         self._socket = socket
-        self._server = server
 
     async def send(self, text: bytes) -> None:
         try:
@@ -190,12 +187,10 @@ class _PageTransport:
         await self._socket.close(GOING_AWAY, "the server ends")
 
     def abort(self) -> None:
+        from tool0.interfaces.panel.entrance import Visitor
+
         # Closing would wait until the page reads.
-        peer = self._socket.scope["client"], self._socket.scope["server"]
-        connection: Any  # each protocol of uvicorn has these, and no common type
-        for connection in list(self._server.server_state.connections):
-            if (connection.client, connection.server) == peer:
-                connection.transport.abort()
+        Visitor.of(self._socket.scope).drop()
 
 
 @final
@@ -211,7 +206,7 @@ class Panel(AbstractContextManager["Panel"]):
         *,
         endpoint: Endpoint | None = None,
     ) -> None:
-        """Begin to serve.
+        """Start serving.
 
         Args:
             robot: A robot of this process, or one without physics.
@@ -252,6 +247,30 @@ def panel_service(
 
         return SimulationBackend(simulation), WebService(view, endpoint)
     return robot, WebService(lambda: robot, endpoint, (PoseJoints,))
+
+
+def _configuration(app: ASGIApp) -> uvicorn.Config:
+    import uvicorn
+
+    config = uvicorn.Config(
+        app,
+        loop="asyncio",
+        http="h11",
+        ws="websockets-sansio",
+        lifespan="off",
+        log_config=None,
+        log_level=logging.WARNING,
+        access_log=False,
+        proxy_headers=False,
+        server_header=False,
+        ws_max_size=_MAX_MESSAGE,
+        ws_ping_interval=_PING_PERIOD,
+        ws_ping_timeout=_PING_PERIOD,
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=1,
+    )
+    config.load()
+    return config
 
 
 def _is_problem(record: logging.LogRecord) -> bool:

@@ -14,6 +14,7 @@ from tool0.interfaces.panel.protocol import (
     ControllerInfo,
     Frame,
     GripperState,
+    StallInfo,
     Status,
     ViewInfo,
     ViewScene,
@@ -96,7 +97,7 @@ class SimulationView:
             fault=snapshot.fault,
             speed=snapshot.speed,
             real_time_factor=round(snapshot.real_time_factor, 2),
-            overruns=snapshot.overruns,
+            late_ticks=snapshot.late_ticks,
             clients=clients,
             controllers=controller_infos(
                 self._simulation.defined_controllers,
@@ -105,6 +106,14 @@ class SimulationView:
             ),
             grippers=self._grippers,
             poses=pose_infos(self._simulation.poses, self._watcher.report_once),
+            stalls=[
+                StallInfo(
+                    joint=stall.joint,
+                    effort=round(stall.effort, 1),
+                    contacts=list(stall.contacts),
+                )
+                for stall in snapshot.stalls
+            ],
             targets={
                 joint: _rounded(setpoint.target)
                 for joint, setpoint in snapshot.setpoints().items()
@@ -196,7 +205,7 @@ def controller_infos(
 def _obstacle(kind: str, state: _State, joints: Sequence[Joint]) -> str | None:
     """Return why sliders cannot drive a controller of these joints."""
     if kind.endswith("/JointStateController"):
-        return "It moves nothing: it only publishes joint states."
+        return "It only publishes joint states."
     if not kind.endswith("/JointTrajectoryController"):
         name = kind.rpartition("/")[2]
         return f"Sliders drive a JointTrajectoryController; this is a {name}."

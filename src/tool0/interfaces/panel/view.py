@@ -37,9 +37,9 @@ _NO_OBJECTS: Final = ViewScene(number=0, objects=[])
 
 @final
 class RobotView:
-    """A robot without physics: joints stand where a page last put them.
+    """A robot without physics: joints keep the positions last set by a page.
 
-    It is both the backend of a server and the source of its view.
+    It is both the backend of the server and the source of its view.
     """
 
     mode: Final = "view"
@@ -90,7 +90,7 @@ class RobotView:
             fault=None,
             speed=None,
             real_time_factor=0.0,
-            overruns=0,
+            late_ticks=0,
             clients=clients,
             controllers=[],
             grippers=[
@@ -106,6 +106,7 @@ class RobotView:
                 for gripper in self._model.grippers
             ],
             poses=pose_infos(self._book, self._report),
+            stalls=[],
             targets={},
         )
 
@@ -211,7 +212,7 @@ def _checked(joint: Joint, position: float) -> float:
 def _with_mimics(
     model: RobotModel, positions: Mapping[str, float]
 ) -> Mapping[str, float]:
-    """Return ``positions`` with every mimic joint where the joint it mimics puts it."""
+    """Return ``positions`` with mimic joints computed from the joints they follow."""
     found = dict(positions)
     for name in positions:
         mimic = model.joint(name).mimic

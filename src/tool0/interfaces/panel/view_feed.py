@@ -1,9 +1,10 @@
-"""Sends pages what they show of a robot: frames, status, scene and notices."""
+"""Sends the robot's view to pages: frames, status, scene and notices."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections.abc import Sequence
 from typing import Final, Protocol, final
 
@@ -22,14 +23,16 @@ FRAME_PERIOD: Final = 1 / 60
 """[wall s]"""
 STATUS_PERIOD: Final = 0.1
 """[wall s]; also between checks for notifications."""
+HEARTBEAT: Final = 0.2
+"""Longest wall time between frames, also of a paused robot [s]."""
 
 
 class ViewSource(Protocol):
-    """A robot as pages see it, read by the server's thread alone."""
+    """A robot as shown on pages; only the server's thread reads it."""
 
     @property
     def info(self) -> ViewInfo:
-        """What does not change while the server runs; without notices."""
+        """The constant part of the view; without notices."""
 
     @property
     def files(self) -> RobotFiles: ...
@@ -41,13 +44,13 @@ class ViewSource(Protocol):
         """
 
     def frame(self) -> Frame:
-        """Return where everything is: the same object while nothing changes."""
+        """Return the current frame: the same object while nothing changes."""
 
     def status(self, clients: int) -> Status:
-        """Return what changes seldom, with the number of pages."""
+        """Return the status, with the number of pages."""
 
     def notifications(self) -> Sequence[Notification]:
-        """Return what happened since the last call."""
+        """Return the notices since the last call."""
 
     def close(self) -> None:
         """Stop reading the robot."""
@@ -58,13 +61,14 @@ class ViewFeed:
     """Feeds the sessions that subscribed to the view.  It lives in the event loop."""
 
     def __init__(self, source: ViewSource, hub: Hub) -> None:
-        """Start to read the source."""
+        """Start reading the source."""
         self._source = source
         self._hub = hub
         self._sessions: set[Session] = set()
         self._book = NoticeBook()
         self._frame = source.frame()
         self._frame_text = encode(self._frame)
+        self._frame_sent = 0.0
         self._scene = source.scene()
         self._scene_text = encode(self._scene)
         self._status: Status | None = None
@@ -92,7 +96,7 @@ class ViewFeed:
         self._source.close()
 
     async def _run(self) -> None:
-        """Send what is new, at the pace of the wall clock."""
+        """Send changes, at the pace of the wall clock."""
         loop = asyncio.get_running_loop()
         next_status = loop.time()
         while True:
@@ -114,8 +118,10 @@ class ViewFeed:
 
     def _update_frame(self) -> None:
         frame = self._source.frame()
-        if frame is self._frame:
+        now = time.monotonic()
+        if frame is self._frame and now - self._frame_sent < HEARTBEAT:
             return
+        self._frame_sent = now
         self._frame, self._frame_text = frame, encode(frame)
         scene = self._source.scene()
         is_new = scene is not self._scene

@@ -49,8 +49,8 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         Args:
             robot: The robot, in this process.  The caller closes it, after this.
             options: The namespace and rates.
-            on_shutdown: Called, by a thread of rospy's, when somebody ends the node:
-                ``rosnode kill``, or another node of the same name.
+            on_shutdown: Called by a rospy thread when the node is shut down from
+                outside: ``rosnode kill``, or another node of the same name.
 
         Raises:
             RosUnavailableError: If there is no ROS or no master, or the name is taken.
@@ -58,7 +58,7 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         options = options or Ros1Options()
         keep_to_this_machine()
         import_messages()
-        # These import ROS, which import_messages has just found.
+        # These import ROS, which import_messages has found.
         import rospy
 
         from tool0.interfaces.ros1.controller_manager import ControllerManagerBridge
@@ -104,7 +104,7 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         rospy.on_shutdown(self._handle_shutdown)
 
     def close(self) -> None:
-        """Unregister, and end what was started; closing twice is allowed."""
+        """Unregister and stop all threads; closing twice is allowed."""
         self._is_closing.set()
         for thread in self._threads:
             thread.join()
@@ -128,7 +128,7 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
                         self.node.log_error(f"{type(publisher).__name__}: {error}")
 
     def _watch_master(self) -> None:
-        """Check that the master knows us, and that one node publishes /clock."""
+        """Check that the master knows this node, and that one node publishes /clock."""
         node = self.node
 
         def register() -> None:
@@ -173,7 +173,7 @@ def with_mesh_files(urdf: str) -> str:
 
 
 def _to_xmlrpc(value: object) -> object:
-    """Return ``value`` as XML-RPC can carry it: no null, and integers of 32 bits."""
+    """Return ``value`` in a form for XML-RPC: no null, and integers of 32 bits."""
     match value:
         case dict():
             items = ((str(name), _to_xmlrpc(item)) for name, item in value.items())

@@ -1,4 +1,4 @@
-"""controller_manager: its six services, and the topics of what is loaded."""
+"""controller_manager: its six services, and the topics of loaded controllers."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ from tool0.sensing.snapshot import Snapshot
 STRICT = 2
 """Of controller_manager_msgs/SwitchController; anything else is best effort."""
 _CLOSE_TIMEOUT = 10.0
-"""For the topics of one controller at a busy master [wall s]; one that is gone refuses
-at once."""
+"""Timeout for the topics of one controller at a busy master [wall s]; a dead one
+refuses at once."""
 _BRIDGES: dict[type, Callable[..., SnapshotPublisher]] = {
     JointStateSpec: JointStatePublisher,
     JointTrajectorySpec: JointTrajectoryBridge,
@@ -40,13 +40,15 @@ _BRIDGES: dict[type, Callable[..., SnapshotPublisher]] = {
     ForwardCommandSpec: ForwardCommandBridge,
 }
 """By the class of a controller's parameters."""
+_READ_ONLY = (("hardware_interface/JointStateInterface", ()),)
+"""What ros_control reports of a controller that claims nothing."""
 
 
 @final
 class ControllerManagerBridge:
-    """Answers as ros_control's controller_manager, and presents what is loaded.
+    """Acts as ros_control's controller_manager, and presents the loaded controllers.
 
-    It follows whoever loads controllers: ROS, the panel, the command line.  As in ROS,
+    It follows every change, made from ROS, the panel or the command line.  As in ROS,
     a controller has its topics from its loading to its unloading.
     """
 
@@ -68,7 +70,7 @@ class ControllerManagerBridge:
         self._offer_operation("ReloadControllerLibraries", self._reload)
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish for the running controllers; notice when others are loaded."""
+        """Publish for the running controllers; detect changes of the loaded ones."""
         loaded = tuple(status.name for status in snapshot.controllers)
         if loaded != self._loaded:
             self._loaded = loaded
@@ -87,7 +89,7 @@ class ControllerManagerBridge:
         self._registrar.close(_CLOSE_TIMEOUT)
 
     def _update(self) -> None:
-        """Have bridges for the controllers that are loaded now, and for no others."""
+        """Create bridges for new controllers, and close those of unloaded ones."""
         with self._lock:
             loaded = {}
             for status in self._robot.controllers():
@@ -184,7 +186,7 @@ def _state(status: ControllerStatus) -> Message:
                 hardware_interface=interface.replace("/", "::"),
                 resources=sorted(joints),
             )
-            for interface, joints in status.claimed
+            for interface, joints in status.claimed or _READ_ONLY
         ],
     )
 

@@ -1,4 +1,4 @@
-"""What each type of controller presents in ROS: its topics, actions and services."""
+"""The ROS interface of each controller type: its topics, actions and services."""
 
 from __future__ import annotations
 

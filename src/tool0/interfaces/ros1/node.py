@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import os
@@ -98,11 +99,11 @@ class RosClock:
 
 
 _REPEAT_PERIOD = 1.0
-"""Time before the same error is logged again [wall s]."""
+"""Interval at which a repeated error is logged again [wall s]."""
 
 
 class SnapshotPublisher(Protocol):
-    """Publishes something of every snapshot.  One thread calls it."""
+    """Publishes part of every snapshot.  One thread calls it."""
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish what is due.  Simulated time may have gone back to zero."""
@@ -158,7 +159,7 @@ class RosoutHandler(logging.Handler):
 
 @final
 class RosNode:
-    """The process's node.  rospy allows one in a process, and none after it."""
+    """The process's node.  rospy never allows a second one in a process."""
 
     def __init__(
         self, options: Ros1Options, master: Master, tf_prefix: str = ""
@@ -193,11 +194,11 @@ class RosNode:
 
     @property
     def uri(self) -> str:
-        """Address at which other nodes and the master reach us."""
+        """Address at which other nodes and the master reach this node."""
         return str(core.get_node_uri())
 
     def name(self, relative: str) -> str:
-        """Return a name in our namespace; one that begins with a slash is absolute."""
+        """Return a name in the node's namespace; a leading slash makes it absolute."""
         return relative if relative[:1] == "/" else f"{self.options.root}/{relative}"
 
     def frame(self, link: str) -> str:
@@ -256,7 +257,7 @@ class RosNode:
         )
 
     def arbitrate_clock(self) -> None:
-        """Publish /clock if nobody does; of two publishers the later name gives way."""
+        """Publish /clock if no other node does; of two, the later name stops."""
         others = self.other_clock_publishers()
         if not self.clock.is_publisher and not others:
             self.clock.start_publishing()
@@ -266,7 +267,7 @@ class RosNode:
             logger.warning("%s publishes /clock, too: following it now", min(others))
 
     def register_again(self) -> None:
-        """Register all topics and services with a master that does not know us."""
+        """Register all topics and services with a master that lacks this node."""
         topics, services = get_topic_manager(), get_service_manager()
         for topic, kind in topics.get_publications():
             self.master.call("registerPublisher", topic, kind, self.uri)
@@ -281,11 +282,15 @@ class RosNode:
         """Unregister everything; no second node can follow in this process."""
         logging.getLogger("tool0").removeHandler(self._rosout)
         self._results.close()
+        uri = self.uri
         rospy.signal_shutdown("the bring-up ended")
+        with contextlib.suppress(RosUnavailableError):
+            # A name that a thread of rospy's registers meanwhile would stay.
+            self.master.unregister_all(uri)
 
 
 def _init_node(root: str) -> None:
-    # As ROS_NAMESPACE would, which rospy reads only at its import.
+    # Same as ROS_NAMESPACE, which rospy reads only at its import.
     names._set_caller_id(f"{root}/unnamed")
     before = os.environ.get("ROS_PYTHON_LOG_CONFIG_FILE")
     own = resources.files("tool0.interfaces.ros1") / "logging.yaml"

@@ -17,16 +17,16 @@ _NAMESPACE = re.compile(r"(/?[A-Za-z]\w*)(/[A-Za-z]\w*)*/?|/?")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ros1Options:
-    """How the robot appears in ROS 1."""
+    """ROS 1."""
 
     roscore: bool = False
-    """Start a roscore if none answers."""
+    """Start a roscore if none is running."""
     ns: str = ""
-    """Namespace of all its names, such as robot1: several robots on one roscore."""
+    """Namespace of all names, such as robot1, for several robots on one roscore."""
     tf_pub_rate: float = 125.0
-    """Transforms per second of simulated time [Hz]."""
+    """Rate of the transforms, in simulated time [Hz]."""
     camera_rate: float = 10.0
-    """Images of each camera per second of simulated time, at most [Hz]."""
+    """Largest rate of each camera's images, in simulated time [Hz]."""
 
     def __post_init__(self) -> None:
         if not _NAMESPACE.fullmatch(self.ns):

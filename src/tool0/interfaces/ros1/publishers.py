@@ -1,4 +1,4 @@
-"""What ROS gets of every snapshot: wrench, images, and the frames of links."""
+"""Publishers of every snapshot: wrench, images, and the frames of links."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ logger = logging.getLogger(__name__)
 
 
 def sensor_publishers(node: RosNode, robot: Robot) -> list[SnapshotPublisher]:
-    """Return what publishes the cameras, and the wrench at the robot's one ``tool0``.
+    """Return publishers of the cameras and of the wrench at the only ``tool0``.
 
     A robot without ``tool0``, or with several, has no wrench.
     """
@@ -65,7 +65,7 @@ class WrenchPublisher:
         self._last: int | None = None  # number of the last sample that was published
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish the filtered samples since the last call, if somebody subscribes."""
+        """Publish the filtered samples since the last call, if anyone subscribes."""
         if not self._publisher.get_num_connections():
             self._last = None
             return
@@ -113,7 +113,7 @@ def camera_transforms(node: RosNode, robot: Robot) -> list[Message]:
 class CameraPublisher:
     """``image_raw`` and ``camera_info`` of one camera's colours and depth.
 
-    Both are of one image, so they have one frame: the colours' optical frame.
+    Both belong to one image, so they share the optical frame of the colours.
     """
 
     def __init__(
@@ -133,9 +133,9 @@ class CameraPublisher:
         ]
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish what is subscribed to, if it is due; never wait for an image.
+        """Publish subscribed topics that are due; never wait for an image.
 
-        One is left out while the one before is still being rendered.
+        An image is skipped while the previous one is still being rendered.
         """
         if not self._rate.is_due(snapshot.time):
             return
@@ -203,15 +203,15 @@ NAME = "robot_state_publisher"
 _CHECK_RATE = 1.0
 """Checks whether the child process is alive [Hz] of simulated time."""
 _GRACE = 5.0
-"""For the child process to end by itself [wall s]."""
+"""Time for the child process to end by itself [wall s]."""
 
 
 @final
 class RobotStatePublisher:
     """The frames of links and cameras.
 
-    The real robot_state_publisher runs as a child process.  Where it is not installed,
-    or once it has ended, our own kinematics publish the same frames.
+    The real robot_state_publisher runs as a child process.  If it is not installed, or
+    has ended, tool0's own kinematics publish the same frames.
     """
 
     def __init__(self, node: RosNode, robot: Robot) -> None:
@@ -251,7 +251,7 @@ class RobotStatePublisher:
             self._take_over()
 
     def register_again(self) -> None:
-        """Restart the child: nodes of roscpp do not notice that the master is new."""
+        """Restart the child: roscpp nodes do not notice a new master."""
         if self._child is not None:
             old, self._child = self._child, self._start()
             old.close()

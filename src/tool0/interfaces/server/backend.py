@@ -1,4 +1,4 @@
-"""What a server serves: something that answers requests."""
+"""The backend of a server: it answers requests."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Backend(Protocol):
         """Raise Tool0Error for a streamed setpoint that can never be carried out."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
-        """Return the controllers whose streams of setpoints a request ends."""
+        """Return the controllers whose setpoint streams are ended by a request."""
 
 
 @final

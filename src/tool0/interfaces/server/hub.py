@@ -32,7 +32,7 @@ from tool0.requests.codec import (
     outcome_of,
 )
 from tool0.requests.motion import GoalStarted, SteerJoints
-from tool0.requests.state import Subscribe, SubscribeView, Unsubscribe
+from tool0.requests.state import Subscribe, SubscribeView, Unsubscribe, ViewShown
 from tool0.requests.table import Request, entry_of
 
 logger = logging.getLogger(__name__)
@@ -52,17 +52,17 @@ class Service(Protocol):
         """Accept peers, in the server's event loop."""
 
     async def stop(self) -> None:
-        """Stop to accept peers; the hub then closes the connections."""
+        """Stop accepting peers; the hub then closes the connections."""
 
     async def end(self) -> None:
-        """End what is left in the event loop."""
+        """End the remaining tasks in the event loop."""
 
     def release(self) -> None:
         """Free the address, also if the service was never started."""
 
 
 WORKERS: Final = 16
-"""Requests that are carried out at once; further ones wait."""
+"""Requests that are executed concurrently; further ones wait."""
 _CLOSE_TIMEOUT: Final = 0.5
 """Longest wait for a peer to close its connection [wall s]."""
 
@@ -84,6 +84,8 @@ class Hub:
         self._urgent: set[asyncio.Task[None]] = set()
         self.attach_view: Callable[[Session], None] | None = None
         """Lets a session receive what the panel shows; None without a panel."""
+        self.when_shown: Callable[[], None] = lambda: None
+        """Called when a page has drawn the robot."""
         self.when_refused: Callable[[str], None] = lambda message: None
         """Called when a streamed setpoint was refused."""
         self.setpoint_requests: tuple[type[Request[Any]], ...] = (SteerJoints,)
@@ -121,7 +123,7 @@ class Hub:
         self._urgent_worker.shutdown(wait=False)
 
     def drop_stuck(self) -> None:
-        """Drop the connections that take nothing."""
+        """Drop the connections that do not read."""
         for session in list(self.sessions):
             if session.is_stuck():
                 session.drop()
@@ -153,6 +155,10 @@ class Hub:
     ) -> None:
         if isinstance(request, Subscribe | Unsubscribe | SubscribeView):
             await self._change_streams(session, ident, request)
+            return
+        if isinstance(request, ViewShown):
+            self.when_shown()
+            session.send(encode_reply(ident, request, None))
             return
         await self._setpoints.settle(self.backend.superseded(request))
         await self._carry_out(session, ident, request, self._workers)
@@ -242,7 +248,7 @@ class Hub:
 
 
 async def _close(session: Session) -> None:
-    with contextlib.suppress(Exception):  # it may be gone, or stuck
+    with contextlib.suppress(Exception):  # it may be closed, or stuck
         await asyncio.wait_for(session.close(), _CLOSE_TIMEOUT)
 
 
@@ -253,7 +259,7 @@ def _logged(error: Exception) -> Exception:
 
 
 _CHECK_PERIOD: Final = 1.0
-"""Wall time between checks for connections that take nothing [s]."""
+"""Wall time between checks for connections that do not read [s]."""
 
 
 async def serve(

@@ -1,7 +1,7 @@
 """The server: a thread that serves a robot to all connections.
 
-asyncio and what needs it are imported when the first peer connects: a bring-up that
-nobody talks to starts without them.
+asyncio and its users are imported when the first peer connects, so that a bring-up
+without peers starts faster.
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, final
 
+from tool0.api.address import is_foreign
 from tool0.errors import TransportError
+from tool0.runtime.own_process import OwnProcess
 
 if TYPE_CHECKING:
     import asyncio
@@ -42,29 +44,29 @@ class UnixSocketService:
         """
         self._claim = claim
         self.listener = _listen(claim)
-        self._server: asyncio.Server | None = None
+        self._accepting: asyncio.Task[None] | None = None
 
     async def start(self, hub: Hub) -> None:
         import asyncio
 
-        from tool0.interfaces.server.session import MAX_LINE, LineTransport
+        from tool0.interfaces.server.accepting import accept_forever
 
-        async def serve(
-            reader: asyncio.StreamReader, writer: asyncio.StreamWriter
-        ) -> None:
-            if len(hub.sessions) < MAX_PEERS:
-                await hub.serve(LineTransport(reader, writer))
-            writer.close()
-            with contextlib.suppress(OSError):  # the peer was faster
-                await writer.wait_closed()
+        serving: set[asyncio.Task[None]] = set()
 
-        self._server = await asyncio.start_unix_server(
-            serve, sock=self.listener, limit=MAX_LINE
-        )
+        async def take(peer: socket.socket) -> None:
+            if is_foreign(peer):
+                logger.warning("rejected a program of another user")
+                peer.close()
+                return
+            task = asyncio.create_task(_serve(hub, peer, len(serving) < MAX_PEERS))
+            serving.add(task)
+            task.add_done_callback(serving.discard)
+
+        self._accepting = asyncio.create_task(accept_forever(self.listener, take))
 
     async def stop(self) -> None:
-        if self._server is not None:
-            self._server.close()
+        if self._accepting is not None:
+            self._accepting.cancel()
 
     async def end(self) -> None:
         """Do nothing: the hub has closed the connections."""
@@ -72,6 +74,24 @@ class UnixSocketService:
     def release(self) -> None:
         self.listener.close()
         self._claim.close()
+
+
+async def _serve(hub: Hub, peer: socket.socket, has_room: bool) -> None:
+    """Serve a program until it disconnects, or reject it if there are too many."""
+    import asyncio
+
+    from tool0.interfaces.server.session import MAX_LINE, LineTransport
+    from tool0.requests.codec import encode_error
+
+    reader, writer = await asyncio.open_unix_connection(sock=peer, limit=MAX_LINE)
+    if has_room:
+        await hub.serve(LineTransport(reader, writer))
+    else:
+        text = f"{MAX_PEERS} programs are connected already; close one"
+        writer.write(encode_error(None, TransportError(text)) + b"\n")
+    writer.close()
+    with contextlib.suppress(OSError):  # the peer closed first
+        await writer.wait_closed()
 
 
 def _listen(claim: Claim) -> socket.socket:
@@ -100,10 +120,11 @@ class Server(contextlib.AbstractContextManager["Server"]):
     def __init__(
         self, backend: Backend, services: Sequence[Service], name: str = ""
     ) -> None:
-        """Begin to serve at the services' addresses; ``name`` is the bring-up's."""
+        """Start serving at the services' addresses; ``name`` is the bring-up's."""
         self._backend = backend
         self._services = tuple(services)
         self._name = name
+        self._process = OwnProcess()
         self._wake, self._waker = socket.socketpair()
         self._thread = threading.Thread(
             target=self._run, name="tool0-server", daemon=True
@@ -112,7 +133,7 @@ class Server(contextlib.AbstractContextManager["Server"]):
 
     def close(self) -> None:
         """Close every connection and end; closing twice is allowed."""
-        if self._waker.fileno() < 0:
+        if self._waker.fileno() < 0 or not self._process.is_this:
             return
         with contextlib.suppress(OSError):  # the server has failed
             self._waker.send(b"x")
@@ -132,7 +153,9 @@ class Server(contextlib.AbstractContextManager["Server"]):
                 asyncio.run(
                     serve(self._backend, self._services, self._name, self._wake)
                 )
-        except Exception:  # the robot runs on without its server
+        except OSError as error:  # the robot keeps running without its server
+            logger.error("the server failed: %s", error)  # noqa: TRY400  # not a bug
+        except Exception:
             logger.exception("the server failed")
         finally:
             for service in self._services:

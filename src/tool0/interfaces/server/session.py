@@ -1,4 +1,4 @@
-"""One connection: what waits to be sent to it, and how fast it may send."""
+"""One connection: its send queue, and its rate limit."""
 
 from __future__ import annotations
 
@@ -19,18 +19,22 @@ MAX_QUEUE: Final = 256
 MAX_SNAPSHOTS: Final = 1024
 """Snapshots that may wait for a slow reader, before it loses the oldest."""
 STUCK_AFTER: Final = 10.0
-"""Wall time after which a connection that takes nothing is dropped [s]."""
+"""Wall time after which a connection that does not read is dropped [s]."""
 RATE: Final = 200.0
 """Messages that a page may send per second in the long run; sliders send 30."""
 BURST: Final = 1000.0
-"""Messages that it may send at once."""
+"""Messages that it may send in one burst."""
 _CHUNK: Final = 4096
 """Bytes that count as one message."""
-_MAX_WAITING: Final = 256
-"""Requests of one connection that may wait for each other; with more, nothing is read,
-not even an emergency stop."""
+MAX_BACKLOG: Final = 4096
+"""Requests of one connection that may wait for each other, in chunks: 16 MiB.  Further
+ones are rejected, so that an emergency stop behind them is always read."""
 MAX_LINE: Final = 1 << 20
 """Longest request [bytes]; 10 000 waypoints of 6 joints fit."""
+
+_TOO_MANY: Final = TransportError(
+    "too many requests of this connection wait already; wait for replies"
+)
 
 Ident = int | str | None
 TakeAtOnce = Callable[["Session", Ident, Request[Any]], bool]
@@ -44,7 +48,7 @@ class Transport(Protocol):
 
     @property
     def is_trusted(self) -> bool:
-        """Whether the peer is a program of this user, which is not slowed down."""
+        """Whether the peer is a program of this user, which has no rate limit."""
 
     async def send(self, text: bytes) -> None:
         """Send one message; ConnectionError if the peer has disconnected."""
@@ -65,7 +69,7 @@ class Transport(Protocol):
 
 @final
 class Session:
-    """Sends at the reader's pace, so that no other connection waits for it."""
+    """Sends at the reader's pace, so that no other connection has to wait."""
 
     def __init__(
         self, transport: Transport, take_at_once: TakeAtOnce, carry_out: CarryOut
@@ -79,8 +83,10 @@ class Session:
         self.missed = 0
         """Snapshots that were dropped since the last one that was queued."""
         self._latest: dict[str, bytes] = {}
-        self._waiting: asyncio.Queue[tuple[Ident, Request[Any]] | None]
-        self._waiting = asyncio.Queue(_MAX_WAITING)
+        self._waiting: asyncio.Queue[tuple[int, Ident, Request[Any]] | None]
+        self._waiting = asyncio.Queue()
+        self._backlog = 0
+        """Chunks of the requests that wait or are carried out."""
         self._loop = asyncio.get_running_loop()
         self._allowance = BURST
         self._allowance_at = self._loop.time()
@@ -90,7 +96,7 @@ class Session:
         """Whether it can neither send nor receive any more."""
 
     def is_stuck(self) -> bool:
-        """Return whether it has taken nothing for too long."""
+        """Return whether it has not read for too long."""
         since = self._sending_since
         return since is not None and self._loop.time() - since > STUCK_AFTER
 
@@ -175,20 +181,26 @@ class Session:
         except Exception:
             logger.exception("a connection failed")
         self._is_gone = True
-        await self._waiting.put(None)
+        self._waiting.put_nowait(None)
 
     async def _read_all(self) -> None:
         while (text := await self._transport.receive()) is not None:
+            n_chunks = 1 + len(text) // _CHUNK
             if not self._transport.is_trusted:
-                # Meanwhile nothing is read, and TCP makes the page wait.
-                await self._pace(1 + len(text) // _CHUNK)
+                # Meanwhile nothing is read, so TCP flow control slows the page down.
+                await self._pace(n_chunks)
             try:
                 ident, request = decode_request(text)
             except RequestReadError as error:
                 self.send(encode_error(error.ident, error.error))
                 continue
-            if not self._take_at_once(self, ident, request):
-                await self._waiting.put((ident, request))
+            if self._take_at_once(self, ident, request):
+                continue
+            if self._backlog + n_chunks > MAX_BACKLOG:
+                self.send(encode_error(ident, _TOO_MANY))
+                continue
+            self._backlog += n_chunks
+            self._waiting.put_nowait((n_chunks, ident, request))
 
     async def _pace(self, cost: int) -> None:
         """Wait until the page may send ``cost`` more messages."""
@@ -201,7 +213,9 @@ class Session:
 
     async def _work(self) -> None:
         while (item := await self._waiting.get()) is not None:
-            await self._carry_out(self, *item)
+            n_chunks, ident, request = item
+            await self._carry_out(self, ident, request)
+            self._backlog -= n_chunks
 
 
 @final

@@ -43,10 +43,10 @@ class StreamedSetpoint:
 
 @final
 class SetpointStreams:
-    """Keeps the newest setpoint of each stream until it is its turn.
+    """Keeps the newest setpoint of each stream until it is due.
 
-    Of a slider's thousand only the newest is carried out.  The last one always is, also
-    when its sender has disconnected.
+    Only the newest of many slider events is executed.  The last one always is, even if
+    its sender has disconnected.
     """
 
     def __init__(
@@ -58,9 +58,9 @@ class SetpointStreams:
         self._locks: dict[str, asyncio.Lock] = {}
 
     def submit(self, setpoint: StreamedSetpoint) -> None:
-        """Put ``setpoint`` in place of the one that waits.
+        """Replace the waiting setpoint by ``setpoint``.
 
-        Joints that only the older one of the same sender names keep its positions.
+        Joints named only in the older one of the same sender keep its positions.
         """
         key = getattr(setpoint.request, "controller", "")
         before = self._waiting.get(key)
@@ -73,12 +73,12 @@ class SetpointStreams:
             self._tasks[key] = asyncio.create_task(self._run(key))
 
     def drop(self, keys: Collection[str]) -> None:
-        """Drop what waits: a newer request supersedes it."""
+        """Drop the waiting setpoint: a newer request supersedes it."""
         for key in keys:
             self._waiting.pop(key, None)
 
     async def settle(self, keys: Collection[str]) -> None:
-        """Drop what waits, and wait for what is being carried out."""
+        """Drop the waiting setpoints, and wait for those in progress."""
         self.drop(keys)
         for key in keys:
             if key in self._locks:
@@ -142,8 +142,8 @@ class _RateStream:
 class SnapshotStreams:
     """Sends snapshots and events to subscribed sessions, in the event loop.
 
-    The bus is polled in the server's thread: publishing costs the tick the same with
-    any number of subscribers.  A snapshot is encoded once for all of a rate.
+    The bus is polled in the server's thread, so that the cost in the tick does not
+    depend on the number of subscribers.  A snapshot is encoded once for all of a rate.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -165,7 +165,7 @@ class SnapshotStreams:
             self._task = asyncio.create_task(self._poll())
 
     def remove(self, session: Session) -> None:
-        """Send ``session`` no more."""
+        """Stop sending to ``session``."""
         for rate, stream in list(self._streams.items()):
             if stream.sessions.pop(session, None) is not None and not stream.sessions:
                 del self._streams[rate]
@@ -200,7 +200,7 @@ class SnapshotStreams:
 
 
 def _close_in_background(stream: _RateStream) -> None:
-    """Close a subscription in a thread of its own: it waits for the tick."""
+    """Close a subscription in a separate thread: it waits for the tick."""
     close = stream.subscription.close
     asyncio.get_running_loop().run_in_executor(None, close)
 

@@ -1,4 +1,4 @@
-"""Where the values of arguments come from, and where they end up."""
+"""The origin of arguments' values, and their uses."""
 
 from __future__ import annotations
 
@@ -22,8 +22,7 @@ from tool0.lint.launch.model import (
 from tool0.lint.launch.xacro_files import XacroFile, xacro_call
 
 MAX_VISITS = 300_000
-"""At entries, in search of what uses an argument: files may include files without
-number."""
+"""Most entries visited while searching the uses of an argument: includes multiply."""
 _ORIGINS = {
     "command line": "from the command line",
     "include": "given by the include",
@@ -43,13 +42,13 @@ class _Use:
     """One place that uses arguments of a launch file."""
 
     what: str
-    """For people: ``args of node /spawner``."""
+    """Display name: ``args of node /spawner``."""
     names: Sequence[str]
     """The arguments that it uses."""
     location: SourceLocation
     is_off: bool = False
     argument: tuple[LaunchFile, str] | None = None
-    """The argument that it becomes a part of, of this file or of an included one."""
+    """The argument, of this file or an included one, that it becomes a part of."""
     xacro: tuple[Parameter, str] | None = None
     """The argument of xacro that it becomes a part of."""
 
@@ -57,7 +56,7 @@ class _Use:
 @final
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Anything in a launch file that may use arguments, or depend on a condition."""
+    """Any part of a launch file that may use arguments or depend on a condition."""
 
     what: str
     place: Place
@@ -67,7 +66,7 @@ class _Part:
 
 
 def _uses(launch: LaunchFile) -> list[_Use]:
-    """Return all that uses an argument of ``launch``, in the file's order."""
+    """Return all uses of arguments of ``launch``, in the file's order."""
     parts = list(_parts(launch))
     found = [use for part in parts for use in part.uses]
     found += _conditions(launch, parts)
@@ -179,7 +178,7 @@ def _use(
 
 
 def describe(entry: Entry) -> str:
-    """Return what a person calls an entry."""
+    """Return the display name of an entry."""
     match entry:
         case Node():
             kind = "test" if entry.is_test else "node"
@@ -203,14 +202,14 @@ def _included(include: Include) -> str:
 def argument_flow(
     launch: LaunchFile, robots: Mapping[Parameter, XacroFile]
 ) -> tuple[Item, ...]:
-    """Return an item for each file that has arguments, with their ways in it.
+    """Return an item for each file that has arguments, with their uses in it.
 
-    In files that are included only those arguments are listed whose value comes from
-    no argument of another file: the others are seen on their path.
+    Of included files, only arguments whose value does not come from another file's
+    argument are listed: the others appear on the path from there.
 
     Args:
         launch: The file.
-        robots: What its parameters have xacro read (``xacro_robots``).
+        robots: The xacro files that its parameters load (``xacro_robots``).
     """
     explainer = _FlowExplainer(launch, robots)
     listed = [explainer.arguments(file) for file in launch.files()]
@@ -267,7 +266,7 @@ class _FlowExplainer:
     def _uses(
         self, launch: LaunchFile, name: str, path: tuple[tuple[int, str], ...]
     ) -> Iterator[Item]:
-        """Yield what uses an argument, with all that follows from it."""
+        """Yield the uses of an argument, with their own uses."""
         here = (id(launch), name)
         if here in path:
             return

@@ -24,7 +24,7 @@ from tool0.lint.launch.statements import read_statement
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GivenArgument:
-    """A value that a file's argument has from outside."""
+    """The value of a file's argument, given from outside."""
 
     text: Text
     origin: Literal["command line", "include", "pass_all_args"]
@@ -32,7 +32,7 @@ class GivenArgument:
 
 @final
 class Arguments:
-    """Notes the arguments of a file while it is read."""
+    """Records the arguments of a file while it is read."""
 
     def __init__(
         self,
@@ -105,8 +105,8 @@ class Arguments:
                 "missing-argument",
                 name,
                 "has no default, and no value is given: what depends on it is unknown",
-                f"say {name}:=… on the command line, or include the file from one that "
-                "gives it",
+                f"give {name}:=… on the command line, or in the <include> of "
+                "another file",
                 severity="warning",
             )
         return argument
@@ -126,7 +126,7 @@ class Arguments:
         )
 
     def report_missing(self, include: Scope) -> None:
-        """Report the active arguments that the include does not give."""
+        """Report the required arguments that the include does not give."""
         for argument in self._found:
             name = argument.name
             if argument.origin == "missing" and name not in self._scope.values:
@@ -156,7 +156,7 @@ class Arguments:
         return tuple(self._found)
 
     def report_unknown(self) -> None:
-        """Report what the command line gives and the file does not declare."""
+        """Report command-line arguments that the file does not declare."""
         declared = {argument.name for argument in self._found}
         for name in self._given:
             if name not in declared:

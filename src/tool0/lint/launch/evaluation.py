@@ -1,7 +1,7 @@
 """``$(eval …)`` of roslaunch: arithmetic, texts and arguments, and nothing else.
 
-roslaunch hands the expression to Python.  Here its syntax tree is walked, and only
-what is named below is understood; sizes are bounded, so that no expression takes long.
+roslaunch hands the expression to Python.  Here its syntax tree is walked, and only the
+constructs below are supported; sizes are bounded, so that no expression takes long.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from typing import Final, final
 
 MAX_LENGTH: Final = 2000
-"""Of an expression, in characters."""
+"""Longest expression, in characters."""
 MAX_TEXT: Final = 50_000
-"""Of a text that an expression makes."""
+"""Longest text that an expression may create."""
 MAX_BITS: Final = 4096
 """Of a whole number."""
 
@@ -84,7 +84,7 @@ class EvaluationError(Exception):
 
 @final
 class NotUnderstoodError(EvaluationError):
-    """The expression may have a value, and roslaunch would know it."""
+    """The expression may have a value in roslaunch, but not here."""
 
 
 def evaluate(
@@ -95,17 +95,17 @@ def evaluate(
     """Return the value of ``expression`` as roslaunch would write it.
 
     Args:
-        expression: What stands in ``$(eval …)``.
-        functions: What it may call with texts beside mathematics, by name.
+        expression: The content of ``$(eval …)``.
+        functions: Functions of texts that it may call, by name.
         argument: Gives the value of a name; raises KeyError if it has none.
 
     Raises:
-        EvaluationError: If it is no expression, has no value, or is not understood.
+        EvaluationError: If it is no expression, has no value, or is not supported.
     """
     if len(expression) > MAX_LENGTH:
         raise EvaluationError(f"it is longer than {MAX_LENGTH} characters")
     if "__" in expression:
-        raise EvaluationError("it may not hold a double underscore")
+        raise EvaluationError("it must not contain a double underscore")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of Python, about odd escapes
@@ -167,7 +167,7 @@ class _Evaluator:
         try:
             return self.argument(name)
         except KeyError:
-            raise EvaluationError(f"nothing gives '{name}' a value") from None
+            raise EvaluationError(f"'{name}' has no value") from None
 
     def _either(self, is_or: bool, values: list[ast.expr]) -> object:
         result: object = None
@@ -210,7 +210,7 @@ def _item(whole: object, index: object) -> object:
 
 
 def _binary(op: ast.operator, left: object, right: object) -> object:
-    """Return what the operator makes of both, if that cannot be large."""
+    """Return the result of the operator, if it cannot be large."""
     for value in (left, right):
         _small(value)
     are_numbers = isinstance(left, int | float) and isinstance(right, int | float)
@@ -224,15 +224,17 @@ def _binary(op: ast.operator, left: object, right: object) -> object:
         case ast.Mult() if not are_numbers:
             text, times = (left, right) if isinstance(left, str) else (right, left)
             if not (isinstance(text, str) and isinstance(times, int)):
-                raise NotUnderstoodError("only numbers and texts are multiplied here")
+                raise NotUnderstoodError(
+                    "only numbers and texts can be multiplied here"
+                )
             _bound_text(len(text) * max(times, 0))
         case ast.Add() if type(left) is type(right) is list:
             pass
         case _ if not are_numbers:
             names = f"{type(left).__name__} and {type(right).__name__}"
-            raise EvaluationError(f"{names} do not go together here")
+            raise EvaluationError(f"{names} cannot be combined here")
     if type(op) not in _BINARY:
-        raise EvaluationError("an operator that is not understood here")
+        raise EvaluationError("an operator that is not supported here")
     return _small(_BINARY[type(op)](left, right))
 
 

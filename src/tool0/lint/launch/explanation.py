@@ -24,13 +24,13 @@ from tool0.lint.launch.xacro_files import XacroFile, xacro_call
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Item:
-    """Something in a launch file, and what is in it."""
+    """An element of a launch file, with its children."""
 
     kind: str
     """``include``, ``node``, ``param``, ``argument``, ``use`` and so on."""
     name: str
     value: str | None = None
-    """None if it has none, or none that is known."""
+    """None if it has none, or it is unknown."""
     location: SourceLocation
     note: str = ""
     """Why it has no value, why it is switched off, and the like."""
@@ -38,11 +38,11 @@ class Item:
 
 
 def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
-    """Return what the file includes, starts and sets, with all that it includes.
+    """Return what the file and its includes include, start and set.
 
     Args:
         launch: The file.
-        robots: What its parameters have xacro read (``xacro_robots``).
+        robots: The xacro files that its parameters load (``xacro_robots``).
     """
     explainer = _ContentsExplainer(robots)
     return Item(
@@ -61,7 +61,7 @@ class _ContentsExplainer:
         self._robots = robots
 
     def entry(self, entry: Entry) -> Item:
-        """Return one entry with all that is in it."""
+        """Return one entry with its children."""
         match entry:
             case Include():
                 return self._include(entry)
@@ -141,7 +141,7 @@ def _item(
     note: str = "",
     items: tuple[Item, ...] = (),
 ) -> Item:
-    """Return an item; that it is switched off comes before any other note."""
+    """Return an item; "off" comes before any other note."""
     return Item(
         kind=kind,
         name=name,

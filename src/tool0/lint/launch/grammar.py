@@ -53,10 +53,10 @@ CHILDREN: Final[dict[str, frozenset[str]]] = {
     "node": _OF_NODES,
     "test": _OF_NODES,
 }
-"""What may stand in an element; nothing in those that are not named here."""
+"""The children that an element may have; elements not listed have none."""
 
 _OBSOLETE: Final[dict[tuple[str, str], str]] = {
-    ("machine", name): "was given up in ROS Fuerte; write env-loader instead"
+    ("machine", name): "was removed in ROS Fuerte; write env-loader instead"
     for name in ("ros-root", "ros-package-path", "ros-ip", "ros-hostname")
 }
 
@@ -65,7 +65,7 @@ _LEGAL: Final = re.compile(r"[~/A-Za-z][\w/]*", re.ASCII)
 
 
 def findings(tag: Tag) -> Iterator[Finding]:
-    """Yield what roslaunch does not know, or misses, in an element that it knows."""
+    """Yield unknown and missing attributes of a known element."""
     name = tag.tag
     known, allowed = ATTRIBUTES[name], CHILDREN.get(name, frozenset())
     for key, _ in tag.attributes:
@@ -95,7 +95,7 @@ def findings(tag: Tag) -> Iterator[Finding]:
                 child.location,
                 "unknown-element",
                 child.tag,
-                f"is nothing that <{name}> may hold, and roslaunch ignores it{hint}",
+                f"is not allowed in <{name}>, and roslaunch ignores it{hint}",
                 f"remove <{child.tag}>, or write the element that was meant",
             )
 
@@ -119,13 +119,13 @@ def canonical(name: str) -> str:
 
 
 def as_namespace(name: str) -> str:
-    """Return ``name`` from the root on, with a slash at its end."""
+    """Return ``name`` as a global name with a slash at its end."""
     inside = canonical(name).strip("/")
     return f"/{inside}/" if inside else "/"
 
 
 def converted(value: str) -> str | float | int | bool:
-    """Return what roslaunch makes of a text if no type is given."""
+    """Return the value that roslaunch gives a text without a type."""
     try:
         if "." in value:
             return float(value)
@@ -138,7 +138,7 @@ def converted(value: str) -> str | float | int | bool:
 
 
 def as_boolean(value: str) -> bool | None:
-    """Return what ``if`` makes of a text; None if that is an error."""
+    """Return the value of a text in ``if``; None if that is an error."""
     word = value.lower().strip()
     if word in ("true", "1"):
         return True

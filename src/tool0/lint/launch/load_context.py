@@ -1,4 +1,4 @@
-"""What all files of one reading share: packages, limits, parsed files, node names."""
+"""Shared by all files of one run: packages, limits, parsed files, node names."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MAX_NESTING: Final = 40
 MAX_FILES: Final = 500
 MAX_ELEMENTS: Final = 20_000
 MAX_CHARACTERS: Final = 5_000_000
-"""Of all texts together, after their words are replaced."""
+"""Of all texts together, after substitution."""
 MAX_BYTES: Final = 1_000_000
 """Of one file."""
 
@@ -33,7 +33,7 @@ class LoadContext:
     def __init__(self, packages: PackageIndex) -> None:
         self.packages = packages
         self.nodes: dict[str, SourceLocation] = {}
-        """Full names of nodes that are certainly active, and where they stand."""
+        """Full names of nodes that are certainly active, and their places."""
         self.depth = 0
         self._open: list[object] = []
         self._left = {
@@ -51,19 +51,19 @@ class LoadContext:
         return self._left[what] >= 0
 
     def anonymous(self, name: str) -> str:
-        """Return a name that no other has; roslaunch makes it of host and time."""
+        """Return a unique name; roslaunch builds it from host and time."""
         self._anonymous += 1
         return f"{name}_anonymous_{self._anonymous}"
 
     def enter(self, reading: object) -> bool:
-        """Begin to read a file with its arguments; False if that is under way."""
+        """Start reading a file with its arguments; False if that is in progress."""
         if reading in self._open:
             return False
         self._open.append(reading)
         return True
 
     def leave(self) -> None:
-        """End the reading that was begun last."""
+        """End the file that was started last."""
         self._open.pop()
 
     def text_line(self, path: Path, element: Element) -> int | None:
@@ -86,12 +86,12 @@ class LoadContext:
 
 
 def is_file(path: str | Path) -> bool:
-    """Whether there is such a file; False for what no path can be."""
+    """Whether there is such a file; False for an impossible path."""
     return os.path.isfile(path)  # noqa: PTH113  # Path's raises if a name is too long
 
 
 def read_limited(path: Path) -> bytes:
-    """Return what a file holds.
+    """Return the content of a file.
 
     Raises:
         DescriptionError: If it is no file, cannot be read, or is too large.
@@ -101,7 +101,7 @@ def read_limited(path: Path) -> bytes:
     try:
         size = path.stat().st_size
         if size > MAX_BYTES:
-            raise DescriptionError(f"is {size} bytes long; {MAX_BYTES} is the most")
+            raise DescriptionError(f"is {size} bytes long; the maximum is {MAX_BYTES}")
         return path.read_bytes()
     except OSError as error:
         raise DescriptionError(f"cannot be read: {error.strerror}") from None
@@ -132,6 +132,6 @@ def _root(path: Path) -> Element | Finding:
         where,
         "not-launch",
         path.name,
-        f"is no launch file: it holds {tag} where <launch> should be",
+        f"is no launch file: its root is {tag} instead of <launch>",
         "put all of it into <launch>…</launch>",
     )

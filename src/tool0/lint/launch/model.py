@@ -1,7 +1,7 @@
 """A launch file as values: what it declares, starts, sets and includes.
 
-Every entry has a ``place`` and names its ``texts``: each attribute that may hold an
-argument, with what a person calls it.
+Every entry has a ``place`` and names its ``texts``: each attribute that may contain an
+argument, with its display name.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class Text:
     """An attribute's value, or the text of an element."""
 
     raw: str
-    """As it is written."""
+    """As written."""
     resolved: str | None
-    """With every ``$(…)`` replaced; None if one of them has no value here."""
+    """With every ``$(…)`` replaced; None if one of them has no value."""
     location: SourceLocation
     uses: tuple[str, ...] = ()
     """The names of the arguments in it, each once, of the file it is written in."""
@@ -50,11 +50,11 @@ class Condition:
     kind: Literal["if", "unless"]
     text: Text
     holds: bool | None
-    """Whether the element counts; None if that is unknown."""
+    """Whether the element is active; None if that is unknown."""
 
 
 def all_hold(conditions: Iterable[Condition]) -> bool | None:
-    """Return whether an element under these conditions counts; None if unknown."""
+    """Return whether an element under these conditions is active; None if unknown."""
     held = [condition.holds for condition in conditions]
     return False if False in held else None if None in held else True
 
@@ -62,7 +62,7 @@ def all_hold(conditions: Iterable[Condition]) -> bool | None:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Place:
-    """Where an element stands, and whether it counts."""
+    """Location of an element, and whether it is active."""
 
     location: SourceLocation
     namespace: str | None
@@ -94,13 +94,13 @@ class Argument:
     the file there."""
     origin: Origin
     default: Text | None = None
-    """What the declaration offers, which need not be the value."""
+    """The default in the declaration, which need not be the value."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Statement:
-    """A ``<remap>``, ``<env>`` or ``<machine>``: its attributes are all that it has."""
+    """A ``<remap>``, ``<env>`` or ``<machine>``: it has only attributes."""
 
     kind: Literal["remap", "env", "machine"]
     place: Place
@@ -127,7 +127,7 @@ class Parameter:
     content: Text
     """The value, the path of the file, or the command."""
     words: tuple[str, ...] = ()
-    """The command as a shell splits it; empty if it is none, or unresolved."""
+    """The command, split as by a shell; empty if there is none, or it is unresolved."""
 
     @property
     def texts(self) -> tuple[NamedText, ...]:
@@ -135,7 +135,7 @@ class Parameter:
 
     @property
     def is_private(self) -> bool:
-        """Whether the name begins with a tilde: it is set for every later node."""
+        """Whether the name starts with a tilde: it is set for every later node."""
         return (self.name.resolved or self.name.raw).startswith("~")
 
 
@@ -152,7 +152,7 @@ class Rosparam:
     path: Path | None
     """The file, if its name is known; it need not exist."""
     yaml: Text | None
-    """What is loaded, with its arguments replaced if it says ``subst_value``; its
+    """The loaded YAML, with its arguments replaced if ``subst_value`` is set; its
     location is that of the YAML's first line.  None if the file cannot be read."""
     names: tuple[NamedText, ...] = ()
     """``ns`` and ``param``, if they are given."""
@@ -176,14 +176,14 @@ class Node:
     full_name: str | None
     args: Text | None
     words: tuple[str, ...]
-    """The arguments as a shell splits them; empty if they are unresolved."""
+    """The arguments, split as by a shell; empty if they are unresolved."""
     settings: tuple[NamedText, ...] = ()
     """Every other attribute, as ``output`` and ``respawn``."""
     parameters: tuple[Parameter, ...] = ()
-    """Its own, and private ones that stand before it in the file."""
+    """Its own, and private ones before it in the file."""
     rosparams: tuple[Rosparam, ...] = ()
     remaps: tuple[Statement, ...] = ()
-    """Those that hold for it, its own last."""
+    """Those that apply to it, its own last."""
     environment: tuple[Statement, ...] = ()
 
     @property
@@ -195,7 +195,7 @@ class Node:
 
     @property
     def parts(self) -> tuple[Entry, ...]:
-        """All that is in it."""
+        """All of its elements."""
         return (*self.parameters, *self.rosparams, *self.remaps, *self.environment)
 
 
@@ -247,8 +247,8 @@ class LaunchFile:
     def walk(self, *, active_only: bool = True) -> Iterator[Entry]:
         """Yield the entries in the order in which roslaunch acts on them.
 
-        An include comes before what it includes.  What depends on an argument without
-        a value counts as active.
+        An include comes before what it includes.  Elements that depend on an argument
+        without a value count as active.
         """
         for entry in self.entries:
             if active_only and entry.place.holds is False:
@@ -278,7 +278,7 @@ class LaunchFile:
         return (item for item in self.settings() if isinstance(item, Rosparam))
 
     def settings(self, *, active_only: bool = True) -> Iterator[Parameter | Rosparam]:
-        """Yield all that sets parameters, in the order in which roslaunch does it."""
+        """Yield everything that sets parameters, in roslaunch's order."""
         for entry in self.walk(active_only=active_only):
             inner: tuple[Entry, ...] = (entry,)
             if isinstance(entry, Node):

@@ -1,6 +1,6 @@
 """Reading launch files: arguments, groups and includes, as roslaunch does.
 
-Every problem becomes a finding and reading goes on: what depends on it is unresolved.
+Every problem becomes a finding, and reading continues; dependent values are unresolved.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ def read_launch(
     arguments: Mapping[str, str] | None = None,
     packages: PackageIndex | None = None,
 ) -> LaunchFile:
-    """Return what a launch file holds, with all that it includes.
+    """Return the content of a launch file, with all its includes.
 
     Args:
         file: The launch file.
-        arguments: What ``name:=value`` gives it.
-        packages: Where ``$(find …)`` looks.
+        arguments: Its arguments, as given by ``name:=value``.
+        packages: The packages of ``$(find …)``.
     """
     given = {
         name: GivenArgument(
@@ -94,7 +94,7 @@ class _FileReader:
         self._entries: list[Entry] = []
 
     def read(self) -> LaunchFile:
-        """Return what the file holds."""
+        """Return the content of the file."""
         scope, root = self.scope, self.scope.element
         scope.findings += grammar.findings(Tag(root))
         if root.getAttribute("deprecated"):
@@ -191,7 +191,7 @@ class _FileReader:
             scope.report(
                 "recursive-include",
                 str(path),
-                "includes itself with the same arguments: roslaunch would never end",
+                "includes itself with the same arguments: roslaunch would not end",
                 "remove the include, or end it by an if",
             )
             return replace(include, reason="it includes itself")

@@ -1,4 +1,4 @@
-"""What holds at a place in a launch file: arguments, namespace, conditions."""
+"""The scope at a place in a launch file: arguments, namespace, conditions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tool0.lint.robot.elements import Tag
 @final
 @dataclass(slots=True, kw_only=True)
 class Scope:
-    """One element, and the context of roslaunch in which it stands.
+    """One element, and its context in roslaunch.
 
     A file has one context, shared by its elements; each group in it has a copy.
     """
@@ -42,7 +42,7 @@ class Scope:
     """The arguments that have, or should have, a value."""
     declared: dict[str, SourceLocation] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
-    """The arguments that something in the file uses."""
+    """The arguments that are used in the file."""
     findings: list[Finding] = field(default_factory=list)
     conditions: tuple[Condition, ...] = ()
     private: list[Parameter] = field(default_factory=list)
@@ -66,7 +66,7 @@ class Scope:
                 yield inner
 
     def group(self, namespace: str | None) -> Scope:
-        """Return the scope of a group: what it declares ends with it."""
+        """Return the scope of a group: its declarations end with it."""
         return replace(
             self,
             namespace=namespace,
@@ -103,19 +103,19 @@ class Scope:
         return getattr(self.element, "location", None) or SourceLocation(self.file)
 
     def text(self, name: str) -> Text | None:
-        """Return an attribute with its words replaced; None if there is none."""
+        """Return an attribute with its substitutions; None if there is none."""
         if not self.element.hasAttribute(name):
             return None
         return self.resolved(self.element.getAttribute(name), self.location)
 
     def required(self, name: str) -> Text:
-        """Return an attribute that must be there; unresolved if it is missing."""
+        """Return a required attribute; unresolved if it is missing."""
         reason = f"'{name}' is missing"
         missing = Text(raw="", resolved=None, location=self.location, reason=reason)
         return self.text(name) or missing
 
     def resolved(self, raw: str, location: SourceLocation) -> Text:
-        """Return a text with its words replaced, and report what is wrong with it."""
+        """Return a text with its substitutions, and report its faults."""
         work = Substitution(
             file=self.file,
             location=location,
@@ -180,7 +180,7 @@ class Scope:
             self.report(
                 "bad-value",
                 "clear_params",
-                "needs ns beside it, to say which parameters go",
+                "needs ns as well, to select the parameters to clear",
                 'write ns="…"',
             )
         if text is None:

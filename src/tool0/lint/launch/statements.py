@@ -1,4 +1,4 @@
-"""Reading what stands in a launch file: node, param, rosparam, remap, env, machine."""
+"""Reads the statements of a launch file: node, param, rosparam, remap, env, machine."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _TYPES = ("auto", "str", "string", "int", "double", "bool", "boolean", "yaml")
 
 
 def read_param(scope: Scope) -> Parameter | None:
-    """Return a ``<param>`` that stands outside of nodes; private ones are kept."""
+    """Return a ``<param>`` outside of nodes; private ones are kept."""
     parameter = _param(scope)
     if parameter is None:
         return None
@@ -109,7 +109,7 @@ def _check_type(content: Text, kind: str, scope: Scope) -> None:
         scope.report(
             "bad-value",
             "value",
-            f"'{content.resolved}' is no {kind}, as type says: roslaunch stops here",
+            f"'{content.resolved}' is no {kind}, the type: roslaunch stops here",
             "correct the value or the type",
         )
 
@@ -153,7 +153,7 @@ def _rosparam_namespace(texts: tuple[NamedText, ...], scope: Scope) -> str | Non
 
 
 def _yaml(file: Text | None, scope: Scope) -> Text | None:
-    """Return the YAML that is loaded, as it stands."""
+    """Return the loaded YAML, as written."""
     if file is None:
         parts = [n.nodeValue or "" for n in scope.element.childNodes if n.nodeValue]
         where = SourceLocation(
@@ -178,7 +178,7 @@ def _yaml(file: Text | None, scope: Scope) -> Text | None:
 
 
 def read_node(scope: Scope) -> Node:
-    """Return a ``<node>`` or ``<test>`` with all that holds for it."""
+    """Return a ``<node>`` or ``<test>`` with everything that applies to it."""
     is_test = scope.tag == "test"
     has_name = scope.element.hasAttribute("name") or not is_test
     name = scope.required("name" if has_name else "test-name")
@@ -227,7 +227,7 @@ def read_node(scope: Scope) -> Node:
 
 
 def _check_package(package: Text, scope: Scope) -> None:
-    """Report a node's package that is not here: roslaunch cannot start the node."""
+    """Report a node's package that is missing: roslaunch cannot start the node."""
     name, packages = package.resolved, scope.context.packages
     if not name:
         return
@@ -248,7 +248,7 @@ def _check_package(package: Text, scope: Scope) -> None:
 
 
 def _check_node(name: Text, scope: Scope) -> None:
-    """Report what roslaunch refuses in a node."""
+    """Report attributes of a node that roslaunch refuses."""
     if name.resolved is not None and "/" in name.resolved:
         scope.report(
             "bad-name",

@@ -1,4 +1,4 @@
-"""``$(find PACKAGE)``, ``$(arg NAME)`` and the other words that roslaunch replaces."""
+"""``$(find PACKAGE)``, ``$(arg NAME)`` and the other substitutions of roslaunch."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class _UnresolvedError(Exception):
 @final
 @dataclass(slots=True, kw_only=True)
 class Substitution:
-    """The work on one text, and what the words in its file and scope stand for."""
+    """The substitutions in one text, with the values of its file and scope."""
 
     file: Path
     location: SourceLocation
@@ -49,11 +49,11 @@ class Substitution:
     anonymous: Callable[[str], str]
     uses: list[str] = field(default_factory=list)
     problems: list[Finding] = field(default_factory=list)
-    """What is wrong with the words, after ``resolve``."""
+    """The faults of the substitutions, after ``resolve``."""
     reason: str = ""
 
     def resolve(self, raw: str) -> Text:
-        """Return ``raw`` with its words replaced."""
+        """Return ``raw`` with its substitutions."""
         resolved = self._result(raw) if "$" in raw else raw
         return Text(
             raw=raw,
@@ -64,7 +64,7 @@ class Substitution:
         )
 
     def _result(self, raw: str) -> str | None:
-        """Return the text, or None if a word in it has no value."""
+        """Return the text, or None if a substitution has no value."""
         try:
             if raw.startswith("$(eval ") and raw.endswith(")"):
                 return _limited(self._evaluate(raw[7:-1]))
@@ -84,7 +84,7 @@ class Substitution:
             return None
 
     def _replaced(self, raw: str) -> str | None:
-        """Replace all words but ``find``, then that, as roslaunch does."""
+        """Replace all substitutions except ``find``, then those, as roslaunch does."""
         is_whole = True
         parts: list[str] = []
         length = end = 0
@@ -116,7 +116,7 @@ class Substitution:
             return functions[command](words[0])
         if command in COMMANDS:
             message = (
-                "must be the whole value: roslaunch reads it nowhere else"
+                "must be the whole value: roslaunch does not read it elsewhere"
                 if command == "eval"
                 else "takes one name"
             )
@@ -154,7 +154,7 @@ class Substitution:
         raise _UnresolvedError(f"the environment variable {name} is not set")
 
     def _find(self, match: re.Match[str]) -> str:
-        """Return the path that begins with a package's folder."""
+        """Return the path that starts with a package's folder."""
         after = match.group(2).replace("\\", "/")
         try:
             folder = self._folder(match.group(1).strip())

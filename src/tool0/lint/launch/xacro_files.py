@@ -1,4 +1,4 @@
-"""Which xacro files a command of a launch file loads, and what it gives them."""
+"""The xacro files that a command of a launch file loads, and their arguments."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ class XacroCall:
     args: Mapping[str, str]
     """As they are given."""
     uses: Mapping[str, tuple[str, ...]]
-    """The launch file's arguments from which each is made."""
+    """The launch file's arguments that each one uses."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class XacroUse:
-    """An attribute of a xacro file that holds ``$(arg …)``."""
+    """An attribute of a xacro file that contains ``$(arg …)``."""
 
     argument: str
     location: SourceLocation
@@ -48,12 +48,12 @@ class XacroUse:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class XacroFile:
-    """A xacro file, and what it includes."""
+    """A xacro file, and its includes."""
 
     file: Path | None
     """None if its name is unknown."""
     written: str
-    """Its name as the file that includes it writes it."""
+    """Its name, as written in the including file."""
     location: SourceLocation
     """Where it is included."""
     reason: str = ""
@@ -71,7 +71,7 @@ class XacroFile:
 
 
 def xacro_call(parameter: Parameter) -> XacroCall | None:
-    """Return what a parameter's command has xacro do; None if it calls no xacro."""
+    """Return the xacro call of a parameter's command; None if there is none."""
     if parameter.source != "command":
         return None
     raw = parameter.content.raw
@@ -94,7 +94,7 @@ def xacro_call(parameter: Parameter) -> XacroCall | None:
 def xacro_robots(
     launch: LaunchFile, packages: PackageIndex
 ) -> dict[Parameter, XacroFile]:
-    """Return what every parameter that calls xacro has it read."""
+    """Return the xacro files of every parameter that calls xacro."""
     found = {}
     for parameter in launch.parameters(active_only=False):
         call, content = xacro_call(parameter), parameter.content
@@ -125,7 +125,7 @@ class _XacroReader:
         self._left = MAX_FILES
 
     def read(self, file: Path, written: str, where: SourceLocation) -> XacroFile:
-        """Return one file and what it includes."""
+        """Return one file and its includes."""
         result = XacroFile(file=file, written=written, location=where)
         self._left -= 1
         if file in self._open:
@@ -173,7 +173,7 @@ class _XacroReader:
         written, where = tag.written("filename"), tag.location
         text = self._resolve(written, file)
         if text.resolved is None or "$" in text.resolved:
-            reason = text.reason or "it depends on what xacro works out"
+            reason = text.reason or "it depends on an expression of xacro"
             return XacroFile(file=None, written=written, location=where, reason=reason)
         return self.read((file.parent / text.resolved).absolute(), written, where)
 

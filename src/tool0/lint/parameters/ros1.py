@@ -14,9 +14,10 @@ from tool0.control.parameters import (
     RobotJoints,
     joint_entries,
 )
-from tool0.description.finding import Finding, error_at
+from tool0.description.finding import Finding, Severity, error_at
 from tool0.description.yaml_tree import YamlEntry
-from tool0.errors import ConfigError, nearest_name
+from tool0.errors import ConfigError, is_typo, nearest_name
+from tool0.lint.plugins import PluginIndex
 from tool0.lint.robot.facts import RobotFacts
 
 OTHER_TYPES: Final = (
@@ -33,11 +34,19 @@ OTHER_TYPES: Final = (
     "velocity_controllers/ScaledJointTrajectoryController",
     "scaled_controllers/SpeedScalingStateController",
     "ur_controllers/SpeedScalingStateController",
+    "pass_through_controllers/JointTrajectoryController",
+    "pass_through_controllers/CartesianTrajectoryController",
+    "pose_controllers/CartesianTrajectoryController",
+    "position_controllers/CartesianTrajectoryController",
+    "twist_controllers/CartesianTrajectoryController",
+    "velocity_controllers/CartesianTrajectoryController",
+    "cartesian_trajectory_publisher/CartesianTrajectoryPublisher",
+    "ros_controllers_cartesian/TwistController",
+    "industrial_robot_status_controller/IndustrialRobotStatusController",
 )
 """Controllers of ROS 1 that exist, and that tool0 does not run."""
 _ROS2_MARKS = ("joint_trajectory_controller/", "joint_state_broadcaster/")
 _LIKE_A_CONTROLLER = frozenset({"joints", "joint", "gains", "constraints", "pid"})
-_TYPO = 0.75
 _ENOUGH = 0.6
 """Share of a list's joints that the usual robot must have to be taken for it."""
 _MOVEIT_KEYS = frozenset(
@@ -50,9 +59,9 @@ _MOVEIT_KEYS = frozenset(
 
 
 def controller_findings(
-    config: ControllerConfig, robot: RobotFacts | None
+    config: ControllerConfig, robot: RobotFacts | None, plugins: PluginIndex
 ) -> Iterator[Finding]:
-    """Yield what is wrong with the controllers of a YAML, for ``robot`` if known."""
+    """Yield the faults of the controllers of a YAML, for ``robot`` if known."""
     joints = None if robot is None else robot.movable_joints
     linted = [
         finding
@@ -63,7 +72,8 @@ def controller_findings(
     wrong = {f.key.partition("/")[0] for f in linted if f.severity == "error"}
     for name, entry in config.tree.root.children.items():
         if name in config.names:
-            for finding in _Ros1Controller(config, name, entry, robot).findings():
+            controller = _Ros1Controller(config, name, entry, robot, plugins)
+            for finding in controller.findings():
                 key = finding.key.rpartition("/")[2]
                 is_reported = finding.rule == "missing-key" and any(
                     f"did you mean '{key}'" in other.remedy for other in linted
@@ -102,6 +112,7 @@ class _Ros1Controller:
     name: str
     entry: YamlEntry
     robot: RobotFacts | None
+    plugins: PluginIndex
 
     @property
     def type(self) -> str:
@@ -124,7 +135,7 @@ class _Ros1Controller:
             yield from self._values(joints)
 
     def _missing(self) -> Iterator[Finding]:
-        """Yield keys without which it does not load."""
+        """Yield missing keys that it needs to load."""
         patterns = parameters_of(self.type)
         publishes = "publish_rate" in patterns
         for key in ("publish_rate",) if publishes else ("joints", "joint"):
@@ -133,29 +144,32 @@ class _Ros1Controller:
                     self.entry.location,
                     "missing-key",
                     f"{self.name}/{key}",
-                    f"is missing, and {self.type} does not load without",
+                    f"is missing, and {self.type} does not load without it",
                     f"write '{key}' under '{self.name}'",
                 )
 
     def _unknown_type(self) -> Iterator[Finding]:
         written, known = self.type, (*TYPES, *OTHER_TYPES)
-        package = written.partition("/")[0]
-        of_package = [name for name in known if name.startswith(f"{package}/")]
-        message = f"there is no controller type '{written}', so it does not load"
-        if written in known:
+        if written in known or written in self.plugins:
             return
+        near = nearest_name(written, known)
+        classes = [name for name in known if name.endswith(f"/{written}")]
+        severity: Severity = "error"
+        message = f"there is no controller type '{written}', so it does not load"
         if written.startswith(_ROS2_MARKS):
             message = f"'{written}' is a controller of ROS 2, in a file for ROS 1"
             remedy = "write effort_controllers/… or position_controllers/…"
-        elif (near := nearest_name(written, known, _TYPO)) is not None:
+        elif near is not None and is_typo(written, near):
             remedy = f"did you mean '{near}'?"
-        elif of_package:
-            remedy = f"valid: {', '.join(of_package)}"
-        elif "/" not in written:
-            remedy = "write it as package/Class"
+        elif classes:
+            remedy = f"write {' or '.join(classes)}"
         else:
-            return  # a controller of the user's own
-        yield self.entry.children["type"].finding("unknown-type", message, remedy)
+            severity = "warning"
+            message = f"no package here exports the controller type '{written}'"
+            remedy = "put its package into the workspace, or source its workspace"
+        yield self.entry.children["type"].finding(
+            "unknown-type", message, remedy, severity
+        )
 
     def _interfaces(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield joints that this controller cannot command."""
@@ -171,7 +185,8 @@ class _Ros1Controller:
                     f"'{name}' follows '{joint.mimic_of}' and takes no command",
                     f"name '{joint.mimic_of}' instead",
                 )
-            elif not offered:
+            elif not offered and self.robot.transmissions:
+                # Without any, it is not for Gazebo: a robot's own driver needs none.
                 yield entry.finding(
                     "no-transmission",
                     f"'{name}' has no <transmission>, so ros_control cannot find it",
@@ -179,6 +194,7 @@ class _Ros1Controller:
                 )
             elif (
                 wanted is not None
+                and offered
                 and offered[0].written
                 and not offered[0].written.endswith(wanted.value)
             ):
@@ -213,7 +229,7 @@ class _Ros1Controller:
                 )
 
     def _values(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
-        """Yield what else keeps the controller from loading."""
+        """Yield other reasons why the controller does not load."""
         robot = RobotJoints.assumed((name for name, _ in joints), self.type)
         try:
             self.config.spec(self.name, robot)

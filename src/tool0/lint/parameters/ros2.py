@@ -10,7 +10,7 @@ from tool0.control.config import TYPES as TYPES_OF_ROS1
 from tool0.control.config import siblings
 from tool0.description.finding import Finding, Severity, error_at
 from tool0.description.yaml_tree import YamlEntry
-from tool0.errors import nearest_name
+from tool0.errors import is_typo, nearest_name
 from tool0.lint.parameters.ros1 import unknown_joints
 from tool0.lint.parameters.ros2_tables import (
     COMMON,
@@ -19,6 +19,7 @@ from tool0.lint.parameters.ros2_tables import (
     TYPES,
     required_parameters,
 )
+from tool0.lint.plugins import PluginIndex
 from tool0.lint.robot.facts import RobotFacts
 
 PARAMETERS = "ros__parameters"
@@ -33,8 +34,10 @@ def is_ros2(root: YamlEntry) -> bool:
     return not parts.isdisjoint((PARAMETERS, *_MISSPELT)) or _MANAGER in root.children
 
 
-def controller_findings(root: YamlEntry, robot: RobotFacts | None) -> Iterator[Finding]:
-    """Yield what is wrong with the controllers of a YAML, for ``robot`` if known."""
+def controller_findings(
+    root: YamlEntry, robot: RobotFacts | None, plugins: PluginIndex
+) -> Iterator[Finding]:
+    """Yield the faults of the controllers of a YAML, for ``robot`` if known."""
     nodes: dict[str, YamlEntry] = {}
     yield from _collect(root, nodes)
     manager = nodes.pop(_MANAGER, None)
@@ -53,7 +56,9 @@ def controller_findings(root: YamlEntry, robot: RobotFacts | None) -> Iterator[F
     yield from _misnamed(nodes, declared)
     for name, type_entry in declared.items():
         parameters = nodes.get(name)
-        yield from _Ros2Controller(name, type_entry, parameters, robot).findings()
+        yield from _Ros2Controller(
+            name, type_entry, parameters, robot, plugins
+        ).findings()
 
 
 def _collect(root: YamlEntry, nodes: dict[str, YamlEntry]) -> Iterator[Finding]:
@@ -96,25 +101,28 @@ def _misnamed(
                 "no-controller",
                 name,
                 "the controller manager declares no such controller, so these "
-                "parameters are read by none",
+                "parameters are unused",
                 f"did you mean '{near}'?",
             )
 
 
 def _unread(entry: YamlEntry, who: str, near: str) -> Finding:
     message = f"{who} does not read it"
-    return entry.finding("unread-key", message, f"did you mean '{near}'?")
+    written = entry.key.rpartition("/")[2].rpartition(".")[2]
+    severity: Severity = "error" if is_typo(written, near) else "warning"
+    return entry.finding("unread-key", message, f"did you mean '{near}'?", severity)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class _Ros2Controller:
-    """One controller that the manager is to load."""
+    """One controller for the manager to load."""
 
     name: str
     type_entry: YamlEntry
     parameters: YamlEntry | None
     robot: RobotFacts | None
+    plugins: PluginIndex
 
     @property
     def type(self) -> str:
@@ -142,20 +150,23 @@ class _Ros2Controller:
         yield from self._unread_keys(patterns, {n for n, _ in joints})
 
     def _unknown_type(self) -> Iterator[Finding]:
-        if self.type in OTHER_TYPES:
+        if self.type in OTHER_TYPES or self.type in self.plugins:
             return
-        near = nearest_name(self.type, (*TYPES, *OTHER_TYPES), _TYPO)
+        near = nearest_name(self.type, (*TYPES, *OTHER_TYPES))
+        severity: Severity = "error"
         if self.type in TYPES_OF_ROS1 and self.type not in TYPES:
             kind = self.type.partition("/")[2]
             same = [name for name in TYPES if name.endswith(f"/{kind}")]
             remedy = f"write '{same[0]}'" if same else "write joint_state_broadcaster/…"
             message = f"'{self.type}' is a controller of ROS 1, in a file for ROS 2"
-        elif near is not None:
+        elif is_typo(self.type, near):
             message = f"there is no controller type '{self.type}'"
             remedy = f"did you mean '{near}'?"
         else:
-            return  # a controller of the user's own
-        yield self.type_entry.finding("unknown-type", message, remedy)
+            severity = "warning"
+            message = f"no package here exports the controller type '{self.type}'"
+            remedy = "put its package into the workspace"
+        yield self.type_entry.finding("unknown-type", message, remedy, severity)
 
     def _missing(self) -> Iterator[Finding]:
         missing = [
@@ -234,7 +245,7 @@ class _Ros2Controller:
 
 
 def _covers(candidate: str, pattern: str) -> bool:
-    """Return whether what is read is ``pattern``, or a namespace around it.
+    """Return whether ``pattern`` matches a known parameter or its namespace.
 
     A ``*`` that is read stands for any name: a joint that the list lacks is a joint
     all the same.

@@ -1,7 +1,7 @@
 """Which parameters the controllers of ros2_control read.
 
 ``*`` stands for a joint.  Source: the parameter declarations of ros2_controllers, from
-Humble to Rolling, and of ur_controllers; what any of them reads counts as read.
+Humble to Rolling, and of ur_controllers; a parameter of any of them counts as known.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ COMMON = _names(
     " node_options_args thread_priority async_parameters/* qos_overrides/*"
     " start_type_description_service"
 )
-"""What every controller reads."""
+"""Parameters of every controller."""
 MANAGER = _names(
     "update_rate use_sim_time robot_description handle_exceptions"
     " enforce_command_limits thread_priority lock_memory cpu_affinity"
     " shutdown_on_initial_state_failure hardware_components_initial_state defaults"
     " diagnostics overruns qos_overrides services start_type_description_service"
 )
-"""What the controller manager reads besides the controllers."""
+"""Parameters of the controller manager itself."""
 
 _GAINS = frozenset(
     f"gains/*/{name}"
@@ -86,18 +86,21 @@ OTHER_TYPES = _names(
     " pid_controller/PidController"
     " gpio_controllers/GpioCommandController"
     " ur_controllers/SpeedScalingStateBroadcaster"
+    " ur_controllers/ForceTorqueStateBroadcaster"
     " ur_controllers/GPIOController"
     " ur_controllers/PassthroughTrajectoryController"
     " ur_controllers/FreedriveModeController"
     " ur_controllers/ForceModeController"
     " ur_controllers/ToolContactController"
+    " ur_controllers/FrictionModelController"
+    " ur_controllers/GravityUpdateController"
     " ur_controllers/URConfigurationController"
 )
 """Controllers that exist, whose parameters are not checked."""
 
 
 def required_parameters(type_name: str) -> tuple[str, ...]:
-    """Return the parameters without which a controller does not configure."""
+    """Return the parameters that a controller needs to configure."""
     package, _, kind = type_name.partition("/")
     if kind.endswith("JointTrajectoryController"):
         return ("joints", "command_interfaces", "state_interfaces")

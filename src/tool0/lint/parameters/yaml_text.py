@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from types import MappingProxyType
 from typing import final
 
 from tool0.control.config import (
@@ -16,11 +17,14 @@ from tool0.control.config import (
 )
 from tool0.control.lint import gain_parameters
 from tool0.description.finding import Finding, error_at
-from tool0.description.yaml_tree import Tree
+from tool0.description.yaml_tree import Tree, require_yaml
 from tool0.errors import ConfigError, SourceLocation
+from tool0.lint.packages import Packages
 from tool0.lint.parameters import ros1, ros2
+from tool0.lint.plugins import PluginIndex
 from tool0.lint.robot.facts import RobotFacts
 
+_NONE: Packages = MappingProxyType({})
 _KEY = re.compile(r"^( *)([\w/.*-]+) *:(?: *| +[&!]\S+ *)(?:#.*)?$")
 """A key with nothing after it."""
 _ANY = re.compile(r"^( *)([\w/.*-]+) *:")
@@ -30,13 +34,13 @@ _MARKS = re.compile(
     r"|controller_manager *:)",
     re.MULTILINE,
 )
-"""What a file of controllers has, also when something is wrong with it."""
+"""Text that marks a file of controllers, even a faulty one."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class YamlText:
-    """A text of YAML, and where its first line stands."""
+    """A text of YAML, and the location of its first line."""
 
     text: str
     location: SourceLocation
@@ -48,13 +52,16 @@ class YamlText:
 
 
 def yaml_findings(
-    texts: Iterable[YamlText], robot: RobotFacts | None = None
+    texts: Iterable[YamlText],
+    robot: RobotFacts | None = None,
+    packages: Packages = _NONE,
 ) -> Iterator[Finding]:
-    """Yield what is wrong with the controllers of texts that are loaded together.
+    """Yield the faults of the controllers of texts that are loaded together.
 
     Args:
         texts: In the order of loading; later ones override.
         robot: The robot that they are for, if it is known.
+        packages: The workspace's, which may export types of controllers.
     """
     trees: list[YamlText] = []
     for text in texts:
@@ -64,13 +71,7 @@ def yaml_findings(
         try:
             Tree().load(meant.text, meant.location)
         except ConfigError as error:
-            yield error_at(
-                error.location or text.location,
-                "not-yaml",
-                "",
-                error.message,
-                "look at the quotes, colons and indentation around there",
-            )
+            yield _not_yaml(error, text)
             continue
         trees.append(meant)
     if not any(text.is_about_controllers for text in trees):
@@ -80,17 +81,36 @@ def yaml_findings(
         whole.load(text.text, text.location)
     if ros2.is_ros2(whole.root):
         yield from whole.findings
-        yield from ros2.controller_findings(whole.root, robot)
+        yield from ros2.controller_findings(whole.root, robot, PluginIndex(packages))
     else:
-        yield from ros1.controller_findings(ControllerConfig(whole), robot)
+        config = ControllerConfig(whole)
+        yield from ros1.controller_findings(config, robot, PluginIndex(packages))
+
+
+def syntax_findings(text: YamlText) -> Iterator[Finding]:
+    """Yield a finding if the text, whatever it is about, cannot be parsed."""
+    try:
+        require_yaml(text.text, text.location)
+    except ConfigError as error:
+        yield _not_yaml(error, text)
+
+
+def _not_yaml(error: ConfigError, text: YamlText) -> Finding:
+    return error_at(
+        error.location or text.location,
+        "not-yaml",
+        "",
+        error.message,
+        "check quotes, colons and indentation there",
+    )
 
 
 def _flat_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
-    """Yield a finding if keys stand beside the one that they belong below.
+    """Yield a finding if keys stand beside their parent instead of below it.
 
     Args:
         text: The YAML, which need not be correct.
-        first: Where its first line stands.
+        first: The location of its first line.
     """
     found = list(_flat_keys(text))
     if not found:
@@ -119,7 +139,7 @@ def _inner_keys() -> frozenset[str]:
 
 
 def _restored(text: str) -> str:
-    """Return a flat YAML with the indentation that it seems to have lost."""
+    """Return a flat YAML with its lost indentation restored."""
     flat = {row for row, _, _ in _flat_keys(text)}
     around: list[int] = []  # the indents of the keys that lines are moved below
     lines = []

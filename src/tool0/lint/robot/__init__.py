@@ -1,1 +1,1 @@
-"""What is wrong in a robot: rules for URDF and xacro, which never raise."""
+"""Rules for robots in URDF and xacro; they never raise."""

@@ -1,4 +1,4 @@
-"""XML that may be wrong: what cannot be read is None or empty, never raised."""
+"""XML that may be faulty: unreadable values are None or empty, never raised."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from tool0.description.xml_source import children, locate, text_of
 from tool0.errors import SourceLocation, nearest_name
 
 HUGE = 1e12
-"""A number above it is no measure of a robot, and its cube might overflow."""
+"""Larger numbers cannot belong to a robot, and their cubes might overflow."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What findings are about, and where it stands."""
+    """The subject of findings, and its location."""
 
     key: str
     location: SourceLocation
@@ -53,11 +53,11 @@ class Subject:
 @final
 @dataclass(frozen=True, slots=True)
 class Tag:
-    """An element, which may be absent: then it is false, and all in it is empty."""
+    """An element, which may be absent: then it is false and all its parts are empty."""
 
     element: Element | None
     owner: str = ""
-    """The link, joint or transmission that it is a part of; findings are about that."""
+    """The link, joint or transmission around it, which is the subject of findings."""
 
     def __bool__(self) -> bool:
         return self.element is not None
@@ -70,7 +70,7 @@ class Tag:
         return self.element is not None and self.element.hasAttribute(attribute)
 
     def written(self, attribute: str) -> str:
-        """Return the attribute as it is written; empty if it is not there."""
+        """Return the attribute as written; empty if it is missing."""
         return "" if self.element is None else self.element.getAttribute(attribute)
 
     @property
@@ -90,7 +90,7 @@ class Tag:
 
     @property
     def location(self) -> SourceLocation:
-        """Where it was written; without a file if that is unknown."""
+        """Its location; without a file if that is unknown."""
         return locate(self.element) or SourceLocation(None)
 
     @property

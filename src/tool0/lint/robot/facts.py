@@ -1,4 +1,4 @@
-"""What a robot holds, as plain values: also of a robot that is wrong."""
+"""The content of a robot as plain values, even of a faulty robot."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def meant_interface(text: str) -> str | None:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointFacts:
-    """One joint; an empty text is what is not written."""
+    """One joint; missing values are empty texts."""
 
     at: Subject
     type: str
@@ -99,7 +99,7 @@ class TransmissionFacts:
     type: str
     joints: tuple[str, ...]
     interfaces: tuple[InterfaceFacts, ...]
-    """The first is the one that counts."""
+    """The first one applies."""
     n_actuators: int
 
 
@@ -136,7 +136,7 @@ class PluginFacts:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GearboxFacts:
-    """A gearbox joint in a <gazebo> extension, which holds two bodies together."""
+    """A gearbox joint in a <gazebo> extension, which couples two bodies."""
 
     at: Subject
     parent: str
@@ -181,7 +181,7 @@ class RobotFacts:
         return tuple(joint.name for joint in self.joints.values() if joint.is_movable)
 
     def interfaces_of(self, joint: str) -> tuple[InterfaceFacts, ...]:
-        """Return the interfaces of ``joint``; the first is the one that counts."""
+        """Return the interfaces of ``joint``; the first one applies."""
         return tuple(
             interface
             for transmission in self.transmissions
@@ -215,7 +215,7 @@ class RobotFacts:
 
 
 def facts_of(root: Tag) -> RobotFacts:
-    """Return what ``root``, a <robot>, holds."""
+    """Return the content of ``root``, a <robot>."""
     extensions = list(root.children("gazebo"))
     links: dict[str, SourceLocation] = {}
     for link in root.children("link"):
@@ -314,15 +314,15 @@ def _gearboxes(extensions: list[Tag]) -> Iterator[GearboxFacts]:
 @final
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """A robot as its rules see it: the XML, and what it holds."""
+    """A robot for the rules: its XML, and its content."""
 
     root: Tag
     facts: RobotFacts
     body: Mapping[str, str]
     """For each link, the first link of the body that Gazebo makes of it."""
     packages: PackageIndex
-    is_spawned: bool
-    """Whether it is known to be put into Gazebo to be controlled there."""
+    is_spawned: bool | None
+    """Whether it is spawned in Gazebo for control; None if no launch file loads it."""
 
     @property
     def is_controlled(self) -> bool:

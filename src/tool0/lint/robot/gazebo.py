@@ -1,4 +1,4 @@
-"""Gazebo's elements: plugins, references, and what makes mimic joints follow."""
+"""Gazebo's elements: plugins, references, and the coupling of mimic joints."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PARAMETERS_OF_MIMIC = (
 
 
 def plugin_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield what is wrong in the plugins for Gazebo."""
+    """Yield the faults of the plugins for Gazebo."""
     facts = robot.facts
     yield from _two(facts)
     if (
@@ -33,7 +33,7 @@ def plugin_findings(robot: Robot) -> Iterator[Finding]:
         yield facts.transmissions[0].at.warning(
             "no-plugin",
             f"the robot has transmissions, yet no {LIBRARY}: in Gazebo there is no "
-            "controller manager, spawners wait for it in vain and the arm falls",
+            "controller manager, spawners wait for it forever and the arm falls",
             f'add <gazebo><plugin name="ros_control" filename="{LIBRARY}"/></gazebo>',
             key=facts.name,
         )
@@ -126,7 +126,7 @@ def _joints(plugin: PluginFacts, facts: RobotFacts) -> Iterator[Finding]:
 
 
 def extension_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the extensions that refer to nothing."""
+    """Yield the extensions that refer to missing elements."""
     known = {**robot.facts.links, **robot.facts.joints}
     for extension in robot.root.children("gazebo"):
         name = extension["reference"]

@@ -33,7 +33,7 @@ _COUNTS: dict[str, dict[str, int]] = {
 
 
 def joint_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield what is wrong in the joints themselves."""
+    """Yield the faults of the joints themselves."""
     driven = robot.facts.driven_joints
     for joint in robot.root.children("joint"):
         name, kind = joint["name"], joint["type"]
@@ -57,7 +57,7 @@ def joint_findings(robot: Robot) -> Iterator[Finding]:
             )
         if kind in _FASTEST:
             yield from _limit(joint, name, kind)
-            if name in driven:  # 0 is what people write for one that nothing drives
+            if name in driven:  # 0 is common for joints without a drive
                 yield from _no_power(joint.child("limit"), name)
 
 
@@ -87,14 +87,14 @@ def _limit(joint: Tag, name: str, kind: str) -> Iterator[Finding]:
             yield limit.at.error(
                 "limits-swapped",
                 f"joint '{short(name)}' has its lower limit {lower:g} above its upper "
-                f"{upper:g}: there is nowhere it may be",
+                f"{upper:g}: no position is allowed",
                 f'write lower="{upper:g}" upper="{lower:g}"',
             )
         elif lower == upper:
             yield limit.at.warning(
                 "no-range",
                 f"joint '{short(name)}' may only be at {lower:g}, so it never moves; "
-                "what is not written is 0",
+                "missing limits are 0",
                 'give lower="…" and upper="…", or make it type="fixed"',
             )
     velocity = limit.number("velocity")
@@ -103,7 +103,7 @@ def _limit(joint: Tag, name: str, kind: str) -> Iterator[Finding]:
         yield limit.at.warning(
             "absurd-velocity",
             f"joint '{short(name)}' may move at {velocity:g} {unit}, so its limit "
-            "stops nothing that goes wrong",
+            "protects nothing",
             f"give the real joint's speed in {unit}, not in degrees or mm",
         )
 
@@ -121,7 +121,7 @@ def _no_power(limit: Tag, name: str) -> Iterator[Finding]:
 
 
 def value_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the attributes of links and joints that are no numbers."""
+    """Yield the attributes of links and joints that are not numbers."""
     for kind in ("link", "joint"):
         for owner in robot.root.children(kind):
             for tag in owner.descendants():
@@ -159,7 +159,7 @@ def _is_number(text: str) -> bool:
 
 
 def mimic_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the joints that mimic what they cannot follow."""
+    """Yield the joints that mimic a joint that they cannot follow."""
     for joint in robot.facts.joints.values():
         if joint.mimic_of is not None:
             yield from _leader(joint, joint.mimic_of, robot.facts)

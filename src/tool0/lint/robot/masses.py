@@ -1,4 +1,4 @@
-"""Masses and efforts that no body could have, and bodies without mass."""
+"""Physically impossible masses and efforts, and bodies without mass."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _MOST_LINKS = 100
 
 
 def inertia_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield what is wrong in the links' <inertial>."""
+    """Yield the faults of the links' <inertial>."""
     facts, body = robot.facts, robot.body
     links = {link["name"]: link for link in robot.root.children("link")}
     masses = {name: _mass(link) for name, link in links.items()}
@@ -43,7 +43,7 @@ def inertia_findings(robot: Robot) -> Iterator[Finding]:
                     "incomplete-inertial",
                     f"the <inertial> of link '{short(name)}' has no <{tag}>, so ROS "
                     "refuses the whole robot_description",
-                    f"add <{tag}>, or leave <inertial> out for a mere frame",
+                    f"add <{tag}>, or leave <inertial> out for a frame",
                 )
         if mass is None:
             continue
@@ -59,7 +59,7 @@ def inertia_findings(robot: Robot) -> Iterator[Finding]:
                     if mass == 0
                     else "which no body has"
                 ),
-                "give its mass in kg, or leave <inertial> out for a mere frame",
+                "give its mass in kg, or leave <inertial> out for a frame",
                 severity="error" if mass < 0 or for_gazebo else "warning",
             )
     weighed = {name for name, link in links.items() if link.child("inertial")}
@@ -116,7 +116,7 @@ def _tensor(link: Tag, mass: float, *, is_alone: bool) -> Iterator[Finding]:
         yield tensor.at.error(
             "bad-inertia",
             f"{body}, where all must be above zero (positive definite): the "
-            "simulator refuses it, or throws the robot away",
+            "simulator refuses it, or the robot flies apart",
             "check signs and products of inertia: ixy, ixz and iyz are small "
             "beside ixx, iyy and izz",
             severity="error" if is_alone else "warning",
@@ -140,7 +140,7 @@ def _tensor(link: Tag, mass: float, *, is_alone: bool) -> Iterator[Finding]:
 
 
 def _implausible(body: _Body) -> str:
-    """Return what is odd about the radius of gyration; empty if nothing is."""
+    """Return what is implausible about the radius of gyration; empty if nothing is."""
     high = body.moments[2]
     gyration = math.sqrt(high / body.mass)
     compact = _moment_of_ball(body.mass)
@@ -176,7 +176,7 @@ def _moment_of_ball(mass: float) -> float:
 def _without(
     robot: Robot, weighed: Collection[str], for_gazebo: bool
 ) -> Iterator[Finding]:
-    """Yield the bodies that move, or that all hangs on, and have no inertia."""
+    """Yield moving or supporting bodies that have no inertia."""
     facts, body = robot.facts, robot.body
     heavy = {body[name] for name in weighed if name in body}
     moved = {joint.child for joint in facts.joints.values() if facts.moves(joint)}
@@ -245,7 +245,7 @@ def _diameter(owner: Tag) -> float | None:
 
 
 def _reach(link: Tag) -> float:
-    """Return how far from the link's origin anything of it is, at most [m].
+    """Return the largest distance of the link's parts from its origin [m].
 
     Meshes are not opened: of them only the origin counts, and the centre of mass.
     """
@@ -255,7 +255,7 @@ def _reach(link: Tag) -> float:
 
 
 def effort_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the joints whose effort limit cannot be that of a real finger."""
+    """Yield joints with an effort limit that no real finger has."""
     links = {link["name"]: link for link in robot.root.children("link")}
     in_reverse = reversed(list(robot.root.children("joint")))
     tags = {joint["name"]: joint for joint in in_reverse}  # so that the first counts
@@ -264,7 +264,7 @@ def effort_findings(robot: Robot) -> Iterator[Finding]:
         below.setdefault(joint.parent, []).append(joint)
 
     def load(start: str) -> tuple[float, float] | None:
-        """Return mass [kg] and reach [m] of what hangs on a link; None for an arm."""
+        """Return mass [kg] and reach [m] of all beyond a link; None for an arm."""
         mass = reach = 0.0
         seen: set[str] = set()
         waiting = [(start, 0.0)]

@@ -1,4 +1,4 @@
-"""Meshes that are not there, or that nothing draws."""
+"""Meshes that are missing or cannot be drawn."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def _plain(at: Subject) -> Iterator[Finding]:
     else:
         yield at.warning(
             "relative-mesh",
-            f"the path '{short(uri)}' counts from nowhere: RViz does not find it, "
+            f"the path '{short(uri)}' has no base folder: RViz does not find it, "
             "and Gazebo looks in the folder that it was started in",
             "write package://PACKAGE/PATH",
         )

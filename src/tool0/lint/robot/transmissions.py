@@ -26,7 +26,7 @@ _VALID = ", ".join(item.value for item in Interface)
 
 
 def transmission_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield what is wrong in the transmissions of ROS 1."""
+    """Yield the faults of the transmissions of ROS 1."""
     first: dict[str, TransmissionFacts] = {}
     for transmission in robot.facts.transmissions:
         yield from _incomplete(transmission)
@@ -46,6 +46,8 @@ def transmission_findings(robot: Robot) -> Iterator[Finding]:
     yield from _unknown_interfaces(robot.facts)
     if robot.is_controlled:
         yield from _undriven(robot.facts)
+    elif robot.is_spawned is None:
+        yield from _without_drive(robot)
 
 
 def _shown(transmission: TransmissionFacts) -> str:
@@ -135,8 +137,8 @@ def _joint(
         yield at.warning(
             "driven-mimic",
             f"joint '{short(name)}' mimics '{short(joint.mimic_of)}' and has a "
-            "transmission too: ros_control drives it by itself, against what "
-            "makes it follow",
+            "transmission too: ros_control drives it by itself, against its "
+            "coupling",
             "remove the transmission, or the <mimic>",
         )
     elif joint.type == "fixed":
@@ -169,7 +171,7 @@ def _unknown_interfaces(facts: RobotFacts) -> Iterator[Finding]:
             yield at.error(
                 "interface-typo",
                 f"there is no hardware interface '{short(at.key)}'"
-                + (" (its quotation marks count)" * has_quotes)
+                + (" (the quotation marks are part of it)" * has_quotes)
                 + f": gazebo_ros_control stops at joint {quoted(joints)}, and no "
                 "controller runs",
                 f"write {meant}",
@@ -182,6 +184,18 @@ def _unknown_interfaces(facts: RobotFacts) -> Iterator[Finding]:
                 "robot's own driver may know it",
                 f"for Gazebo write one of {_VALID}",
             )
+
+
+def _without_drive(robot: Robot) -> Iterator[Finding]:
+    """Yield a finding if joints move and none has a drive, of either ROS."""
+    movable = [joint.name for joint in robot.facts.joints.values() if joint.is_drivable]
+    if movable and not robot.facts.ros2_joints:
+        yield robot.root.at.warning(
+            "no-drive",
+            f"no joint has a <transmission>, so nothing can move {quoted(movable)}: "
+            "the robot can be shown, but not controlled",
+            f"write a <transmission> of {SIMPLE} for each joint that has a motor",
+        )
 
 
 def _undriven(facts: RobotFacts) -> Iterator[Finding]:

@@ -13,7 +13,7 @@ _REFUSED = "so ROS refuses the whole robot_description"
 
 
 def tree_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield what keeps links and joints from being one tree."""
+    """Yield faults that keep links and joints from being one tree."""
     root, facts = robot.root, robot.facts
     for tag in (root, *root.children("link"), *root.children("joint")):
         if not tag["name"]:

@@ -13,14 +13,14 @@ from tool0.cli.pick_demo.grasps import find_bin, find_grasps, finger_reach, half
 from tool0.description.catalogue import assemble
 from tool0.description.scene import SceneObject, bin_walls
 from tool0.description.scene_file import load_scene
-from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
+from tool0.description.shapes import Box, Compound, Cylinder, Mesh, Solid, Sphere
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ControlError
 
 LARGEST = 0.085
 
 
-def thing(geometry: Geometry, **pose: tuple[float, float, float]) -> SceneObject:
+def thing(geometry: Solid, **pose: tuple[float, float, float]) -> SceneObject:
     return SceneObject(name="thing", geometry=geometry, pose=Pose(**pose), mass=0.1)
 
 
@@ -58,7 +58,7 @@ def test_a_box_on_another_side_is_taken_as_it_lies() -> None:
 @pytest.mark.parametrize(
     "shape", [Cylinder(radius=0.02, length=0.1), Sphere(radius=0.02)]
 )
-def test_a_round_thing_is_taken_from_any_side(shape: Geometry) -> None:
+def test_a_round_thing_is_taken_from_any_side(shape: Solid) -> None:
     found = grasps(thing(shape))
     assert len(found) == 8
     assert {width for _, width in found} == {0.04}
@@ -73,6 +73,7 @@ def test_a_round_thing_is_taken_from_any_side(shape: Geometry) -> None:
         (thing(Box(size=(0.04, 0.04, 0.04)), rpy=(0.5, 0.0, 0.0)), "'thing'"),
         (thing(Cylinder(radius=0.02, length=0.1), rpy=(1.57, 0.0, 0.0)), "'thing'"),
         (thing(Mesh(uri="a.stl", path=Path("a.stl"))), "'thing'"),
+        (thing(Compound(parts=((Sphere(radius=0.01), Pose()),))), "several shapes"),
     ],
 )
 def test_what_cannot_be_grasped_is_refused(item: SceneObject, named: str) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from urllib.parse import urlsplit
 
 import pytest
-from page import page_at, socket_url
+from page import TIMEOUT, page_at, socket_url
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
@@ -43,7 +43,7 @@ def fetch(
     """Send a request with exactly these headers; ``body`` is what came."""
     parts = urlsplit(panel.url)
     assert parts.hostname is not None
-    connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=10.0)
+    connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=TIMEOUT)
     connection.putrequest(
         method, path, skip_host="Host" in headers, skip_accept_encoding=True
     )
@@ -92,9 +92,11 @@ def test_a_page_on_another_origin_cannot_drive_the_robot(
         "127.0.0.1",
         "127.0.0.1:1",
         "127.0.0.1.evil.example:8085",
+        "127.0.0.1:" + "8" * 5000,
         "",
         "[",
     ],
+    ids=lambda host: host[:40],
 )
 def test_a_name_that_leads_here_but_is_not_ours_is_refused(
     panel: Panel, host: str
@@ -102,7 +104,7 @@ def test_a_name_that_leads_here_but_is_not_ours_is_refused(
     response = fetch(panel, "/", Host=host)
     assert response.status == 421
     with socket.create_connection(
-        (urlsplit(panel.url).hostname, urlsplit(panel.url).port), timeout=10.0
+        (urlsplit(panel.url).hostname, urlsplit(panel.url).port), timeout=TIMEOUT
     ) as ws:
         ws.sendall(
             f"GET /ws HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\n"
@@ -122,7 +124,7 @@ def test_our_own_page_and_programs_come_in(panel: Panel) -> None:
     assert fetch(panel, "/", Host=f"[::1]:{port}").status == 200
 
 
-def test_a_chosen_port_needs_the_token(robot: tool0.Robot) -> None:
+def test_a_chosen_token_is_needed(robot: tool0.Robot) -> None:
     with Panel(robot, port=0, token="open sesame") as panel:
         bare = origin_of(panel)
         assert panel.url == f"{bare}/?token=open%20sesame"
@@ -142,18 +144,32 @@ def test_a_chosen_port_needs_the_token(robot: tool0.Robot) -> None:
         assert fetch(panel, "/").status == 200
 
 
-def test_a_token_comes_from_the_environment_or_by_chance(
+@pytest.mark.parametrize("host", [None, "127.0.0.1", "localhost"])
+def test_on_the_loopback_a_token_comes_from_the_environment_or_there_is_none(
+    monkeypatch: pytest.MonkeyPatch, host: str | None
+) -> None:
+    endpoint = open_endpoint(host, port=0)
+    endpoint.listener.close()
+    assert endpoint.token is None
+    assert "token" not in endpoint.url
+    monkeypatch.setenv(TOKEN_VARIABLE, "mine")
+    endpoint = open_endpoint(host, port=0)
+    endpoint.listener.close()
+    assert endpoint.token == "mine"
+
+
+def test_beyond_the_loopback_there_is_always_a_token(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     tokens = []
     for _ in range(2):
-        endpoint = open_endpoint(port=0)
+        endpoint = open_endpoint("0.0.0.0", port=0)
         tokens.append(endpoint.token or "")
         endpoint.listener.close()
     assert tokens[0] != tokens[1]
     assert min(map(len, tokens)) >= 20
     monkeypatch.setenv(TOKEN_VARIABLE, "mine")
-    endpoint = open_endpoint("127.0.0.1")
+    endpoint = open_endpoint("0.0.0.0", port=0)
     endpoint.listener.close()
     assert endpoint.token == "mine"
 

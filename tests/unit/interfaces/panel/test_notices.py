@@ -63,10 +63,11 @@ def test_every_event_is_described_once(
 
 def test_faults_and_overruns_are_described(watcher: EventWatcher) -> None:
     events = watcher._subscription.events
-    events += [Overran(7, 3.0), Faulted("it broke", 4.0)]
-    (severity, code, text), fault = seen(watcher)
+    events += [Overran(7, 3.0), Overran(0, 3.5), Faulted("it broke", 4.0)]
+    (severity, code, text), caught_up, fault = seen(watcher)
     assert (severity, code) == ("warning", "overrun")
-    assert text.startswith("7 ")
+    assert "7 late ticks" in text
+    assert caught_up == ("info", "overrun", "the simulation keeps up again")
     assert fault == ("error", "fault", "it broke")
 
 
@@ -135,3 +136,20 @@ def test_a_refusal_that_differs_in_numbers_alone_is_noted_once() -> None:
         for text in texts
     ]
     assert [notice is not None for notice in notices] == [True, False, True]
+
+
+def test_a_joint_that_pushes_and_does_not_move_is_reported(
+    robot: tool0.Robot, watcher: EventWatcher
+) -> None:
+    group = "joint_group_eff_controller"
+    robot.switch(start=[group], stop=[ARM])
+    robot.controller(group).command([0.0, 0.0, 150.0, 0.0, 0.0, 0.0])
+    robot.run(2.0)  # the elbow folds the arm upon itself
+    ((severity, code, text),) = [item for item in seen(watcher) if "elbow" in item[2]]
+    assert (severity, code) == ("warning", "stall")
+    assert "'wrist_1_link' touches 'upper_arm_link'" in text
+    view = SimulationView(robot.simulation)
+    (stall,) = view.status(clients=1).stalls
+    view.close()
+    assert (stall.joint, stall.effort) == ("elbow_joint", 150.0)
+    assert ("wrist_1_link", "upper_arm_link") in stall.contacts

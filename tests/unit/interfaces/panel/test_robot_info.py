@@ -8,7 +8,8 @@ import pytest
 import tool0
 from tool0.description.catalogue import assemble, load_robot
 from tool0.description.scene import SceneObject
-from tool0.description.shapes import Mesh
+from tool0.description.shapes import Box, Compound, Mesh
+from tool0.description.transform import Pose
 from tool0.interfaces.panel.robot_info import RobotFiles, object_info
 from tool0.interfaces.panel.server import Panel
 
@@ -81,6 +82,22 @@ def test_meshes_of_another_robot_and_of_objects_are_served(tmp_path: Path) -> No
     assert mesh_paths(files.urdf) == {"/meshes/0.stl", "/meshes/1.obj"}
     assert object_info(thing, files).shape.url == "/meshes/2.stl"
     assert str(tmp_path) not in files.urdf.decode()
+
+
+def test_a_page_gets_the_parts_of_an_object(tmp_path: Path) -> None:
+    path = tmp_path / "part.stl"
+    pose = Pose(xyz=(1.0, 2.0, 3.0), rpy=(0.1, 0.2, 0.3))
+    mesh, box = Mesh(uri="part.stl", path=path), Box(size=(1.0, 1.0, 1.0))
+    solid = Compound(parts=((box, Pose()), (mesh, pose)))
+    thing = SceneObject(name="thing", geometry=solid)
+    files = RobotFiles(assemble())
+    files.set_objects([thing])
+    shape = object_info(thing, files).shape
+    assert shape.kind == "compound"
+    first, second = shape.parts or ()
+    assert (first.shape.kind, first.shape.size) == ("box", box.size)
+    assert files.meshes[second.shape.url or ""] == path
+    assert (second.xyz, second.rpy) == (pose.xyz, pose.rpy)
 
 
 def test_the_mesh_of_an_object_added_again_has_another_path(

@@ -11,7 +11,7 @@ import pytest
 import tool0
 from tool0.description.catalogue import assemble
 from tool0.description.scene import Scene, SceneObject
-from tool0.description.shapes import Box
+from tool0.description.shapes import Box, Compound
 from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
 from tool0.hardware.bodies import moving_bodies
@@ -126,7 +126,7 @@ def test_gazebo_keeps_the_base_and_the_links_that_move() -> None:
 def test_a_model_is_where_it_was_spawned_whatever_its_shape_s_offset(
     robot: tool0.Robot, world: GazeboWorld
 ) -> None:
-    changes = GazeboChanges(robot, world)
+    changes = GazeboChanges(robot, world, lambda time: None)
     changes.spawn_model(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
     view = world.now()
     ball, link = view.model("ball"), view.link("ball::body")
@@ -144,7 +144,7 @@ def test_a_model_is_where_it_was_spawned_whatever_its_shape_s_offset(
 def test_set_model_state_sets_pose_and_velocity(
     robot: tool0.Robot, world: GazeboWorld
 ) -> None:
-    changes = GazeboChanges(robot, world)
+    changes = GazeboChanges(robot, world, lambda time: None)
     changes.spawn_model(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
     changes.place(
         SimpleNamespace(
@@ -165,7 +165,7 @@ def test_set_model_state_sets_pose_and_velocity(
 def test_an_object_of_the_same_name_has_a_model_of_its_own(
     robot: tool0.Robot, world: GazeboWorld
 ) -> None:
-    changes = GazeboChanges(robot, world)
+    changes = GazeboChanges(robot, world, lambda time: None)
     changes.spawn_model(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
     robot.scene.remove("ball")
     robot.scene.add(
@@ -176,6 +176,23 @@ def test_an_object_of_the_same_name_has_a_model_of_its_own(
     ball = view.model("ball")
     assert ball is not None
     assert ball.pose.position == pytest.approx((0.0, 0.0, SPAWN_Z))
+
+
+def test_a_model_of_several_shapes_has_the_frame_of_its_link(
+    robot: tool0.Robot, world: GazeboWorld
+) -> None:
+    more = "<collision name='b'><geometry><box><size>1 1 1</size></box></geometry>"
+    text = OFFSET.replace("</link>", f"{more}</collision></link>")
+    changes = GazeboChanges(robot, world, lambda time: None)
+    changes.spawn_model(request("ball", text, pose(0.5, 0.1, 1.0)), None)
+    ball = world.now().model("ball")
+    assert ball is not None
+    assert ball.pose.position == pytest.approx((0.5, 0.1, 1.5))
+    state = robot.snapshot.objects[1]
+    assert state.position == pytest.approx((0.5, 0.1, 1.6 - SPAWN_Z))
+    robot.scene.remove("ball")
+    again = robot.scene.add("ball", Compound(parts=((TABLE.geometry, Pose()),) * 2))
+    assert world.model_of(again).collisions == ("collision", "collision_1")
 
 
 def test_a_quaternion_of_zeros_is_no_rotation() -> None:
@@ -205,5 +222,7 @@ def test_only_objects_are_deleted(
     robot: tool0.Robot, world: GazeboWorld, name: str
 ) -> None:
     with pytest.raises(ControlError):
-        GazeboChanges(robot, world).delete_model(SimpleNamespace(model_name=name), None)
+        GazeboChanges(robot, world, lambda time: None).delete_model(
+            SimpleNamespace(model_name=name), None
+        )
     assert list(world.now().models()) == ["ground_plane", "robot", "table"]

@@ -13,16 +13,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import fresh_python
 import pytest
 from served import serving, use_folder
 
 import tool0
 from tool0.errors import ControlError, GoalTimeoutError, TransportError
 from tool0.interfaces.server.server import Server
-from tool0.interfaces.server.session import MAX_LINE
+from tool0.interfaces.server.session import MAX_BACKLOG, MAX_LINE
 from tool0.requests.codec import PROTOCOL
 from tool0.runtime.bus import GoalFinished, WasReset
-from tool0.scene import Box
+from tool0.scene import Box, Compound, Pose
 
 ARM = "eff_joint_traj_controller"
 LONG = 30.0  # [wall s]; only a failing test waits so long
@@ -95,6 +96,28 @@ def test_the_socket_is_for_this_user_only_and_goes_with_the_server(
     assert not path.exists()
 
 
+STRANGER = """
+import os, socket, sys
+os.chdir(sys.argv[1])
+os.setuid(12345)
+peer = socket.socket(socket.AF_UNIX)
+peer.connect("tool0.sock")
+print(peer.recv(100))
+"""
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root has other users")
+def test_a_program_of_another_user_is_turned_away(
+    server: Server, folder: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    folder.chmod(0o711)  # as nobody does
+    (folder / "tool0.sock").chmod(0o666)
+    assert fresh_python.run(STRANGER, str(folder)) == "b''\n"
+    assert "another user" in caplog.text
+    folder.chmod(0o700)
+    tool0.connect().close()
+
+
 def test_it_greets_with_its_protocol(peer: Peer) -> None:
     assert peer.hello["type"] == "hello"
     assert peer.hello["protocol"] == PROTOCOL
@@ -120,6 +143,22 @@ def test_requests_of_one_connection_are_answered_in_order(peer: Peer) -> None:
     for ident in range(50):
         peer.send({"id": ident, "method": "step"})
     assert [peer.receive()["id"] for _ in range(50)] == list(range(50))
+
+
+@pytest.mark.parametrize("n_steps", [100, MAX_BACKLOG + 3])
+def test_an_emergency_stop_waits_for_no_step_however_long(
+    folder: Path, n_steps: int
+) -> None:
+    with tool0.bringup(paused=True) as robot, serving(robot):
+        peer = Peer(folder)
+        step = {"id": 1, "method": "step", "params": {"ticks": 1_000_000}}
+        peer.socket.sendall((json.dumps(step) + "\n").encode() * n_steps)
+        peer.send({"id": 2, "method": "emergency_stop"})
+        while (reply := peer.receive())["id"] == 1:
+            assert "wait" in reply["error"]["message"]  # more than may wait
+        assert reply["result"] is None
+        assert robot.snapshot.is_stopped
+        peer.close()
 
 
 def test_a_goal_is_followed_to_its_end_and_a_dead_peer_s_goal_goes_on(
@@ -220,6 +259,10 @@ def test_the_remote_robot_does_what_the_local_one_does(
         remote.scene.place("cube", (0.0, 3.0, 0.0), linear=(0.0, 0.0, 1.0))
         assert remote.scene.states == robot.scene.states
         remote.scene.remove("cube")
+        pair = Compound(parts=((cube, Pose()), (cube, Pose(xyz=(0.1, 0.0, 0.0)))))
+        assert remote.scene.add("pair", pair, xyz=(0.0, 2.0, 0.0)).geometry == pair
+        assert remote.scene["pair"] == robot.scene["pair"]
+        remote.scene.remove("pair")
         assert len(robot.scene) == 0
         assert remote.contacts() == robot.contacts()
         assert remote.summary().keys() == robot.summary().keys()

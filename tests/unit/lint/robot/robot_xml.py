@@ -66,7 +66,9 @@ def root_of(*parts: str, file: Path | None = None) -> LocatedElement:
 
 
 def check(
-    *parts: str, spawned: bool = False, packages: dict[str, Path] | None = None
+    *parts: str,
+    spawned: bool | None = False,
+    packages: dict[str, Path] | None = None,
 ) -> list[Finding]:
     return list(robot_findings(root_of(*parts), packages or {}, spawned=spawned))
 

@@ -14,7 +14,6 @@ from robot_xml import (
     link,
     only,
     plugin,
-    root_of,
     rules,
     transmission,
 )
@@ -128,12 +127,12 @@ def test_other_faults(parts: tuple[str, ...], expected: set[str]) -> None:
 
 def test_a_robot_without_a_name() -> None:
     root = parse_text(f"<robot>{ARM}</robot>").documentElement
-    (finding,) = robot_findings(root)  # type: ignore[arg-type]
+    (finding,) = robot_findings(root, spawned=False)  # type: ignore[arg-type]
     assert (finding.rule, finding.key) == ("unnamed", "<robot>")
 
 
 def test_a_flood_of_findings_is_cut() -> None:
-    found = list(robot_findings(root_of(ARM, *(link("arm") for _ in range(200)))))
+    found = check(ARM, *(link("arm") for _ in range(200)))
     assert set(rules(found)) == {"duplicate-link"}
     assert len(found) == 51
 

@@ -58,7 +58,7 @@ using ignition::math::Quaterniond;
 using ignition::math::Vector3d;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kVersion = 6;
+constexpr std::uint32_t kVersion = 7;
 constexpr std::size_t kMaxPacket = 1 << 16;               // [bytes]
 constexpr auto kModelTimeout = std::chrono::seconds(10);  // to add or remove a model
 constexpr auto kRequestsDone = std::chrono::milliseconds(1500);  // twice, at 5 Hz
@@ -79,7 +79,9 @@ enum Kind : std::uint32_t {
   kPlace,
   kContacts,
   kAttach,
-  kDetach
+  kDetach,
+  kCenter,
+  kWrenches
 };
 
 /// A packet that is being read or written, piece by piece.
@@ -301,6 +303,21 @@ struct Attached {
   dJointFeedback feedback;
 };
 
+/// A force at a link's centre of mass, and a torque, in the axes of the world.
+struct Wrench {
+  boost::weak_ptr<gazebo::physics::Link> link;  // somebody may delete it
+  Vector3d force, torque;
+
+  void Apply() const {
+    const auto its = link.lock();
+    const dBodyID body = its ? BodyOf(its) : nullptr;
+    if (!body) return;
+    dBodyEnable(body);
+    dBodyAddForce(body, force.X(), force.Y(), force.Z());
+    dBodyAddTorque(body, torque.X(), torque.Y(), torque.Z());
+  }
+};
+
 /// What the points of contact between two shapes add up to, in the world.
 struct ContactSum {
   // A shape that is kept while its model goes would still bump into others.
@@ -493,6 +510,8 @@ class Bridge : public gazebo::SystemPlugin {
       case kContacts: Contacts(); return false;
       case kAttach: Attach(); return false;
       case kDetach: Detach(packet_.TakeText()), BeginAnswer(); return false;
+      case kCenter: Center(); return false;
+      case kWrenches: HoldWrenches(); return false;
     }
     throw std::runtime_error("unknown request");
   }
@@ -505,6 +524,7 @@ class Bridge : public gazebo::SystemPlugin {
       return false;
     }
     for (Drive& drive : drives_) drive.ApplyEffort(packet_.Take<double>());
+    for (const Wrench& wrench : wrenches_) wrench.Apply();
     UpdateGears();
     contacts_.BeginStep();
     return stepping_ = true;
@@ -563,6 +583,7 @@ class Bridge : public gazebo::SystemPlugin {
     world_->SetSimTime(gazebo::common::Time(packet_.Take<double>() + dt_));
     diverged_.clear();
     contacts_.Clear();
+    wrenches_.clear();
     while (!attached_.empty()) Detach(attached_.begin()->first);
     // From where all joints are at zero, since ODE takes the shorter way to an angle.
     for (const auto& [link, pose] : poses_at_zero_) Place(link, pose);
@@ -756,6 +777,36 @@ class Bridge : public gazebo::SystemPlugin {
     attached_.erase(found);
   }
 
+  /// In: name of a model, name of a link in it.
+  gazebo::physics::LinkPtr TakeLink() {
+    const auto model = Model(packet_.TakeText());
+    const std::string name = packet_.TakeText();
+    const auto link = model->GetLink(name);
+    if (!link)
+      throw std::runtime_error("Gazebo's '" + model->GetName() + "' has no link '" + name + "'");
+    return link;
+  }
+
+  /// In: see TakeLink.  Out: where the link has its centre of mass, in the world [m].
+  void Center() {
+    const auto link = TakeLink();
+    BeginAnswer();
+    packet_.Put(link->WorldCoGPose().Pos());
+  }
+
+  /// In: n; of each wrench that acts from now on its link, see TakeLink, force [N] and
+  /// torque [N·m].
+  void HoldWrenches() {
+    std::vector<Wrench> wrenches;
+    for (auto n = packet_.Take<std::uint32_t>(); n > 0; --n) {
+      const auto link = TakeLink();
+      const auto force = packet_.TakeVector(), torque = packet_.TakeVector();
+      wrenches.push_back({link, force, torque});
+    }
+    wrenches_.swap(wrenches);
+    BeginAnswer();
+  }
+
   /// In: name, file of the URDF or SDF, pose, whether it is an object as uint32.
   void Spawn() {
     const std::string name = packet_.TakeText(), file = packet_.TakeText();
@@ -941,6 +992,7 @@ class Bridge : public gazebo::SystemPlugin {
   std::vector<gazebo::physics::ModelPtr> objects_;
   gazebo::physics::ModelPtr robot_;
   std::map<std::string, Attached> attached_;  // by the object's name
+  std::vector<Wrench> wrenches_;
   ContactRecorder contacts_;
   std::function<bool()> condition_;
   std::string timeout_error_;

@@ -39,7 +39,8 @@ _SUCCESS = "got properties"
 def offer_gazebo_services(node: RosNode, robot: Robot) -> GazeboStatePublisher:
     """Offer the services under the node's name; return what publishes the topics."""
     world = GazeboWorld(robot)
-    queries, changes = GazeboQueries(node, robot, world), GazeboChanges(robot, world)
+    queries = GazeboQueries(node, robot, world)
+    changes = GazeboChanges(robot, world, node.clock.from_ros)
     services = [
         (name := handler.__name__, getattr(srv, name.title().replace("_", "")), handler)
         for handler in (
@@ -52,12 +53,21 @@ def offer_gazebo_services(node: RosNode, robot: Robot) -> GazeboStatePublisher:
             changes.set_model_state,
             changes.set_model_configuration,
             changes.delete_model,
+            changes.apply_body_wrench,
         )
     ]
     for name in ("spawn_urdf_model", "spawn_sdf_model"):
         services.append((name, srv.SpawnModel, changes.spawn_model))
     for name, kind, handler in services:
         node.service(f"{node.options.node}/{name}", kind, _with_status(kind, handler))
+
+    def clear_body_wrenches(request: Message) -> Message:
+        changes.clear_body_wrenches(request.body_name)
+        return srv.BodyRequestResponse()
+
+    node.service(
+        f"{node.options.node}/clear_body_wrenches", srv.BodyRequest, clear_body_wrenches
+    )
 
     def offer(name: str, operation: Callable[[], None]) -> None:
         def handle(request: Message) -> Message:
@@ -128,7 +138,8 @@ class GazeboQueries:
             response.joint_names = [joint.name for joint in model.movable_joints]
         elif name in state.objects:
             item, rigid, _ = state.objects[name]
-            response.body_names, response.geom_names = [rigid.link], [rigid.collision]
+            response.body_names = [rigid.link]
+            response.geom_names = list(rigid.collisions)
             response.is_static = item.mass is None
         elif name == GROUND and self._world.has_ground:
             response.body_names, response.geom_names = ["link"], ["collision"]

@@ -1,8 +1,8 @@
-"""The world as Gazebo names it: models, each with links, seen from the world."""
+"""The world in Gazebo's terms: models with links, in the world frame."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import final
 
@@ -11,16 +11,18 @@ from tool0.description.forward_kinematics import FrameMotion, link_motions
 from tool0.description.model import Joint, RobotModel
 from tool0.description.rigid_model import RigidModel, read_rigid_model
 from tool0.description.scene import SceneObject
+from tool0.description.shapes import part_names
 from tool0.description.transform import Transform, from_quaternion
-from tool0.errors import ControlError
-from tool0.interfaces.ros1.messages import Message, to_motion, to_transform
+from tool0.errors import ControlError, did_you_mean
+from tool0.interfaces.ros1.messages import Message, to_motion, to_transform, to_vector
+from tool0.requests.objects import ApplyWrench
 from tool0.sensing.snapshot import Snapshot
 
 ROBOT = "robot"
 """Name of the robot's model in the launch files of ur_gazebo."""
 GROUND = "ground_plane"
 _RESERVED = ("collision", "link", "sun", "visual")
-"""Names of Gazebo's own."""
+"""Names that Gazebo reserves."""
 MAX_NAME_LENGTH = 60
 """[characters], since the Gazebo engine uses it as a file name."""
 _WORLD = ("", "world", "map", "/map")
@@ -51,13 +53,14 @@ class GazeboWorld:
         } | {item.name: (item, model)}
 
     def model_of(self, item: SceneObject) -> RigidModel:
-        """Return the model of an object, whoever added it."""
+        """Return the model of an object, however it was added."""
         known, model = self._spawned.get(item.name, (None, None))
         if model is not None and known is item:
             return model
         return RigidModel(
             name=item.name,
             geometry=item.geometry,
+            collisions=part_names("collision", item.geometry),
             mass=item.mass,
             friction=item.friction,
             rgba=item.rgba,
@@ -114,7 +117,7 @@ class WorldState:
         return {link: in_root[link].placed_in(T_world_root) for link in in_root}
 
     def models(self) -> dict[str, FrameMotion]:
-        """Return every model, in the order in which Gazebo would have got them."""
+        """Return every model, in the order in which Gazebo would have added them."""
         found = {GROUND: _AT_ORIGIN} if self._world.has_ground else {}
         found[ROBOT] = FrameMotion(pose=self._world.T_world_root)
         for name, (_, _, motion) in self.objects.items():
@@ -140,6 +143,23 @@ class WorldState:
         if not separator or self._world.is_robot(model):
             return self._robot_links.get(link)
         return self.links().get(name)
+
+    def body(self, name: str) -> str:
+        """Return the robot's link or the object that has a link of this name.
+
+        Raises:
+            ControlError: If there is none.
+        """
+        model, separator, link = name.rpartition("::")
+        if not separator or self._world.is_robot(model):
+            if link in self._robot_links:
+                return link
+        elif model in self.objects and self.objects[model][1].link == link:
+            return model
+        raise ControlError(
+            f"there is no body '{name}'; write MODEL::LINK"
+            + did_you_mean(name, list(self.links()))
+        )
 
     def frame(self, name: str) -> FrameMotion:
         """Return a reference frame: the world, a link or a model.
@@ -173,8 +193,14 @@ def lumped_links(model: RobotModel) -> tuple[str, ...]:
 class GazeboChanges:
     """Each carries out a request, or raises a Tool0Error and changes nothing."""
 
-    def __init__(self, robot: Robot, world: GazeboWorld) -> None:
-        self._robot, self._world = robot, world
+    def __init__(
+        self,
+        robot: Robot,
+        world: GazeboWorld,
+        to_simulated: Callable[[Message], float | None],
+    ) -> None:
+        """Take the function that converts a ROS time to simulated time [s]."""
+        self._robot, self._world, self._to_simulated = robot, world, to_simulated
 
     def spawn_model(self, request: Message, response: Message) -> str:
         state, name = self._world.now(), request.model_name
@@ -182,7 +208,7 @@ class GazeboChanges:
             raise ControlError(f"Failure - model name {name} already exist.")
         if name in self._world.reserved or len(name) > MAX_NAME_LENGTH:
             raise ControlError(
-                f"Failure - '{name[:MAX_NAME_LENGTH]}' is a name of Gazebo's own, or "
+                f"Failure - '{name[:MAX_NAME_LENGTH]}' is reserved by Gazebo, or "
                 f"longer than {MAX_NAME_LENGTH} characters; choose another"
             )
         T_world_frame = state.frame(request.reference_frame).pose
@@ -219,8 +245,37 @@ class GazeboChanges:
             angular=shape.angular,
         )
 
+    def apply_body_wrench(self, request: Message, response: Message) -> str:
+        """Push a link for a span of ROS time; a negative duration has no end.
+
+        The force acts at the reference point; without a reference frame, at the
+        centre of mass, as in gazebo_ros.
+        """
+        duration = request.duration.to_sec()
+        if duration == 0.0:
+            return "a duration of 0 does nothing; use a positive one, or -1 for no end"
+        state, frame = self._world.now(), request.reference_frame
+        T_root_frame = self._world.T_world_root.inverse() @ state.frame(frame).pose
+        point = T_root_frame.apply(to_vector("point", request.reference_point))
+        start = self._to_simulated(request.start_time)
+        self._robot.channel.call(
+            ApplyWrench(
+                name=state.body(request.body_name),
+                force=T_root_frame.rotate(to_vector("force", request.wrench.force)),
+                torque=T_root_frame.rotate(to_vector("torque", request.wrench.torque)),
+                point=None if frame in _WORLD else point,
+                start=max(0.0, start or 0.0),
+                duration=duration if duration > 0.0 else None,
+            )
+        )
+        return "wrench applied"
+
+    def clear_body_wrenches(self, name: str) -> None:
+        """End the wrenches on a link."""
+        self._robot.clear_wrenches(self._world.now().body(name))
+
     def set_model_configuration(self, request: Message, response: Message) -> str:
-        """Set positions of the robot's joints at once; all else stays as it is."""
+        """Set positions of the robot's joints at once; nothing else changes."""
         name, joints = request.model_name, request.joint_names
         if self._world.now().model(name) is None:
             raise ControlError(f"model [{name}] does not exist")

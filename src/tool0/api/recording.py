@@ -1,0 +1,250 @@
+"""``robot.record()``: desired and measured motion as arrays."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import threading
+from array import array
+from collections.abc import Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, final
+
+from tool0.api.channel import Channel
+from tool0.errors import ControlError, Tool0Error
+from tool0.runtime.simulation import MAX_SNAPSHOT_RATE
+from tool0.sensing.snapshot import JointSetpoint, Snapshot, ticks_between_snapshots
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+    import pandas as pd
+
+    Array = npt.NDArray[np.float64]
+
+QUANTITIES: Final = (
+    "position",
+    "velocity",
+    "effort",
+    "desired_position",
+    "desired_velocity",
+)
+"""What is recorded of each joint, in the order of the columns."""
+
+_INTERVAL: Final = 0.1
+"""Interval at which received snapshots are packed [wall s]."""
+_LAST_WAIT: Final = 1.0
+"""Longest wait for the last samples of another process [wall s]."""
+_NO_SETPOINT: Final = JointSetpoint(float("nan"), float("nan"), float("nan"))
+
+
+@final
+class Recording(AbstractContextManager["Recording"]):
+    """Joint states and setpoints at a constant rate, from its start to ``stop``.
+
+    Leaving its ``with`` block stops it.  Every array can be read while it records, too,
+    and holds the samples so far.  Samples are evenly spaced, unless the simulation was
+    reset meanwhile or some were missed.  There is no sample while time is paused.
+    """
+
+    def __init__(self, channel: Channel, rate: float, control_period: float) -> None:
+        if not 0.0 < rate <= MAX_SNAPSHOT_RATE:
+            raise ControlError(
+                f"rate {rate} Hz is outside (0, {MAX_SNAPSHOT_RATE:g}] Hz"
+            )
+        self._channel = channel
+        self._ticks = _ticks_between_samples(1.0 / rate, control_period)
+        self._rate = 1.0 / (self._ticks * control_period)
+        self._lock = threading.Lock()
+        self._rows = array("d")
+        self._missed = 0
+        self._stopped = threading.Event()
+        self._subscription = channel.subscribe(
+            min(self._rate, MAX_SNAPSHOT_RATE), keep_all=True
+        )
+        start = channel.snapshot
+        self._joint_names = start.joint_names
+        self._last_tick = start.tick
+        threading.Thread(target=self._run, name="tool0-recording", daemon=True).start()
+
+    # ---- arrays ---------------------------------------------------------------------
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints, in the order of the arrays' columns."""
+        return self._joint_names
+
+    @property
+    def rate(self) -> float:
+        """Samples per simulated second [Hz]: at least the requested rate."""
+        return self._rate
+
+    @property
+    def missed(self) -> int:
+        """Samples that were dropped on the way; 0 within the same process."""
+        self._take()
+        return self._missed
+
+    @property
+    def time(self) -> Array:
+        """Simulated time of each sample [s], shape (n_samples,)."""
+        return self._table()[:, 0]
+
+    @property
+    def position(self) -> Array:
+        """Measured positions [rad | m], shape (n_samples, n_joints)."""
+        return self._of("position")
+
+    @property
+    def velocity(self) -> Array:
+        """Measured velocities [rad/s | m/s], shape (n_samples, n_joints)."""
+        return self._of("velocity")
+
+    @property
+    def effort(self) -> Array:
+        """Measured efforts [N·m | N], shape (n_samples, n_joints)."""
+        return self._of("effort")
+
+    @property
+    def desired_position(self) -> Array:
+        """Desired positions [rad | m], shape (n_samples, n_joints).
+
+        NaN where no controller moves the joint by position.
+        """
+        return self._of("desired_position")
+
+    @property
+    def desired_velocity(self) -> Array:
+        """Desired velocities [rad/s | m/s], shape (n_samples, n_joints).
+
+        NaN likewise.
+        """
+        return self._of("desired_velocity")
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        self._take()
+        return len(self._rows) // self._width
+
+    # ---- files ----------------------------------------------------------------------
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of a table, such as ``elbow_joint.position``."""
+        joints = self._joint_names
+        return ("time", *(f"{joint}.{what}" for what in QUANTITIES for joint in joints))
+
+    def to_csv(self, path: Path | str) -> None:
+        """Write a line for each sample, with names and SI units as in ``columns``.
+
+        A desired value that does not exist is an empty field.
+
+        Raises:
+            OSError: If the file cannot be written.
+        """
+        with Path(path).open("w", encoding="utf-8") as file:
+            file.write(",".join(self.columns) + "\n")
+            file.writelines(self._lines())
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a table with the index ``time`` [s] and the other ``columns``.
+
+        Raises:
+            ControlError: If pandas is not installed.
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise ControlError(
+                "to_pandas needs pandas, which is not installed: pip install pandas"
+            ) from None
+        table = self._table()
+        index = pd.Index(table[:, 0], name="time")
+        return pd.DataFrame(table[:, 1:], index=index, columns=list(self.columns[1:]))
+
+    # ---- recording ------------------------------------------------------------------
+
+    def stop(self) -> None:
+        """Stop recording; stopping twice is allowed.
+
+        The arrays hold everything before the call, also over a connection.
+        """
+        if self._stopped.is_set():
+            return
+        with contextlib.suppress(Tool0Error):  # the robot is closed: no more will come
+            newest = self._channel.snapshot.tick
+            last = newest - newest % self._ticks
+            if not self._channel.wait_until(lambda: self._reached(last), _LAST_WAIT):
+                self._missed += (last - self._last_tick) // self._ticks
+        self._stopped.set()
+        with contextlib.suppress(Tool0Error):
+            self._subscription.close()
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def _run(self) -> None:
+        while not self._stopped.wait(_INTERVAL):
+            self._take()
+
+    def _reached(self, tick: int) -> bool:
+        self._take()
+        return self._last_tick >= tick
+
+    def _take(self) -> None:
+        """Pack the snapshots that have arrived, a few hundred bytes each."""
+        with self._lock:
+            for snapshot in self._subscription.pending():
+                if (
+                    snapshot.tick % self._ticks == 0
+                    and snapshot.tick != self._last_tick
+                ):
+                    self._append(snapshot)
+
+    def _append(self, snapshot: Snapshot) -> None:
+        gap = snapshot.tick // self._ticks - self._last_tick // self._ticks
+        self._missed += max(0, gap - 1)  # below 0 after a reset
+        self._last_tick = snapshot.tick
+        setpoints = snapshot.setpoints()
+        desired = [setpoints.get(name, _NO_SETPOINT) for name in self._joint_names]
+        self._rows.append(snapshot.time)
+        self._rows.extend(snapshot.position)
+        self._rows.extend(snapshot.velocity)
+        self._rows.extend(snapshot.effort)
+        self._rows.extend(item.position for item in desired)
+        self._rows.extend(item.velocity for item in desired)
+
+    # ---- the table ------------------------------------------------------------------
+
+    @property
+    def _width(self) -> int:
+        return 1 + len(QUANTITIES) * len(self._joint_names)
+
+    def _table(self) -> Array:
+        """Return a copy of the samples so far, shape (n_samples, n_columns)."""
+        import numpy as np
+
+        self._take()
+        with self._lock:
+            values = np.array(self._rows, dtype=np.float64)
+        return values.reshape(-1, self._width)
+
+    def _of(self, quantity: str) -> Array:
+        n_joints = len(self._joint_names)
+        start = 1 + QUANTITIES.index(quantity) * n_joints
+        return self._table()[:, start : start + n_joints]
+
+    def _lines(self) -> Iterator[str]:
+        for row in self._table().tolist():
+            yield ",".join("" if math.isnan(x) else repr(x) for x in row) + "\n"
+
+
+def _ticks_between_samples(period: float, control_period: float) -> int:
+    """Return the control periods between samples at least every ``period`` [s].
+
+    Up to the default rate it is a whole number of default snapshots; above, as often as
+    snapshots are published then.
+    """
+    ticks = ticks_between_snapshots(period, control_period)
+    return ticks * max(1, int(period / (ticks * control_period) + 1e-9))

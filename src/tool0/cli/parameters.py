@@ -1,0 +1,288 @@
+"""The parameters of a command's function as options: names, types, texts for the help.
+
+A dataclass parameter is a group of options, its fields.  Texts come
+from docstrings: the ``Args`` of a function, and the string below a field.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import itertools
+import re
+import textwrap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, is_dataclass
+from enum import Enum
+from functools import cache
+from pathlib import Path
+from types import UnionType
+from typing import (
+    Annotated,
+    Any,
+    Final,
+    Literal,
+    Union,
+    final,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from tool0.description.units import ANGLE, LENGTH, Quantity, read_number
+from tool0.errors import ConfigError
+
+_SECTION: Final = re.compile(r"^(Args|Returns|Raises):\n", re.MULTILINE)
+_ENTRY: Final = re.compile(r"^    (\w+): (.*(?:\n(?:     .*)?)*)", re.MULTILINE)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Option:
+    """Annotation of a parameter whose name and type do not define its notation."""
+
+    name: str | None = None
+    """Instead of the parameter's name."""
+    metavar: str | None = None
+    """The placeholder of its value or values in the help."""
+    is_positional: bool = False
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """How the values of one type are written."""
+
+    n_words: int | Literal["*"]
+    metavar: str
+    """The placeholder of the words in the help; the option's name if empty."""
+    read: Callable[[list[str]], object]
+
+
+Readers = Mapping[object, Reader | None]
+"""Type → how its options are written; None if there are none."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter:
+    """An option or a positional argument of a command."""
+
+    owner: Callable[..., Any]
+    """The function, or the group."""
+    path: tuple[str, ...]
+    """Its name, after the names of the groups it is in."""
+    option: Option
+    reader: Reader | None
+    """None for a flag."""
+    default: object
+
+    @property
+    def flag(self) -> str:
+        return f"--{(self.option.name or self.path[-1]).replace('_', '-')}"
+
+    @property
+    def is_field(self) -> bool:
+        return is_dataclass(self.owner)
+
+    @property
+    def is_required(self) -> bool:
+        return self.default is inspect.Parameter.empty
+
+    @property
+    def metavar(self) -> str:
+        """The placeholder of its value or values in the help."""
+        if self.reader is None:
+            return ""
+        name = self.path[-1].rpartition("_")[2].upper()
+        return self.option.metavar or self.reader.metavar or name
+
+    @property
+    def help(self) -> str:
+        """Its text, with the default unless that is obvious."""
+        text = _texts_of(self.owner).get(self.path[-1], "")
+        default = self.flag if self.default is True else _written(self.default)
+        return f"{text} (default: {default})" if default else text
+
+    @property
+    def heading(self) -> str:
+        """The heading above it in the help."""
+        if self.option.is_positional:
+            return "Arguments"
+        return summary_of(self.owner).rstrip(".") if self.is_field else "Options"
+
+
+def parameters_of(
+    form: Callable[..., Any], readers: Readers, path: tuple[str, ...] = ()
+) -> Iterator[Parameter]:
+    """Yield the parameters of a function, and the fields of those that are groups."""
+    hints = get_type_hints(form, include_extras=True)
+    for name, parameter in inspect.signature(form).parameters.items():
+        kind, _ = _unwrapped(hints[name])
+        if is_dataclass(kind) and isinstance(kind, type):
+            yield from parameters_of(kind, readers, (*path, name))
+        elif readers.get(kind, True) is not None:
+            yield Parameter(
+                owner=form,
+                path=(*path, name),
+                option=_option(hints[name]),
+                reader=None if kind is bool else reader_of(hints[name], readers),
+                default=parameter.default,
+            )
+
+
+# ---- types ---------------------------------------------------------------------------
+
+
+def _unwrapped(kind: Any) -> tuple[Any, tuple[Any, ...]]:
+    """Return a type without ``Annotated``, and its annotations."""
+    if get_origin(kind) is Annotated:
+        return kind.__origin__, kind.__metadata__
+    return kind, ()
+
+
+def _option(annotated: Any) -> Option:
+    """Return the annotation of a type or, in a union, of its parts."""
+    kind, marks = _unwrapped(annotated)
+    inner = get_args(kind) if get_origin(kind) in (Union, UnionType) else ()
+    found = [mark for mark in marks if isinstance(mark, Option)]
+    return (*found, *(_option(part) for part in inner), Option())[0]
+
+
+def reader_of(annotated: Any, readers: Readers) -> Reader:
+    """Return how values of a type are written."""
+    kind, marks = _unwrapped(annotated)
+    reader = readers.get(kind)
+    if reader is not None:
+        return reader
+    for mark in marks:
+        if isinstance(mark, Quantity):
+            return _measured(mark)
+    if kind in _PLAIN:
+        return _PLAIN[kind]
+    items = get_args(kind)
+    if get_origin(kind) is Literal:
+        return _choice(items)
+    if get_origin(kind) is not tuple:  # a union with None
+        (inner,) = (item for item in items if item is not type(None))
+        return reader_of(inner, readers)
+    if items[-1] is ...:
+        only = reader_of(items[0], readers)
+        return Reader("*", "", lambda words: tuple(only.read([w]) for w in words))
+    parts = [reader_of(item, readers) for item in items]
+    return Reader(
+        len(parts),
+        " ".join(part.metavar for part in parts),
+        lambda w: tuple(p.read([t]) for p, t in zip(parts, w, strict=True)),
+    )
+
+
+def _measured(quantity: Quantity) -> Reader:
+    metavar = quantity.name.upper()
+    return Reader(1, metavar, lambda words: read_number(words[0], quantity)[0])
+
+
+def _number(kind: type[float], name: str) -> Reader:
+    def read(words: list[str]) -> float:
+        try:
+            return kind(words[0])
+        except ValueError:
+            raise ConfigError(f"'{words[0]}' is no {name}") from None
+
+    return Reader(1, "NUMBER", read)
+
+
+_PLAIN: Final[dict[object, Reader]] = {
+    str: Reader(1, "", lambda words: words[0]),
+    Path: Reader(1, "FILE", lambda words: Path(words[0])),
+    float: _number(float, "number"),
+    int: _number(int, "whole number"),
+}
+
+
+def _choice(values: tuple[str, ...]) -> Reader:
+    def read(words: list[str]) -> str:
+        if words[0] not in values:
+            raise ConfigError(f"no choice '{words[0]}'; choose {' or '.join(values)}")
+        return words[0]
+
+    return Reader(1, "|".join(values), read)
+
+
+def _written(default: object) -> str:
+    """Return a default as it is typed; empty if the help omits it."""
+    if isinstance(default, bool | type | Enum) or default is None:
+        return ""
+    if isinstance(default, tuple):
+        return " ".join(map(_written, default))
+    return f"{default:g}" if isinstance(default, float) else str(default)
+
+
+# ---- values of several words ---------------------------------------------------------
+
+
+def joint_values(words: Sequence[str]) -> tuple[dict[str, float], dict[str, Quantity]]:
+    """Return ``joint=value …`` as positions [rad | m], and each unit's quantity."""
+    values, units = {}, {}
+    for name, text in assignments(words, "=").items():
+        try:
+            values[name], quantity = read_number(text, ANGLE, LENGTH)
+        except ConfigError as error:
+            raise ConfigError(f"{name}={error}") from None
+        if quantity is not None:
+            units[name] = quantity
+    return values, units
+
+
+def assignments(words: Sequence[str], sign: str) -> dict[str, str]:
+    """Return ``name<sign>value …`` as a mapping, or raise ConfigError."""
+    found: dict[str, str] = {}
+    for word in words:
+        name, given, value = word.partition(sign)
+        if not (given and name):
+            raise ConfigError(f"'{word}': write name{sign}value")
+        if name in found:
+            raise ConfigError(f"'{name}' is given twice")
+        found[name] = value
+    return found
+
+
+# ---- texts ---------------------------------------------------------------------------
+
+
+def description_of(form: Callable[..., Any]) -> str:
+    """Return the docstring above its sections."""
+    return _plain(_SECTION.split(inspect.getdoc(form) or "")[0])
+
+
+def summary_of(form: Callable[..., Any]) -> str:
+    """Return the first line of the docstring."""
+    return description_of(form).partition("\n")[0]
+
+
+@cache
+def _texts_of(form: Callable[..., Any]) -> dict[str, str]:
+    """Return the text of each parameter; reading the source takes milliseconds."""
+    return _field_texts(form) if is_dataclass(form) else _argument_texts(form)
+
+
+def _argument_texts(function: Callable[..., Any]) -> dict[str, str]:
+    parts = _SECTION.split(inspect.getdoc(function) or "")
+    arguments = dict(zip(parts[1::2], parts[2::2], strict=True)).get("Args", "")
+    return {name: _plain(text) for name, text in _ENTRY.findall(arguments)}
+
+
+def _field_texts(kind: Any) -> dict[str, str]:
+    (definition,) = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
+    assert isinstance(definition, ast.ClassDef)
+    return {
+        field.target.id: _plain(below.value.value)
+        for field, below in itertools.pairwise(definition.body)
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
+        if isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant)
+        if isinstance(below.value.value, str)
+    }
+
+
+def _plain(text: str) -> str:
+    return inspect.cleandoc(text).replace("``", "`").strip()

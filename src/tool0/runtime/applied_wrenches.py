@@ -1,0 +1,109 @@
+"""External forces on links and objects, for a span of simulated time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+from tool0.description.transform import Vector3
+from tool0.hardware.engine import Contact, World, Wrench
+
+_ZERO: Wrench = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+_ROUNDING = 1e-9
+"""[s] that a time may differ from a multiple of the tick."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AppliedWrench:
+    """A force and a torque of constant direction, in the axes of the robot's root."""
+
+    name: str
+    """The link or object that they act on."""
+    force: Vector3
+    """[N]"""
+    torque: Vector3
+    """[N·m]"""
+    point: Vector3 | None = None
+    """Where the force acts at its start [m], in the robot's root; None is the body's
+    centre of mass.  The lever moves with the body but does not rotate."""
+    start: float = 0.0
+    """Simulated time at which they begin [s]; now, if that is past."""
+    duration: float = math.inf
+    """[s]"""
+
+
+@final
+class AppliedWrenches:
+    """Starts and ends them.  Only the thread that owns the tick may use it."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._waiting: tuple[AppliedWrench, ...] = ()
+        self._acting: tuple[tuple[float, str, Wrench], ...] = ()
+        """Until when, on what, and the wrench at its centre of mass."""
+
+    def add(self, wrench: AppliedWrench) -> None:
+        """Let a wrench act from the next tick on, or from its start.
+
+        Raises:
+            EngineError: If there is no such link or object, or it cannot move.
+        """
+        self._world.center_of_mass(wrench.name)
+        self._waiting = (*self._waiting, wrench)
+
+    def clear(self, name: str | None = None) -> None:
+        """End the wrenches on a link or object, or all of them."""
+        self._waiting = tuple(w for w in self._waiting if name not in (None, w.name))
+        left = tuple(item for item in self._acting if name not in (None, item[1]))
+        if left != self._acting:
+            self._hold(left)
+
+    def forget(self) -> None:
+        """Forget all of them: the engine was reset."""
+        self._waiting = self._acting = ()
+
+    def tick(self, time: float) -> None:
+        """Start and end what is due at ``time`` [s], before the engine steps."""
+        if not self._waiting and not self._acting:
+            return
+        now = time + _ROUNDING
+        due = [wrench for wrench in self._waiting if wrench.start <= now]
+        acting = [item for item in self._acting if item[0] > now]
+        if due or len(acting) < len(self._acting):
+            self._waiting = tuple(w for w in self._waiting if w.start > now)
+            acting += [
+                (time + wrench.duration, wrench.name, self._at_center(wrench))
+                for wrench in due
+            ]
+            self._hold(tuple(acting))
+
+    def contacts(self) -> tuple[Contact, ...]:
+        """Return the active wrenches as contacts, for sensors."""
+        return tuple(
+            Contact("", name, self._world.center_of_mass(name), *wrench)
+            for _, name, wrench in self._acting
+        )
+
+    def _at_center(self, wrench: AppliedWrench) -> Wrench:
+        if wrench.point is None:
+            return wrench.force, wrench.torque
+        center = self._world.center_of_mass(wrench.name)
+        rx, ry, rz = (p - c for p, c in zip(wrench.point, center, strict=True))
+        (fx, fy, fz), (tx, ty, tz) = wrench.force, wrench.torque
+        lever = (ry * fz - rz * fy, rz * fx - rx * fz, rx * fy - ry * fx)
+        return wrench.force, (tx + lever[0], ty + lever[1], tz + lever[2])
+
+    def _hold(self, acting: tuple[tuple[float, str, Wrench], ...]) -> None:
+        sums: dict[str, Wrench] = {}
+        for _, name, (force, torque) in acting:
+            before = sums.get(name, _ZERO)
+            sums[name] = _sum(before[0], force), _sum(before[1], torque)
+        self._world.hold_wrenches(sums)
+        self._acting = acting
+
+
+def _sum(first: Vector3, second: Vector3) -> Vector3:
+    x, y, z = (a + b for a, b in zip(first, second, strict=True))
+    return x, y, z

@@ -1,0 +1,106 @@
+"""Simulated time against the wall clock: when a tick is due, and late ticks."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import final
+
+CATCH_UP = 0.1
+"""Wall time that the simulation may lag behind and still catch up [s].
+
+A larger lag is dropped, so that the robot does not race through the missed hours after
+the machine was suspended.
+"""
+
+
+@final
+class Pacer:
+    """Computes when the next tick is due, and counts late ticks."""
+
+    def __init__(
+        self,
+        period: float,
+        speed: float = 1.0,
+        now: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        """Start now; ``period`` and ``now`` are in [s] of simulated and wall time."""
+        self._wall_period = period / speed
+        self._now = now
+        self._due = now()
+        self.overruns = 0
+
+    def wait_time(self) -> float:
+        """Return how long to wait for the next tick [wall s]; at most 0 if due."""
+        return self._due - self._now()
+
+    def tick(self) -> None:
+        """Record that the due tick starts now."""
+        late = self._now() - self._due
+        if late > self._wall_period:
+            self.overruns += 1
+        if late > CATCH_UP:
+            self._due += late - CATCH_UP
+        self._due += self._wall_period
+
+
+@final
+class SpeedMeter:
+    """Measures simulated per wall time, and late ticks, over about the last second."""
+
+    def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:
+        self._now = now
+        self._overruns = 0
+        self.factor = 0.0
+        self.late_ticks = 0
+        self.restart(0.0, 0)
+
+    def restart(self, sim_time: float, overruns: int) -> None:
+        """Start a window; what was before it, such as a pause, is ignored."""
+        self._since = self._now(), sim_time
+        self._overruns = overruns
+        self.late_ticks = 0
+
+    def measure(
+        self, sim_time: float, overruns: int = 0, *, window: float = 1.0
+    ) -> bool:
+        """Take ``sim_time`` [s] and the late ticks since the start into account.
+
+        Returns whether a window ended.
+        """
+        wall = self._now()
+        since, start = self._since
+        if sim_time < start:
+            self.restart(sim_time, overruns)
+            return False
+        if wall - since < window:
+            return False
+        late_ticks = overruns - self._overruns
+        self.restart(sim_time, overruns)
+        self.factor = (sim_time - start) / (wall - since)
+        self.late_ticks = late_ticks
+        return True
+
+
+BEHIND = 0.95
+"""Part of the requested speed below which a second counts as slow."""
+SLOW_WINDOWS = 3
+"""Slow seconds in excess of the others after which the simulation is behind."""
+
+
+@final
+class Lag:
+    """Whether the simulation is behind the wall clock; single hiccups do not count."""
+
+    def __init__(self) -> None:
+        self.is_behind = False
+        self._n_slow = 0
+
+    def changes(self, share: float) -> bool:
+        """Take the reached share of the speed; return whether ``is_behind`` changes."""
+        step = 1 if share < BEHIND else -1
+        self._n_slow = min(max(self._n_slow + step, 0), SLOW_WINDOWS)
+        before = self.is_behind
+        if self._n_slow in (0, SLOW_WINDOWS):
+            self.is_behind = self._n_slow > 0
+        return self.is_behind != before

@@ -1,0 +1,30 @@
+"""Ownership by one process: threads and connections do not survive a fork."""
+
+from __future__ import annotations
+
+import os
+from typing import final
+
+from tool0.errors import ControlError
+
+
+@final
+class OwnProcess:
+    """The process in which a robot was made."""
+
+    def __init__(self) -> None:
+        self._pid = os.getpid()
+
+    @property
+    def is_this(self) -> bool:
+        """Whether this is not a forked child."""
+        return os.getpid() == self._pid
+
+    def check(self) -> None:
+        """Raise ControlError in a forked child, where a call would never return."""
+        if not self.is_this:
+            raise ControlError(
+                f"this robot belongs to process {self._pid}, and this is a fork of it; "
+                "call tool0.bringup or tool0.connect here (with multiprocessing, use "
+                "the start method 'spawn')"
+            )

@@ -1,0 +1,113 @@
+"""Whether fingers press on something from both sides: what a grip needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import final
+
+from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.transform import Vector3
+from tool0.errors import ControlError
+from tool0.hardware.engine import Contact, JointState
+from tool0.sensing.grasp import PUSH, pad_links
+
+PERIOD = 0.04
+"""Simulated time between looks at the contacts of fingers that push [s]: they take an
+engine some 50 µs, and a grip is reported after 0.1 s."""
+GRACE = 0.1
+"""Simulated time for which a grip outlasts the last look that saw it [s]: a finger that
+chatters has no contact at some instants."""
+
+
+@final
+class GripContacts:
+    """Looks at the contacts of every gripper.  Only for the thread of the tick."""
+
+    def __init__(self, model: RobotModel) -> None:
+        self._hands = [_Hand(model, gripper) for gripper in model.grippers]
+        self.gripping: tuple[str, ...] = ()
+        """The grippers whose fingers press on something from two sides."""
+
+    def look(
+        self,
+        state: JointState,
+        joint_names: tuple[str, ...],
+        contacts: Callable[[], tuple[Contact, ...]],
+    ) -> None:
+        """Take ``state`` into account; ``contacts`` is called while fingers push."""
+        for hand in self._hands:
+            hand.look(state, joint_names.index(hand.gripper.joint), contacts)
+        self.gripping = tuple(h.gripper.name for h in self._hands if h.is_gripping)
+
+    def forget(self) -> None:
+        """Forget what was gripped, as after a reset."""
+        self.gripping = ()
+        for hand in self._hands:
+            hand.forget()
+
+
+@final
+class _Hand:
+    """One gripper, and its fingers by the links they consist of."""
+
+    def __init__(self, model: RobotModel, gripper: ParallelGripper) -> None:
+        self.gripper = gripper
+        self._links = frozenset(model.link_by_name)
+        try:
+            pads = pad_links(model, gripper)
+        except ControlError:  # unknown without pads
+            self._fingers = None
+        else:
+            base = model.joint(gripper.joint).parent
+            self._fingers = tuple(_finger(model, base, pad) for pad in pads)
+        self.forget()
+
+    def forget(self) -> None:
+        self.is_gripping = False
+        self._looked = self._gripped = -math.inf
+
+    def look(
+        self, state: JointState, index: int, contacts: Callable[[], tuple[Contact, ...]]
+    ) -> None:
+        position, effort, time = state.position[index], state.effort[index], state.time
+        weakest = PUSH * self.gripper.force[0] * self.gripper.lever(position)
+        if abs(effort) >= weakest and time - self._looked >= PERIOD:
+            self._looked = time
+            if self._fingers is None or self._is_pressed(self._fingers, contacts()):
+                self._gripped = time
+        self.is_gripping = time - self._gripped <= GRACE
+
+    def _is_pressed(
+        self, fingers: Iterable[frozenset[str]], contacts: tuple[Contact, ...]
+    ) -> bool:
+        """Return whether the forces on the two fingers oppose each other.
+
+        Fingers that stand on a table are both pushed the same way.
+        """
+        one, two = (self._force_on(finger, contacts) for finger in fingers)
+        return sum(a * b for a, b in zip(one, two, strict=True)) < 0.0
+
+    def _force_on(
+        self, finger: frozenset[str], contacts: tuple[Contact, ...]
+    ) -> Vector3:
+        """Return the force that all but the robot exerts on a finger [N]."""
+        x = y = z = 0.0
+        for contact in contacts:
+            first, second = contact.first, contact.second
+            fx, fy, fz = contact.force
+            if second in finger and first not in self._links:
+                x, y, z = x + fx, y + fy, z + fz
+            elif first in finger and second not in self._links:
+                x, y, z = x - fx, y - fy, z - fz
+        return x, y, z
+
+
+def _finger(model: RobotModel, base: str, pad: str) -> frozenset[str]:
+    """Return the links from a gripper's base, without it, to a pad."""
+    found = []
+    link = pad
+    while link != base:
+        found.append(link)
+        link = model.parent_joint[link].parent
+    return frozenset(found)

@@ -1,0 +1,142 @@
+"""Stalled joints: those that push at their effort limit and do not move."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, final
+
+from tool0.description.model import JointLimits, RobotModel
+from tool0.hardware.engine import Contact, JointState
+from tool0.hardware.limits import PUSHING
+from tool0.hardware.robot_hardware import RobotHardware
+
+logger = logging.getLogger(__name__)
+
+STALL_TIME = 0.5
+"""How long a joint pushes at its limit without moving before it is stalled [s]."""
+STILL = 0.005
+"""Travel below which it has not moved [rad | m]."""
+BREAK = 0.05
+"""Time below the limit that does not end a push [s]: contacts chatter."""
+WEAKEST = 0.1
+"""Contacts weaker than this part of the strongest one do not stop a joint."""
+
+
+class Stall(NamedTuple):
+    """A joint that pushes at its effort limit and has not moved for ``STALL_TIME``."""
+
+    joint: str
+    effort: float
+    """[N·m | N]"""
+    contacts: tuple[tuple[str, str], ...] = ()
+    """The links beyond the joint that touch something, and what they touch; the
+    strongest contact first.  Empty if the joint is at its stop or overloaded."""
+
+    def __str__(self) -> str:
+        touching = contacts_text(self.contacts) or "no contact: its stop, or the load"
+        return (
+            f"joint '{self.joint}' pushes with its limit of {abs(self.effort):.4g} "
+            f"and does not move ({touching})"
+        )
+
+
+def contacts_text(contacts: Sequence[tuple[str, str]]) -> str:
+    """Return pairs of names as text."""
+    return ", ".join(f"'{link}' touches '{other}'" for link, other in contacts)
+
+
+def external_contacts(
+    links: frozenset[str], contacts: Sequence[Contact]
+) -> tuple[tuple[str, str], ...]:
+    """Return which of ``links`` touch anything else, the strongest contact first."""
+    found = []
+    for contact in contacts:
+        pair = contact.first, contact.second
+        if (pair[0] in links) != (pair[1] in links):
+            ordered = pair if pair[0] in links else pair[::-1]
+            found.append((math.hypot(*contact.force), ordered))
+    found.sort(reverse=True)
+    return tuple(pair for force, pair in found if force >= WEAKEST * found[0][0])
+
+
+@final
+class StallMonitor:
+    """Finds stalled joints.  Only the thread that owns the tick may use it.
+
+    A gripper's drive is left out: to push without moving is its purpose.
+    """
+
+    def __init__(self, model: RobotModel, hardware: RobotHardware) -> None:
+        grippers = {gripper.joint for gripper in model.grippers}
+        self._drives = [
+            _Drive(name, hardware.index[name], limits, model)
+            for name, limits in hardware.limits.items()
+            if name not in grippers and 0.0 < limits.effort < math.inf
+        ]
+        self.stalls: tuple[Stall, ...] = ()
+
+    def look(
+        self, state: JointState, contacts: Callable[[], tuple[Contact, ...]]
+    ) -> None:
+        """Take ``state`` into account; ``contacts`` is called while a joint pushes.
+
+        It is called from the beginning of a push, because an engine may record
+        contacts only after the first call.
+        """
+        pushing = [drive for drive in self._drives if drive.pushes(state)]
+        if not pushing:
+            self.stalls = ()
+            return
+        touching = contacts()
+        known = {stall.joint for stall in self.stalls}
+        self.stalls = tuple(
+            Stall(
+                drive.joint,
+                state.effort[drive.index],
+                external_contacts(drive.links, touching),
+            )
+            for drive in pushing
+            if state.time - drive.since >= STALL_TIME
+        )
+        for stall in self.stalls:
+            if stall.joint not in known:
+                logger.warning("%s", stall)
+
+    def forget(self) -> None:
+        """Forget all pushes, as after a reset."""
+        self.stalls = ()
+        for drive in self._drives:
+            drive.since = drive.last = -math.inf
+
+
+@final
+class _Drive:
+    """What is remembered of one joint."""
+
+    def __init__(
+        self, joint: str, index: int, limits: JointLimits, model: RobotModel
+    ) -> None:
+        self.joint = joint
+        self.index = index
+        self.links = frozenset(model.links_from(model.joint(joint).child))
+        self.since = -math.inf
+        """When the joint began to push from where it is [s]."""
+        self.last = -math.inf
+        """When it last pushed at its limit [s]."""
+        self._limit = PUSHING * limits.effort
+        self._position = 0.0
+        self._sign = 0.0
+
+    def pushes(self, state: JointState) -> bool:
+        """Return whether the joint pushes; note since when without moving."""
+        effort, time = state.effort[self.index], state.time
+        if abs(effort) < self._limit:
+            return time - self.last < BREAK
+        position, sign = state.position[self.index], math.copysign(1.0, effort)
+        has_moved = abs(position - self._position) > STILL
+        if has_moved or sign != self._sign or not time - self.last < BREAK:
+            self.since, self._position, self._sign = time, position, sign
+        self.last = time
+        return True
