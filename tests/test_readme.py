@@ -85,7 +85,7 @@ def test_links_lead_somewhere(page: str) -> None:
 
 def test_the_formula_of_the_conventions_is_the_gripper_s() -> None:
     """docs/conventions.md writes numbers that live in the gripper's YAML."""
-    from tool0.description.catalogue import assemble
+    from tool0.description.robot import assemble
 
     text = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
     (gripper,) = assemble().model.grippers

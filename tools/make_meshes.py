@@ -26,7 +26,7 @@ def model_shape(name: str) -> ModelShape:
     if name == "2f85":
         return gripper_shape()
     arm = ARMS[name]
-    kinematics = PACKAGE / "config" / name / "default_kinematics.yaml"
+    kinematics = PACKAGE / "config" / "arms" / name / "default_kinematics.yaml"
     if kinematics.exists():
         arm = with_kinematics(arm, kinematics)
     return arm_shape(arm)

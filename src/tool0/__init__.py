@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from tool0.control.manager import ControllerStatus
     from tool0.control.parameters import Gains
     from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
-    from tool0.description.catalogue import RobotDescription
     from tool0.description.config import DescriptionConfig
     from tool0.description.finding import Finding
     from tool0.description.model import JointLimits, ParallelGripper, RobotModel
+    from tool0.description.robot import RobotDescription
     from tool0.description.transform import Pose, Transform
     from tool0.errors import (
         ClaimError,
@@ -203,7 +203,7 @@ _HOMES = {
     "RenderError": "tool0.errors",
     "RequestError": "tool0.errors",
     "Robot": "tool0.api.robot",
-    "RobotDescription": "tool0.description.catalogue",
+    "RobotDescription": "tool0.description.robot",
     "RobotModel": "tool0.description.model",
     "Ros1Bridge": "tool0.interfaces.ros1.bridge",
     "Ros1Options": "tool0.interfaces.ros1.options",

@@ -11,7 +11,7 @@ from playwright.sync_api import Browser
 
 import tool0
 from conftest import OpenTab
-from tool0.description.catalogue import assemble
+from tool0.description.robot import assemble
 from tool0.interfaces.panel.robot_info import RobotFiles
 from tool0.interfaces.panel.server import STATIC, Panel
 from tool0.interfaces.panel.view import RobotView

@@ -10,7 +10,7 @@ from conformance_types import BringUp
 from ur5_rig import GRIPPER
 
 import tool0
-from tool0.description.catalogue import config_file
+from tool0.description.default_controllers import config_file
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Transform

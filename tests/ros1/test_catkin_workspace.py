@@ -21,7 +21,7 @@ from promised import absent, require_engine, require_ros
 from ros import TIMEOUT, Ros
 from screen import Pixels, Screen, find_xvfb
 
-from tool0.description.catalogue import assemble, named_poses
+from tool0.description.robot import assemble, named_poses
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.installation.gazebo.installation import find_installation
@@ -312,7 +312,7 @@ def test_the_grippers_controller_is_chosen(
 
 def test_the_robots_arguments_end_in_the_robot(catkin: Catkin, tmp_path: Path) -> None:
     """Each of the four parameter files, changed, changes the robot so."""
-    config = catkin.source / "tool0_description" / "config" / "ur5"
+    config = catkin.source / "tool0_description" / "config" / "arms" / "ur5"
     changed = {
         "joint_limit_params": ("joint_limits.yaml", "150.0", "149.0"),
         "kinematics_params": ("default_kinematics.yaml", "0.089159", "0.1"),

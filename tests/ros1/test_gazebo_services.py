@@ -12,8 +12,8 @@ import pytest
 from ros import Bringup, Ros, until
 from ros_client import Message, call, listening, publishing
 
-from tool0.description.catalogue import assemble
 from tool0.description.forward_kinematics import link_poses
+from tool0.description.robot import assemble
 
 ENGINES = ("mujoco", "gazebo")
 EDGE = 0.05  # [m]

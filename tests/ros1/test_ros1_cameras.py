@@ -13,8 +13,8 @@ from ros import Bringup, Ros, until
 from ros_client import Message, listening
 
 from tool0.description.camera import default_cameras
-from tool0.description.catalogue import assemble
 from tool0.description.forward_kinematics import link_pose
+from tool0.description.robot import assemble
 
 WRIST, SCENE = default_cameras(assemble().model)
 FRAME = "wrist_camera_color_optical_frame"

@@ -10,7 +10,7 @@ from ros import Bringup, until
 from ros_client import Message, Topic, connected, listening, outcome, state
 from ur5_rig import GRIPPER
 
-from tool0.description.catalogue import config_file
+from tool0.description.default_controllers import config_file
 
 ENGINES = ("mujoco", "gazebo")
 FILE = config_file("ur5_2f85", "controllers_gripper_action.yaml")

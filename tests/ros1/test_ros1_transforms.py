@@ -11,8 +11,8 @@ from ros import Bringup, Ros, until
 from ros_client import listening, publishing, trajectory
 from ur5_rig import ARM, AWAY
 
-from tool0.description.catalogue import assemble
 from tool0.description.forward_kinematics import link_poses
+from tool0.description.robot import assemble
 
 LAST = "left_inner_finger"
 """A link at the end of a chain that mimic joints move."""

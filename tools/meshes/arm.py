@@ -32,6 +32,7 @@ _RPY: dict[str, Vector] = {
 def arm_shape(arm: ArmParameters) -> ModelShape:
     """Return the shapes of all links of an arm."""
     return ModelShape(
+        kind="arms",
         name=arm.name,
         materials=MATERIALS,
         links={

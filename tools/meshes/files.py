@@ -28,7 +28,7 @@ def write_model(model: ModelShape, package: Path) -> list[Path]:
             file = folder / mesh_name(link, material)
             file.write_bytes(stl(solids))
             written.append(file)
-    parameters = package / "config" / model.name / "visual_parameters.yaml"
+    parameters = package / "config" / model.kind / model.name / "visual_parameters.yaml"
     parameters.parent.mkdir(parents=True, exist_ok=True)
     parameters.write_text(visual_parameters(model), encoding="utf-8")
     return [*written, parameters]

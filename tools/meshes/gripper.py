@@ -48,6 +48,7 @@ CHEEK = (0.0122, 0.0185)
 def gripper_shape() -> ModelShape:
     """Return the shapes of the gripper's links, one for both fingers."""
     return ModelShape(
+        kind="grippers",
         name="2f85",
         materials=MATERIALS,
         links={

@@ -49,6 +49,8 @@ class ModelShape:
 
     name: str
     """The folder of its meshes and parameters."""
+    kind: str
+    """Where the folder with its parameters is: ``arms`` or ``grippers``."""
     materials: Mapping[str, tuple[float, float, float, float]]
     """Red, green, blue, alpha, each 0 to 1."""
     links: Mapping[str, LinkShape]

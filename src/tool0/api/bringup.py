@@ -8,8 +8,8 @@ from typing import TypeVar
 
 from tool0.api.channel import LocalChannel
 from tool0.api.robot import Robot
-from tool0.description.catalogue import load_description
 from tool0.description.config import UNSET, Argument, DescriptionConfig, File, Unset
+from tool0.description.robot import load_description
 from tool0.description.scene import Scene
 from tool0.runtime.bringup import start_simulation
 from tool0.runtime.config import ControlConfig, Names, SimulationConfig

@@ -15,7 +15,7 @@ from tool0.runtime.loop import POLL_PERIOD
 from tool0.sensing.snapshot import SNAPSHOT_PERIOD
 
 if TYPE_CHECKING:
-    from tool0.description.catalogue import RobotDescription
+    from tool0.description.robot import RobotDescription
     from tool0.runtime.bus import Subscription
     from tool0.runtime.simulation import Simulation
     from tool0.sensing.snapshot import Snapshot

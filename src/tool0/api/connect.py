@@ -29,7 +29,8 @@ from tool0.api.address import (
 )
 from tool0.api.robot import Robot
 from tool0.control.goal import Goal
-from tool0.description.catalogue import RobotDescription
+from tool0.description.catalogue import Part
+from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.errors import Tool0Error, TransportError
@@ -117,9 +118,17 @@ class SocketChannel:
         return RobotDescription(
             model=read_model(document := parse_text(info.urdf)),
             source=Path(info.source),
-            arm=info.arm,
-            gripper=info.gripper,
-            prefix=info.prefix,
+            robots=tuple(
+                CatalogueRobot(
+                    name=robot.name,
+                    arm=Part(kind="arm", folder=Path(robot.arm)),
+                    gripper=None
+                    if robot.gripper is None
+                    else Part(kind="gripper", folder=Path(robot.gripper)),
+                    prefix=robot.prefix,
+                )
+                for robot in info.robots
+            ),
             _document=document,
         )
 

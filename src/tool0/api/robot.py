@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from tool0.api.arm import Arm
     from tool0.api.recording import Recording
     from tool0.control.manager import ControllerStatus
-    from tool0.description.catalogue import RobotDescription
+    from tool0.description.robot import RobotDescription
     from tool0.description.transform import Transform
     from tool0.hardware.engine import Contact, Engine
     from tool0.runtime.bus import Subscription

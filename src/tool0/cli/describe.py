@@ -13,8 +13,8 @@ from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
-    from tool0.description.catalogue import RobotDescription
     from tool0.description.model import Joint, RobotModel
+    from tool0.description.robot import RobotDescription
 
 Form = Literal["tree", "table", "urdf", "mjcf", "controllers"]
 
@@ -33,7 +33,7 @@ def describe(
         form: What to write.
         output: File to write; standard output if not given.
     """
-    from tool0.description.catalogue import load_description
+    from tool0.description.robot import load_description
 
     text = _render(load_description(description), form)
     if output is None:
@@ -64,7 +64,7 @@ def _render(description: RobotDescription, form: Form) -> str:
 
             return to_mjcf(description.model)
         case "controllers":
-            from tool0.description.catalogue import default_controllers
+            from tool0.description.default_controllers import default_controllers
 
             return default_controllers(description)[0]
 

@@ -79,7 +79,7 @@ def view(
     Args:
         spawn_z: Height of the robot's root above the ground [m].
     """
-    from tool0.description.catalogue import load_description
+    from tool0.description.robot import load_description
     from tool0.interfaces.panel.server import Panel
     from tool0.interfaces.panel.view import RobotView
 

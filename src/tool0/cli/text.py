@@ -49,7 +49,7 @@ def greeting(
         ros: A line with its ROS node, if it has one.
     """
     description, simulation, run = robot.description, options.simulation, options.run
-    name = " + ".join(description.folders) or description.source.name
+    name = description.title
     pace = "real time" if simulation.realtime else "as fast as possible"
     n_joints = len(description.model.transmissions)
     lines = [

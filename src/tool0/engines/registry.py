@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Final, final
 
-from tool0.description.catalogue import RobotDescription
+from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, EngineUnavailableError, did_you_mean
 from tool0.hardware.engine import Engine

@@ -50,6 +50,19 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     """Findings about the YAML."""
 
 
+class CatalogueRobotInfo(Struct, frozen=True, kw_only=True):
+    """An arm with its gripper."""
+
+    name: str
+    """Its name in a cell; empty for a single robot."""
+    arm: str
+    """The arm's folder."""
+    gripper: str | None
+    """The gripper's folder; None without one."""
+    prefix: str
+    """Prefix of the names of its links and joints."""
+
+
 class DescriptionInfo(Struct, frozen=True, kw_only=True):
     """The robot's description."""
 
@@ -57,10 +70,8 @@ class DescriptionInfo(Struct, frozen=True, kw_only=True):
     """The robot as one URDF document."""
     source: str
     """The xacro or URDF file it was read from."""
-    arm: str | None
-    """Its name in the catalogue; None for your own robot."""
-    gripper: str | None
-    prefix: str
+    robots: tuple[CatalogueRobotInfo, ...]
+    """Its arms and grippers of the catalogue; none for your own file."""
 
 
 class ReadDescription(Request[DescriptionInfo], frozen=True):
@@ -114,9 +125,15 @@ def _description(simulation: Simulation, request: ReadDescription) -> Descriptio
     return DescriptionInfo(
         urdf=description.urdf,
         source=str(description.source),
-        arm=description.arm,
-        gripper=description.gripper,
-        prefix=description.prefix,
+        robots=tuple(
+            CatalogueRobotInfo(
+                name=robot.name,
+                arm=str(robot.arm.folder),
+                gripper=None if robot.gripper is None else str(robot.gripper.folder),
+                prefix=robot.prefix,
+            )
+            for robot in description.robots
+        ),
     )
 
 

@@ -9,9 +9,9 @@ from tool0.control.config import ControllerConfig
 from tool0.control.lint import lint
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.camera import default_cameras, merged
-from tool0.description.catalogue import RobotDescription
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
+from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
 from tool0.engines.registry import make_engine

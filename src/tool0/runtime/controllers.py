@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 from tool0.control.config import ControllerConfig
 from tool0.control.parameters import RobotJoints
-from tool0.description.catalogue import (
-    RobotDescription,
+from tool0.description.config import File
+from tool0.description.default_controllers import (
     all_default_controllers,
     default_controllers,
 )
-from tool0.description.config import File
 from tool0.description.finding import Finding, quoted, warning_at
 from tool0.description.model import RobotModel
+from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
 from tool0.runtime.config import ControlConfig, Names
 from tool0.user_data import expanded
@@ -67,7 +67,7 @@ def _config(
     if files is not None:
         given = [files] if isinstance(files, Path | str) else files
         return ControllerConfig.from_files([expanded(file) for file in given])
-    if description.arm is not None:
+    if description.robots:
         return ControllerConfig.from_text(*default_controllers(description))
     for text, location in all_default_controllers():
         config = ControllerConfig.from_text(text, location)

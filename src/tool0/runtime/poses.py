@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import final
 from urllib.parse import quote
 
-from tool0.description.catalogue import RobotDescription, named_poses
+from tool0.description.robot import RobotDescription, named_poses
 from tool0.description.yaml_tree import YamlEntry, read_verbatim
 from tool0.errors import ConfigError, ControlError, SourceLocation, did_you_mean
 from tool0.user_data import data_folder, locked

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, TypeVar, final
 
 from tool0.control.goal import Goal
 from tool0.description.camera import Camera
-from tool0.description.catalogue import RobotDescription
 from tool0.description.finding import Finding
 from tool0.description.model import JointLimits, ParallelGripper, RobotModel
+from tool0.description.robot import RobotDescription
 from tool0.errors import ControlError, did_you_mean
 from tool0.runtime.bus import Bus, Subscription
 from tool0.runtime.core import Core

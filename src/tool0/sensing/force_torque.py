@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
-from tool0.description.catalogue import RobotDescription
 from tool0.description.model import FLANGE, RobotModel
+from tool0.description.robot import RobotDescription
 from tool0.description.transform import Vector3
 from tool0.errors import ControlError
 from tool0.hardware.engine import Contact, Engine, JointState

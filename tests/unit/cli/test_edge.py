@@ -161,7 +161,7 @@ runpy.run_module("tool0", run_name="__main__")
         "tool0.cli.edge",
         "tool0.cli.describe",
         "argparse",
-        "tool0.description.catalogue",
+        "tool0.description.robot",
         "xacro",
     ],
 )

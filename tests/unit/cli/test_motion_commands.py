@@ -155,6 +155,7 @@ def test_a_mistake_is_one_line_and_moves_nothing(
 
 def test_grip_tells_what_it_holds(robot: tool0.Robot, capsys: Capture) -> None:
     gripper = robot.gripper
+    robot.run(1.0)  # the arm has settled: the pads meet the middle of the ball
     frame = grasp_frame(robot.description.model, gripper.geometry, 0.045, "tool0")
     position = (robot.pose("tool0") @ frame).position
     robot.scene.add("ball", Sphere(radius=0.0225), xyz=position)

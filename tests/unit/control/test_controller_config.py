@@ -17,8 +17,8 @@ from tool0.control.config import (
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.control.parameters import Gains, RobotJoints
-from tool0.description.catalogue import assemble
 from tool0.description.model import Interface, JointLimits
+from tool0.description.robot import assemble
 from tool0.errors import ConfigError, SourceLocation
 
 TOY = RobotJoints(JOINTS, dict.fromkeys(("hip", "slide", "wheel"), Interface.EFFORT))

@@ -9,19 +9,18 @@ from typing import Any
 import pytest
 import yaml
 
-from tool0.description.catalogue import (
-    arms,
+from tool0.description.catalogue import arms, grippers
+from tool0.description.config import DescriptionConfig
+from tool0.description.default_controllers import default_controllers
+from tool0.description.forward_kinematics import link_pose
+from tool0.description.model import Inertial, Interface, RobotModel
+from tool0.description.robot import (
     assemble,
-    default_controllers,
-    grippers,
     load_description,
     load_robot,
     named_poses,
     part_names,
 )
-from tool0.description.config import DescriptionConfig
-from tool0.description.forward_kinematics import link_pose
-from tool0.description.model import Inertial, Interface, RobotModel
 from tool0.description.shapes import Cylinder, Mesh
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
@@ -409,7 +408,8 @@ def test_the_fields_are_the_arguments_of_the_xacro_file() -> None:
 def test_args_override_fields_and_no_field_given_is_a_default() -> None:
     config = DescriptionConfig(prefix="a_", args={"prefix": "b_", "gripper": "none"})
     description = load_description(config)
-    assert (description.prefix, description.gripper) == ("b_", None)
+    (robot,) = description.robots
+    assert (robot.prefix, robot.gripper) == ("b_", None)
     assert load_description(DescriptionConfig()).model == assemble().model
     bare = load_description(DescriptionConfig(gripper=None))
     assert bare.model == assemble(gripper=None).model
@@ -489,7 +489,7 @@ def test_a_persons_urdf_needs_no_xacro(tmp_path: Path) -> None:
     path.write_text('<robot name="r"><link name="${a}"/></robot>')
     description = load_robot(path)
     assert description.model.root == "${a}"
-    assert (description.arm, description.source) == (None, path)
+    assert (description.robots, description.source) == ((), path)
     with pytest.raises(DescriptionError) as error:
         load_robot(path, {"k": "v"})
     assert str(path) in str(error.value)

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from tool0.description.catalogue import assemble
 from tool0.description.forward_kinematics import (
     FrameMotion,
     joint_positions,
@@ -15,6 +14,7 @@ from tool0.description.forward_kinematics import (
     link_poses,
 )
 from tool0.description.model import Joint, JointType, Link, Mimic, RobotModel
+from tool0.description.robot import assemble
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import LimitsError, ModelError
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tool0.description.catalogue import assemble
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import Interface, JointType, RobotModel, Spring, Surface
+from tool0.description.robot import assemble
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.errors import DescriptionError, LimitsError, ModelError, Tool0Error

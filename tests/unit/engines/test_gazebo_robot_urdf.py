@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tool0.description.catalogue import assemble, load_robot
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import JointType, Mimic, RobotModel
+from tool0.description.robot import assemble, load_robot
 from tool0.engines.gazebo.connection import pack_pose
 from tool0.engines.gazebo.robot_urdf import (
     STOP_SLACK,

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from skew_robot import build_model
 
-from tool0.description.catalogue import arms, assemble, grippers, named_poses
+from tool0.description.catalogue import arms, grippers
 from tool0.description.model import RobotModel
+from tool0.description.robot import assemble, named_poses
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import ConfigError, DivergenceError
 from tool0.hardware.engine import Engine

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tool0.description.catalogue import arms, assemble, grippers, load_robot
+from tool0.description.catalogue import arms, grippers
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import (
     Collision,
@@ -22,6 +22,7 @@ from tool0.description.model import (
     RobotModel,
     Transmission,
 )
+from tool0.description.robot import assemble, load_robot
 from tool0.description.shapes import Mesh, Sphere
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.model import to_mjcf

@@ -11,8 +11,8 @@ import pytest
 from objects_rig import EDGE, REST, cube, engine_with, item, run
 from shapes_rig import tetrahedron
 
-from tool0.description.catalogue import assemble, named_poses
 from tool0.description.model import RobotModel
+from tool0.description.robot import assemble, named_poses
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
 from tool0.description.transform import Pose

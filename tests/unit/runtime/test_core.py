@@ -10,7 +10,7 @@ from skew_rig import START, build_core, follow, switch
 
 from tool0.control.goal import GoalStatus
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
-from tool0.description.catalogue import assemble
+from tool0.description.robot import assemble
 from tool0.errors import (
     ConfigError,
     ControlError,

@@ -10,7 +10,7 @@ import pytest
 
 import tool0
 from tool0.control.spline import Motion, Segment
-from tool0.description.catalogue import assemble
+from tool0.description.robot import assemble
 from tool0.runtime.gripper_motion import RAMP, opening_motion
 
 (GEOMETRY,) = assemble("ur5", "2f85").model.grippers

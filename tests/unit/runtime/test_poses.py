@@ -12,8 +12,8 @@ import pytest
 from ur5_rig import ARM, ARM_JOINTS, POST, POST_GRIPPER
 
 import tool0
-from tool0.description.catalogue import RobotDescription
 from tool0.description.model import Link, RobotModel
+from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError, ControlError
 from tool0.runtime.poses import LONGEST_NAME, PoseBook, poses_file
 

@@ -38,13 +38,17 @@ def corners(shape: ModelShape, link: str) -> np.ndarray:
     return np.concatenate([solid.corners for solid in solids])
 
 
+def kind_of(model: str) -> str:
+    return make_meshes.model_shape(model).kind
+
+
 def test_the_script_reproduces_every_bundled_byte_and_nothing_else_lies_there(
     tmp_path: Path,
 ) -> None:
     make_meshes.main(["--output", str(tmp_path)])
     assert files_below(tmp_path / "meshes") == files_below(BUNDLED / "meshes")
     for model in make_meshes.BUNDLED:
-        name = Path("config", model, "visual_parameters.yaml")
+        name = Path("config", kind_of(model), model, "visual_parameters.yaml")
         assert (tmp_path / name).read_text() == (BUNDLED / name).read_text()
 
 
@@ -59,7 +63,7 @@ def test_an_unknown_model_is_refused_with_the_names_there_are(
 
 @pytest.mark.parametrize("model", make_meshes.BUNDLED)
 def test_the_parameters_name_every_mesh_once_and_known_materials(model: str) -> None:
-    file = BUNDLED / "config" / model / "visual_parameters.yaml"
+    file = BUNDLED / "config" / kind_of(model) / model / "visual_parameters.yaml"
     parameters = yaml.safe_load(file.read_text())
     entries = [e for link in parameters["links"].values() for e in link["visual"]]
     named = [BUNDLED / e["mesh"].removeprefix(f"{PACKAGE}/") for e in entries]
@@ -125,13 +129,15 @@ def test_an_arm_without_parameters_in_the_package_is_drawn_from_the_table(
     make_meshes.main(["ur3", "ur10", "--output", str(tmp_path)])
     for model in ("ur3", "ur10"):
         assert len(list((tmp_path / "meshes" / model).rglob("*.stl"))) == 19
-        assert (tmp_path / "config" / model / "visual_parameters.yaml").exists()
+        assert (
+            tmp_path / "config" / kind_of(model) / model / "visual_parameters.yaml"
+        ).exists()
 
 
 def test_the_kinematics_in_the_package_move_the_shapes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    kinematics = Path("config", "ur5", "default_kinematics.yaml")
+    kinematics = Path("config", "arms", "ur5", "default_kinematics.yaml")
     changed = yaml.safe_load((BUNDLED / kinematics).read_text())
     changed["kinematics"]["forearm"]["x"] = -0.6
     (tmp_path / kinematics).parent.mkdir(parents=True)
@@ -142,7 +148,7 @@ def test_the_kinematics_in_the_package_move_the_shapes(
 
 
 def test_the_table_agrees_with_the_packages_parameters() -> None:
-    folder = BUNDLED / "config" / "ur5"
+    folder = BUNDLED / "config" / "arms" / "ur5"
     physical = yaml.safe_load((folder / "physical_parameters.yaml").read_text())
     assert make_meshes.model_shape("ur5").links.keys() == arm_shape(UR5).links.keys()
     assert physical["offsets"]["shoulder_offset"] == UR5.shoulder_offset
@@ -150,7 +156,7 @@ def test_the_table_agrees_with_the_packages_parameters() -> None:
 
 
 def test_the_gripper_is_drawn_on_the_packages_joints() -> None:
-    file = BUNDLED / "config" / "2f85" / "kinematics.yaml"
+    file = BUNDLED / "config" / "grippers" / "2f85" / "kinematics.yaml"
     joints = yaml.safe_load(file.read_text())["kinematics"]
     drawn = {
         "outer_knuckle": OUTER_PIVOT,

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import final
 
-from tool0.description.catalogue import RobotDescription
+from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.transform import Pose, pose_matrix
 from tool0.engines.gazebo.connection import (

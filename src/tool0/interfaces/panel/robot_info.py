@@ -9,8 +9,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast, final
 
-from tool0.description.catalogue import RobotDescription, part_names
 from tool0.description.model import Joint, JointLimits, JointType, RobotModel
+from tool0.description.robot import RobotDescription, part_names
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import (
     Box,
@@ -115,10 +115,9 @@ def robot_info(
     robot's root [m], and ``limits`` are those that differ from the URDF's.
     """
     model = description.model
-    parts = [item for item in (description.arm, description.gripper) if item]
     return RobotInfo(
         name=model.name,
-        title=" + ".join(parts) or description.source.name,
+        title=description.title,
         root=model.root,
         urdf=URDF_PATH,
         ground=ground,

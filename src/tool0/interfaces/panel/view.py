@@ -6,8 +6,8 @@ import threading
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Final, final
 
-from tool0.description.catalogue import RobotDescription
 from tool0.description.model import Joint, JointType, RobotModel
+from tool0.description.robot import RobotDescription
 from tool0.errors import ControlError, ModelError
 from tool0.interfaces.panel.notices import Notification
 from tool0.interfaces.panel.protocol import (

@@ -6,7 +6,7 @@ from xml.dom.minidom import parseString
 import pytest
 
 import tool0
-from tool0.description.catalogue import assemble, load_robot
+from tool0.description.robot import assemble, load_robot
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Compound, Mesh
 from tool0.description.transform import Pose

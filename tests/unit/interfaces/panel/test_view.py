@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from page import page_at
 
-from tool0.description.catalogue import assemble
+from tool0.description.robot import assemble
 from tool0.interfaces.panel.server import Panel
 from tool0.interfaces.panel.view import RobotView
 

@@ -5,9 +5,10 @@ from xml.dom.minidom import Document
 
 import pytest
 
-from tool0.description.catalogue import arms, assemble, grippers
+from tool0.description.catalogue import arms, grippers
 from tool0.description.expansion import expand
 from tool0.description.packages import BUNDLED
+from tool0.description.robot import assemble
 from tool0.description.xml_source import LocatedElement, parse_file, parse_text
 from tool0.lint.robot_file import robot_findings, xacro_findings
 

@@ -1,0 +1,235 @@
+"""The description of any robot: built-in arms and grippers, or your own file."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, final
+
+from tool0.description.catalogue import (
+    NO_GRIPPER,
+    DisplayName,
+    Part,
+    check_choice,
+    find_part,
+    grippers,
+)
+from tool0.description.config import SPAWN_Z, Argument, DescriptionConfig
+from tool0.description.expansion import expand
+from tool0.description.model import RobotModel
+from tool0.description.packages import find_package
+from tool0.description.urdf import read_model
+from tool0.description.xml_source import parse_file, to_text
+from tool0.errors import DescriptionError
+from tool0.user_data import expanded
+
+if TYPE_CHECKING:
+    from xml.dom.minidom import Document
+
+DEFAULT_ARM = "ur5"
+DEFAULT_GRIPPER = "2f85"
+MESHES = ("tool0", "upstream")
+GRIPPER_MODELS = ("mimic", "linkage")
+
+_PREFIX = re.compile(r"\w*")
+_UPRIGHT = 0.01
+"""Largest tilt of an arm that stands on a pedestal [rad]."""
+
+Poses = Mapping[str, Mapping[str, float]]
+"""Pose → joint → position [rad | m]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CatalogueRobot:
+    """An arm of the catalogue with its gripper."""
+
+    name: str = ""
+    """Its name in a cell, such as ``left``; empty for a single robot."""
+    arm: Part
+    gripper: Part | None = None
+    prefix: str = ""
+    """Prefix of the names of its links and joints."""
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        return (self.arm,) if self.gripper is None else (self.arm, self.gripper)
+
+    @property
+    def title(self) -> str:
+        """Such as ``ur5 + 2f85``."""
+        return " + ".join(part.name for part in self.parts)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RobotDescription:
+    """A robot: the model for the engines, and the URDF for everything else."""
+
+    model: RobotModel
+    """Links, joints, drives and grippers, checked."""
+    source: Path
+    """The xacro or URDF file that it was read from."""
+    robots: tuple[CatalogueRobot, ...] = ()
+    """Its arms and grippers of the catalogue; none for your own file."""
+    tf_prefix: str = ""
+    """Prefix of its frames in ROS."""
+    _document: Document = field(repr=False, compare=False)
+
+    @cached_property
+    def urdf(self) -> str:
+        """The whole robot as one URDF document, without xacro."""
+        return to_text(self._document)
+
+    @property
+    def title(self) -> str:
+        """What a person calls it: its parts, or the name of your own file."""
+        return ", ".join(robot.title for robot in self.robots) or self.source.name
+
+    @property
+    def prefix(self) -> str:
+        """Prefix of all names, for one robot of the catalogue; otherwise empty."""
+        return self.robots[0].prefix if len(self.robots) == 1 else ""
+
+
+def load_description(
+    config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
+) -> RobotDescription:
+    """Return the robot that ``config`` describes; a catalogue arm stands in ``world``.
+
+    Its pedestal reaches to the ground, ``spawn_z`` [m] below ``world``.
+
+    Raises:
+        DescriptionError: If a name, an argument or a file is missing or wrong.
+        ModelError: If the parameters are physically impossible.
+    """
+    if config.robot is not None:
+        return load_robot(config.robot, config.args)
+    defaults = {"arm": DEFAULT_ARM, "gripper": DEFAULT_GRIPPER, "prefix": ""}
+    given = {**defaults, **_to_texts(config.xacro_arguments())}
+    given.setdefault("pedestal_height", _pedestal_height(given, spawn_z))
+    gripper, prefix = given["gripper"], given["prefix"]
+    gripper_model = given.get("gripper_model", GRIPPER_MODELS[0])
+    robot = CatalogueRobot(
+        arm=find_part("arm", given["arm"]),
+        gripper=None if gripper == NO_GRIPPER else find_part("gripper", gripper),
+        prefix=prefix,
+    )
+    check_choice("meshes", given.get("meshes", MESHES[0]), MESHES)
+    check_choice("gripper model", gripper_model, GRIPPER_MODELS)
+    if not _PREFIX.fullmatch(prefix):
+        raise DescriptionError(
+            f"the prefix '{prefix}' has characters that names must not have; "
+            "use letters, digits and underscores, such as left_"
+        )
+    if gripper == NO_GRIPPER and gripper_model != GRIPPER_MODELS[0]:
+        raise DescriptionError(
+            f"gripper_model {gripper_model} needs a gripper "
+            f"({', '.join(grippers())}), but the robot has none"
+        )
+    given["arm"] = str(robot.arm.folder)
+    if robot.gripper is not None:
+        given["gripper"] = str(robot.gripper.folder)
+    path = find_package("tool0_description") / "urdf" / "ur_robotiq.urdf.xacro"
+    document = expand(path, given)
+    return RobotDescription(
+        model=read_model(document),
+        source=path,
+        robots=(robot,),
+        tf_prefix=given.get("tf_prefix", ""),
+        _document=document,
+    )
+
+
+def assemble(
+    arm: str = DEFAULT_ARM, gripper: str | None = DEFAULT_GRIPPER, **args: Argument
+) -> RobotDescription:
+    """Return ``arm`` with ``gripper`` and further xacro arguments.
+
+    See ``load_description`` for the errors.
+    """
+    return load_description(DescriptionConfig(arm=arm, gripper=gripper, args=args))
+
+
+def load_robot(
+    path: Path | str, args: Mapping[str, Argument] | None = None
+) -> RobotDescription:
+    """Return the robot in your own file, which is xacro unless it ends in ``.urdf``.
+
+    Raises:
+        DescriptionError: If the file, or a file it refers to, cannot be read.
+        ModelError: If its parameters are physically impossible.
+    """
+    path = expanded(path)
+    if not path.is_file():
+        raise DescriptionError(f"there is no file '{path}'; check the path")
+    given = _to_texts(args or {}, ours=False)
+    if path.suffix == ".urdf":
+        if given:
+            raise DescriptionError(
+                f"'{path}' is plain URDF, which takes no arguments, got "
+                f"{', '.join(given)}; name it *.xacro if it is xacro"
+            )
+        document = parse_file(path)
+    else:
+        document = expand(path, given)
+    return RobotDescription(model=read_model(document), source=path, _document=document)
+
+
+def named_poses(description: RobotDescription) -> Poses:
+    """Return the built-in poses of a robot; your own file has none.
+
+    If several parts have a pose such as ``home``, it sets them all.
+    """
+    poses: dict[str, dict[str, float]] = {}
+    for robot in description.robots:
+        for part in robot.parts:
+            for name, positions in part.load("poses").items():
+                pose = poses.setdefault(name, {})
+                pose.update({robot.prefix + j: q for j, q in positions.items()})
+    return poses
+
+
+def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
+    """Return the display names of links and joints; your own file has none."""
+    return {
+        robot.prefix + item: DisplayName(en=names["en"], zh=names["zh"])
+        for robot in description.robots
+        for part in robot.parts
+        for item, names in part.load("part_names").items()
+    }
+
+
+def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
+    """Return the height from the ground to the arm's base [m]; 0 if it is tilted."""
+    try:
+        z = float(given.get("base_xyz", "0 0 0").split()[2])
+        roll, pitch, _ = map(float, given.get("base_rpy", "0 0 0").split())
+    except (IndexError, ValueError):  # the xacro complains
+        return "0"
+    height = round(spawn_z + z, 9)
+    stands = 0.0 < height < math.inf and math.hypot(roll, pitch) < _UPRIGHT
+    return repr(height if stands else 0.0)
+
+
+def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, str]:
+    """Return the given arguments as text for xacro.
+
+    In ``ours``, each ``…_params`` is a path, made absolute here: xacro would resolve a
+    relative one from the folder of its own file.
+    """
+    texts = {}
+    for name, value in args.items():
+        if isinstance(value, bool):
+            texts[name] = "true" if value else "false"
+        elif isinstance(value, Path) or (ours and name.endswith("_params") and value):
+            texts[name] = str(expanded(str(value)).absolute())
+        elif isinstance(value, Sequence) and not isinstance(value, str):
+            texts[name] = " ".join(map(str, value))
+        elif value is not None:
+            texts[name] = str(value)
+    return texts
