@@ -1,4 +1,4 @@
-"""``tool0 describe``: the robot as a tree, a table, URDF, …; its controllers, sources."""
+"""``tool0 describe``: the robot in several forms, its controllers and its sources."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def describe(
     """Write the robot as a tree, a table of joints, URDF or MJCF, or its controllers.
 
     ``controllers`` is the built-in ros_control YAML with all gains: copy it, change it,
-    and give it to ``tool0 bringup --controllers-file``. ``sources`` is what each part is
-    rated for, and which of its values have no published source.
+    and give it to ``tool0 bringup --controllers-file``. ``sources`` lists ratings of
+    each part and its values without a published source.
 
     Args:
         form: What to write.

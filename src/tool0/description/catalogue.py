@@ -52,6 +52,10 @@ class Part:
         """Such as ``ur5``; the name of the folder."""
         return self.folder.name
 
+    @property
+    def is_built_in(self) -> bool:
+        return self.folder.parent == _shared(self.kind)
+
     def file(self, name: str) -> Path:
         """Return one of its files, or the one that all parts of its kind share."""
         own = self.folder / name
