@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, final
 
+from tool0.description.arm_files import ARM_FILES, check_arm_files
 from tool0.description.catalogue import (
     NO_GRIPPER,
     DisplayName,
@@ -40,6 +41,14 @@ _LINKAGE_FILE = "linkage.yaml"
 _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
 """Largest tilt of an arm that stands on a pedestal [rad]."""
+
+_FILE_ARGUMENTS = {
+    "default_kinematics": "kinematics_params",
+    "joint_limits": "joint_limit_params",
+    "physical_parameters": "physical_params",
+    "visual_parameters": "visual_params",
+}
+"""The arguments that replace a file of the arm's folder."""
 
 Poses = Mapping[str, Mapping[str, float]]
 """Pose → joint → position [rad | m]."""
@@ -135,6 +144,7 @@ def load_description(
         )
     if robot.gripper is not None and gripper_model == "linkage":
         _check_linkage(robot.gripper)
+    check_arm_files(_own_files(robot.arm, given))
     given["arm"] = str(robot.arm.folder)
     if robot.gripper is not None:
         given["gripper"] = str(robot.gripper.folder)
@@ -220,6 +230,19 @@ def _check_linkage(gripper: Part) -> None:
             f"gripper_model linkage: the fingers of '{gripper.name}' are no linkages; "
             f"grippers with this model: {', '.join(having)}"
         )
+
+
+def _own_files(arm: Part, given: Mapping[str, str]) -> Mapping[str, Path]:
+    """Return the arm's YAML files that are not built-in ones, by name."""
+    files = {}
+    if not arm.is_built_in:
+        files = {name: arm.folder / f"{name}.yaml" for name in ARM_FILES}
+    instead = {
+        name: Path(given[argument])
+        for name, argument in _FILE_ARGUMENTS.items()
+        if given.get(argument)
+    }
+    return {**files, **instead}
 
 
 def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
