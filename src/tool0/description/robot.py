@@ -18,7 +18,12 @@ from tool0.description.catalogue import (
     find_part,
     grippers,
 )
-from tool0.description.config import SPAWN_Z, Argument, DescriptionConfig
+from tool0.description.config import (
+    SPAWN_Z,
+    Argument,
+    Cell,
+    DescriptionConfig,
+)
 from tool0.description.expansion import expand
 from tool0.description.model import RobotModel
 from tool0.description.packages import find_package
@@ -61,8 +66,9 @@ class CatalogueRobot:
 
     @property
     def title(self) -> str:
-        """Such as ``ur5 + 2f85``."""
-        return " + ".join(part.name for part in self.parts)
+        """Such as ``ur5 + 2f85``, in a cell ``left: ur5 + 2f85``."""
+        parts = " + ".join(part.name for part in self.parts)
+        return f"{self.name}: {parts}" if self.name else parts
 
 
 @final
@@ -76,6 +82,8 @@ class RobotDescription:
     """The xacro or URDF file that it was read from."""
     robots: tuple[CatalogueRobot, ...] = ()
     """Its arms and grippers of the catalogue; none for your own file."""
+    cell: Cell | None = None
+    """The cell of its ``robots``; None for a single one, or in another process."""
     tf_prefix: str = ""
     """Prefix of its frames in ROS."""
     _document: Document = field(repr=False, compare=False)
@@ -99,22 +107,46 @@ class RobotDescription:
 def load_description(
     config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
 ) -> RobotDescription:
-    """Return the robot that ``config`` describes; a catalogue arm stands in ``world``.
+    """Return what ``config`` describes; a catalogue arm stands in ``world``.
 
     Its pedestal reaches to the ground, ``spawn_z`` [m] below ``world``.
 
     Raises:
         DescriptionError: If a name, an argument or a file is missing or wrong.
         ModelError: If the parameters are physically impossible.
+        ConfigError: If a cell is wrong.
     """
     if config.robot is not None:
         return load_robot(config.robot, config.args)
-    defaults = {"arm": DEFAULT_ARM, "gripper": DEFAULT_GRIPPER, "prefix": ""}
+    if config.cell is not None or config.robots is not None:
+        from tool0.description.cell import load_cell_description
+
+        return load_cell_description(config, spawn_z)
+    robot, document = expand_robot(config, spawn_z)
+    return RobotDescription(
+        model=read_model(document),
+        source=_catalogue_file(),
+        robots=(robot,),
+        tf_prefix=_to_texts(config.xacro_arguments()).get("tf_prefix", ""),
+        _document=document,
+    )
+
+
+def expand_robot(
+    config: DescriptionConfig, spawn_z: float, name: str = ""
+) -> tuple[CatalogueRobot, Document]:
+    """Return an arm of the catalogue with its gripper, and its URDF.
+
+    With a ``name``, it is a robot of a cell.
+    """
+    prefix = f"{name}_" if name else ""
+    defaults = {"arm": DEFAULT_ARM, "gripper": DEFAULT_GRIPPER, "prefix": prefix}
     given = {**defaults, **_to_texts(config.xacro_arguments())}
     given.setdefault("pedestal_height", _pedestal_height(given, spawn_z))
     gripper, prefix = given["gripper"], given["prefix"]
     gripper_model = given.get("gripper_model", GRIPPER_MODELS[0])
     robot = CatalogueRobot(
+        name=name,
         arm=find_part("arm", given["arm"]),
         gripper=None if gripper == NO_GRIPPER else find_part("gripper", gripper),
         prefix=prefix,
@@ -134,15 +166,11 @@ def load_description(
     given["arm"] = str(robot.arm.folder)
     if robot.gripper is not None:
         given["gripper"] = str(robot.gripper.folder)
-    path = find_package("tool0_description") / "urdf" / "ur_robotiq.urdf.xacro"
-    document = expand(path, given)
-    return RobotDescription(
-        model=read_model(document),
-        source=path,
-        robots=(robot,),
-        tf_prefix=given.get("tf_prefix", ""),
-        _document=document,
-    )
+    return robot, expand(_catalogue_file(), given)
+
+
+def _catalogue_file() -> Path:
+    return find_package("tool0_description") / "urdf" / "ur_robotiq.urdf.xacro"
 
 
 def assemble(
