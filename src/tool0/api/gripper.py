@@ -32,8 +32,7 @@ class Gripper:
 
     @property
     def name(self) -> str:
-        """The prefix of its name in the URDF, ``gripper`` without one; in a cell, the
-        robot's name."""
+        """The prefix of its name in the URDF, ``gripper`` without one."""
         return self._name
 
     @property

@@ -1,23 +1,19 @@
-"""Several robots of the catalogue as one model: expanded one by one, then merged."""
+"""Merges the robots of a cell into one model, and checks that their bases have room."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from tool0.description.cell_file import load_cell, parse_robots
-from tool0.description.config import Cell, CellRobot, DescriptionConfig
+from tool0.description.config import Cell, CellRobot
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel
-from tool0.description.robot import CatalogueRobot, RobotDescription, expand_robot
 from tool0.description.shapes import Box, Cylinder, Solid, Sphere
 from tool0.description.transform import Transform, to_transform
-from tool0.description.urdf import read_model
 from tool0.description.xml_source import children, parse_text
-from tool0.errors import ConfigError, DescriptionError
+from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
     from xml.dom.minidom import Document, Element
@@ -26,52 +22,10 @@ WORLD = "world"
 """The link that carries every robot of a cell."""
 
 
-def load_cell_description(
-    config: DescriptionConfig, spawn_z: float
-) -> RobotDescription:
-    """Return the robots of the cell that ``config`` names as one model.
+def merge_robots(cell: Cell, name: str, documents: Sequence[Document]) -> Document:
+    """Return one URDF, called ``name``, with the elements of all robots' URDFs.
 
-    Raises:
-        ConfigError: If the cell is wrong, or two bases overlap.
-        DescriptionError: If a name, an argument or a file of a robot is wrong.
-        ModelError: If the parameters are physically impossible.
-    """
-    cell = _cell(config)
-    robots, documents = [], []
-    for item in cell.robots:
-        try:
-            robot, document = expand_robot(item.description, spawn_z, item.name)
-        except DescriptionError as error:
-            location = error.location or item.location
-            message = f"robot '{item.name}': {error.message}"
-            raise DescriptionError(message, location) from None
-        robots.append(robot)
-        documents.append(document)
-    model_name = cell.name or "_".join(
-        [*(robot.prefix + robot.arm.name for robot in robots), "robot"]
-    )
-    document = _merged(model_name, cell, documents)
-    model = read_model(document)
-    _check_bases(cell, model)
-    file = cell.location.file if cell.location else None
-    return RobotDescription(
-        model=model,
-        source=file or Path(model_name),
-        robots=tuple(robots),
-        cell=cell,
-        _document=document,
-    )
-
-
-def _cell(config: DescriptionConfig) -> Cell:
-    if config.robots is not None:
-        return parse_robots(config.robots)
-    assert config.cell is not None
-    return config.cell if isinstance(config.cell, Cell) else load_cell(config.cell)
-
-
-def _merged(name: str, cell: Cell, documents: Sequence[Document]) -> Document:
-    """Return one URDF with the elements of all, below one link ``world``.
+    They have one link ``world`` in common.
 
     Raises:
         ConfigError: If two robots have a link or a joint of one name.
@@ -115,7 +69,7 @@ class _Footprint(NamedTuple):
     high: float
 
 
-def _check_bases(cell: Cell, model: RobotModel) -> None:
+def check_bases(cell: Cell, model: RobotModel) -> None:
     """Raise ConfigError if bases or pedestals of two robots overlap."""
     found = [(robot, _footprint(model, robot.prefix)) for robot in cell.robots]
     for (first, a), (second, b) in itertools.combinations(found, 2):

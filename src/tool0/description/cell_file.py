@@ -130,8 +130,8 @@ def _robot(entry: YamlEntry, folder: Path) -> CellRobot:
     return CellRobot(
         name=values.text("name"),
         description=DescriptionConfig(
-            arm=_part(values, "arm", folder),
-            gripper=_part(values, "gripper", folder) if _names_gripper(values) else None,
+            arm=_part(values, "arm", folder) or values.text("arm"),
+            gripper=_part(values, "gripper", folder),
             safety_limits=values.boolean("safety_limits", False),
             **given,
         ),
@@ -141,13 +141,11 @@ def _robot(entry: YamlEntry, folder: Path) -> CellRobot:
     )
 
 
-def _names_gripper(values: Namespace) -> bool:
-    found = values.find("gripper")
-    return found is not None and not found.is_null
-
-
-def _part(values: Namespace, kind: str, folder: Path) -> str:
+def _part(values: Namespace, kind: str, folder: Path) -> str | None:
     """Return a part's name, or its folder if it is written with a slash."""
+    found = values.find(kind)
+    if found is None or found.is_null:
+        return None
     name = values.text(kind)
     return str(folder / expanded(name)) if "/" in name else name
 

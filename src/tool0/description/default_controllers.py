@@ -51,11 +51,13 @@ def default_controllers(
             if robot.name:
                 joints |= set(yaml_keys(text)) - {"joint_state_controller"}
             text = _with_prefix(text, robot.prefix, joints)
+            text = text.replace("arm_joints", f"{robot.prefix}arm_joints")
         texts.append(text)
     return "\n".join(texts), SourceLocation(path, 1)
 
 
 def yaml_keys(text: str) -> Collection[str]:
+    """Return the names at the top."""
     import yaml
 
     return list(yaml.safe_load(text))

@@ -18,6 +18,8 @@ from tool0.description.catalogue import (
     find_part,
     grippers,
 )
+from tool0.description.cell import check_bases, merge_robots
+from tool0.description.cell_file import load_cell, parse_robots
 from tool0.description.config import (
     SPAWN_Z,
     Argument,
@@ -118,11 +120,10 @@ def load_description(
     """
     if config.robot is not None:
         return load_robot(config.robot, config.args)
-    if config.cell is not None or config.robots is not None:
-        from tool0.description.cell import load_cell_description
-
-        return load_cell_description(config, spawn_z)
-    robot, document = expand_robot(config, spawn_z)
+    cell = _cell_of(config)
+    if cell is not None:
+        return _load_cell(cell, spawn_z)
+    robot, document = _expand_robot(config, spawn_z)
     return RobotDescription(
         model=read_model(document),
         source=_catalogue_file(),
@@ -132,7 +133,40 @@ def load_description(
     )
 
 
-def expand_robot(
+def _cell_of(config: DescriptionConfig) -> Cell | None:
+    if config.robots is not None:
+        return parse_robots(config.robots)
+    cell = config.cell
+    return cell if cell is None or isinstance(cell, Cell) else load_cell(cell)
+
+
+def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:
+    """Return the robots of a cell as one model."""
+    robots, documents = [], []
+    for item in cell.robots:
+        try:
+            robot, document = _expand_robot(item.description, spawn_z, item.name)
+        except DescriptionError as error:
+            location = error.location or item.location
+            message = f"robot '{item.name}': {error.message}"
+            raise DescriptionError(message, location) from None
+        robots.append(robot)
+        documents.append(document)
+    name = "_".join([*(robot.prefix + robot.arm.name for robot in robots), "robot"])
+    document = merge_robots(cell, cell.name or name, documents)
+    model = read_model(document)
+    check_bases(cell, model)
+    file = cell.location.file if cell.location else None
+    return RobotDescription(
+        model=model,
+        source=file or _catalogue_file(),
+        robots=tuple(robots),
+        cell=cell,
+        _document=document,
+    )
+
+
+def _expand_robot(
     config: DescriptionConfig, spawn_z: float, name: str = ""
 ) -> tuple[CatalogueRobot, Document]:
     """Return an arm of the catalogue with its gripper, and its URDF.

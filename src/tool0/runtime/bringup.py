@@ -9,8 +9,8 @@ from tool0.control.config import ControllerConfig
 from tool0.control.lint import lint
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.camera import default_cameras, merged
-from tool0.description.forward_kinematics import joint_positions
 from tool0.description.config import CellRobot
+from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
 from tool0.description.parts import joints_of_robot
 from tool0.description.robot import RobotDescription

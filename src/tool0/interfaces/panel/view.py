@@ -129,8 +129,8 @@ class RobotView:
             case PoseJoints(positions=positions):
                 self._put(self._checked(positions))
             case GoToPose(name=name, robot=robot):
-                positions = self._book.find(name).positions
-                self._put(joints_of_robot(self._model, positions, robot))
+                pose = self._book.find(name)
+                self._put(joints_of_robot(self._model, pose.positions, robot))
             case Reset():
                 self._put(self._start)
             case SavePose(name=name, robot=robot):
