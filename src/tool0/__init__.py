@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from tool0.control.manager import ControllerStatus
     from tool0.control.parameters import Gains
     from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
-    from tool0.description.config import DescriptionConfig
+    from tool0.description.config import Cell, CellRobot, DescriptionConfig
     from tool0.description.finding import Finding
     from tool0.description.model import JointLimits, ParallelGripper, RobotModel
     from tool0.description.robot import RobotDescription
@@ -73,6 +73,8 @@ __all__ = [
     "Branch",
     "CameraHandle",
     "CameraImage",
+    "Cell",
+    "CellRobot",
     "CheckReport",
     "ClaimError",
     "ConfigError",
@@ -166,6 +168,8 @@ _HOMES = {
     "ControllerConfig": "tool0.control.config",
     "ControllerHandle": "tool0.api.controller",
     "ControllerStatus": "tool0.control.manager",
+    "Cell": "tool0.description.config",
+    "CellRobot": "tool0.description.config",
     "DescriptionConfig": "tool0.description.config",
     "DescriptionError": "tool0.errors",
     "DivergenceError": "tool0.errors",
