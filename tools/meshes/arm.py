@@ -79,7 +79,7 @@ def _base(arm: ArmParameters) -> LinkShape:
 def _shoulder(arm: ArmParameters) -> LinkShape:
     """An upright housing with its lid on top, and a neck towards the upper arm."""
     radius, drop = arm.shoulder_radius, _shoulder_drop(arm)
-    neck, reach = 0.97 * radius, arm.shoulder_offset / 2 - GAP
+    neck, reach = 0.97 * radius, arm.upper_arm_offset / 2 - GAP
     housing, lid, shadow = _housing(radius, -drop, 0.86 * radius, "+z")
     return LinkShape(
         visual={
@@ -99,8 +99,8 @@ def _shoulder(arm: ArmParameters) -> LinkShape:
 
 def _upper_arm(arm: ArmParameters) -> LinkShape:
     """Two housings with their lids outwards, and the thick tube between them."""
-    z, tube = arm.shoulder_offset, arm.upper_arm_radius
-    elbow_face = (arm.shoulder_offset + arm.elbow_offset) / 2
+    z, tube = arm.upper_arm_offset, arm.upper_arm_radius
+    elbow_face = (arm.upper_arm_offset + arm.forearm_offset) / 2
     r_shoulder, r_elbow = arm.shoulder_radius, arm.elbow_radius
     elbow = (-arm.a2, 0.0, 0.0)
     shoulder_top, elbow_top = z + 0.86 * r_shoulder, z + 0.9 * r_elbow
@@ -132,9 +132,9 @@ def _upper_arm(arm: ArmParameters) -> LinkShape:
 
 def _forearm(arm: ArmParameters) -> LinkShape:
     """A rounded bend at the elbow, a slim tube, and the first wrist's housing."""
-    z, radii = arm.elbow_offset, (arm.forearm_radius, 0.88 * arm.forearm_radius)
-    face = (arm.shoulder_offset + arm.elbow_offset) / 2
-    wrist_face = (arm.elbow_offset + arm.d4) / 2
+    z, radii = arm.forearm_offset, (arm.forearm_radius, 0.88 * arm.forearm_radius)
+    face = (arm.upper_arm_offset + arm.forearm_offset) / 2
+    wrist_face = (arm.forearm_offset + arm.d4) / 2
     bend, wrist = 0.94 * arm.elbow_radius, arm.wrist_radius
     low, wrist_low = z - 0.92 * bend, z - 0.9 * wrist
     end = (-arm.a3, 0.0, 0.0)
@@ -162,7 +162,7 @@ def _forearm(arm: ArmParameters) -> LinkShape:
 
 def _wrist_1(arm: ArmParameters) -> LinkShape:
     """The second wrist's housing, its lid away from it, on a neck to the forearm."""
-    return _wrist((arm.d4 - arm.elbow_offset) / 2, arm.d5 / 2, arm.wrist_radius, "-y")
+    return _wrist((arm.d4 - arm.forearm_offset) / 2, arm.d5 / 2, arm.wrist_radius, "-y")
 
 
 def _wrist_2(arm: ArmParameters) -> LinkShape:

@@ -15,7 +15,7 @@ from typing import Any, Literal, final
 
 from tool0.description.packages import find_package
 from tool0.description.yaml_tree import read_verbatim
-from tool0.errors import DescriptionError, did_you_mean
+from tool0.errors import ConfigError, DescriptionError, did_you_mean
 from tool0.user_data import expanded
 
 NO_GRIPPER = "none"
@@ -52,6 +52,10 @@ class Part:
         """Such as ``ur5``; the name of the folder."""
         return self.folder.name
 
+    @property
+    def is_built_in(self) -> bool:
+        return self.folder.parent == _shared(self.kind)
+
     def file(self, name: str) -> Path:
         """Return one of its files, or the one that all parts of its kind share."""
         own = self.folder / name
@@ -61,13 +65,16 @@ class Part:
         """Return the mapping ``what`` in its ``<what>.yaml``; empty without the file.
 
         Raises:
-            ConfigError: If the file cannot be read.
+            ConfigError: If the file cannot be read, or has no such mapping.
         """
         path = self.file(f"{what}.yaml")
         if not path.is_file():
             return {}
-        entries = read_verbatim(path).root.children[what].children
-        return {name: entry.plain() for name, entry in entries.items()}
+        root = read_verbatim(path).root
+        entry = root.find(what)
+        if entry is None or not entry.is_mapping:
+            raise ConfigError(f"there is no mapping '{what}'", root.location)
+        return {name: child.plain() for name, child in entry.children.items()}
 
 
 def arms() -> tuple[str, ...]:

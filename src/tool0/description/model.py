@@ -26,6 +26,8 @@ DEFAULT_TURN_VELOCITY = 1.0
 """Velocity of revolute joints without a velocity limit [rad/s]; chosen to be slow."""
 DEFAULT_SLIDE_VELOCITY = 0.25
 """The same for prismatic joints [m/s]."""
+_ROUNDING = 1e-3
+"""Tolerance of the triangle inequality, for numbers rounded by CAD programs."""
 
 
 @final
@@ -65,6 +67,37 @@ class Inertial:
         high = mean + 2 * spread * math.cos(angle)
         low = mean + 2 * spread * math.cos(angle + 2 * math.pi / 3)
         return low, 3 * mean - high - low, high
+
+
+def check_mass(mass: float, link: str, location: SourceLocation | None) -> None:
+    """Raise ModelError unless the mass [kg] of a link is above zero."""
+    if not mass > 0:
+        raise ModelError(
+            f"link '{link}' has mass {mass:g} kg; give a mass above zero, "
+            "or omit <inertial> for a frame without mass",
+            location,
+        )
+
+
+def check_inertia(
+    inertial: Inertial, link: str, location: SourceLocation | None
+) -> None:
+    """Raise ModelError unless a body of positive mass can have this inertia."""
+    low, middle, high = inertial.principal_moments
+    moments = f"principal moments {low:.4g}, {middle:.4g}, {high:.4g} kg·m²"
+    if not low > 0:
+        raise ModelError(
+            f"the inertia of link '{link}' is not positive definite ({moments}); "
+            "check the signs and the products of inertia",
+            location,
+        )
+    if not low + middle >= high * (1 - _ROUNDING):
+        raise ModelError(
+            f"no body has the inertia of link '{link}' ({moments}): the largest "
+            "must not exceed the sum of the others (triangle inequality); "
+            "check the units and the axes",
+            location,
+        )
 
 
 @final

@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, final
 
+from tool0.description.arm_files import ARM_FILES, check_arm_files
 from tool0.description.catalogue import (
     NO_GRIPPER,
     DisplayName,
@@ -38,6 +39,14 @@ GRIPPER_MODELS = ("mimic", "linkage")
 _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
 """Largest tilt of an arm that stands on a pedestal [rad]."""
+
+_FILE_ARGUMENTS = {
+    "default_kinematics": "kinematics_params",
+    "joint_limits": "joint_limit_params",
+    "physical_parameters": "physical_params",
+    "visual_parameters": "visual_params",
+}
+"""The arguments that replace a file of the arm's folder."""
 
 Poses = Mapping[str, Mapping[str, float]]
 """Pose → joint → position [rad | m]."""
@@ -131,6 +140,7 @@ def load_description(
             f"gripper_model {gripper_model} needs a gripper "
             f"({', '.join(grippers())}), but the robot has none"
         )
+    check_arm_files(_own_files(robot.arm, given))
     given["arm"] = str(robot.arm.folder)
     if robot.gripper is not None:
         given["gripper"] = str(robot.gripper.folder)
@@ -202,6 +212,19 @@ def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
         for part in robot.parts
         for item, names in part.load("part_names").items()
     }
+
+
+def _own_files(arm: Part, given: Mapping[str, str]) -> Mapping[str, Path]:
+    """Return the arm's YAML files that are not built-in ones, by name."""
+    files = {}
+    if not arm.is_built_in:
+        files = {name: arm.folder / f"{name}.yaml" for name in ARM_FILES}
+    instead = {
+        name: Path(given[argument])
+        for name, argument in _FILE_ARGUMENTS.items()
+        if given.get(argument)
+    }
+    return {**files, **instead}
 
 
 def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:

@@ -25,6 +25,8 @@ from tool0.description.model import (
     SafetyController,
     Transmission,
     Visual,
+    check_inertia,
+    check_mass,
 )
 from tool0.description.shapes import (
     RGBA,
@@ -56,8 +58,6 @@ from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 _LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
 _WITH_AXIS = (*_LIMITED, JointType.CONTINUOUS, JointType.PLANAR)
 _INTERFACE_PACKAGE = "hardware_interface/"
-# Tolerance of the triangle inequality, for numbers rounded by CAD programs.
-_ROUNDING = 1e-3
 
 
 def read_link(element: Element, materials: Mapping[str, RGBA]) -> Link:
@@ -88,37 +88,13 @@ def read_inertial(link: Element, name: str) -> Inertial | None:
         return None
     mass_element = required_child(element, "mass")
     mass = number(mass_element, "value")
-    if not mass > 0:
-        raise ModelError(
-            f"link '{name}' has mass {mass:g} kg; give a mass above zero, "
-            "or omit <inertial> for a frame without mass",
-            locate(mass_element),
-        )
+    check_mass(mass, name, locate(mass_element))
     tensor = required_child(element, "inertia")
     moments = {key: number(tensor, key) for key in ("ixx", "iyy", "izz")}
     products = {key: number(tensor, key, 0.0) for key in ("ixy", "ixz", "iyz")}
     inertial = Inertial(mass=mass, origin=origin(element), **moments, **products)
-    _check_inertia(inertial, name, tensor)
+    check_inertia(inertial, name, locate(tensor))
     return inertial
-
-
-def _check_inertia(inertial: Inertial, name: str, element: Element) -> None:
-    """Raise ModelError unless a body of positive mass can have this inertia."""
-    low, middle, high = inertial.principal_moments
-    moments = f"principal moments {low:.4g}, {middle:.4g}, {high:.4g} kg·m²"
-    if not low > 0:
-        raise ModelError(
-            f"the inertia of link '{name}' is not positive definite ({moments}); "
-            "check the signs and the products of inertia",
-            locate(element),
-        )
-    if not low + middle >= high * (1 - _ROUNDING):
-        raise ModelError(
-            f"no body has the inertia of link '{name}' ({moments}): the largest "
-            "must not exceed the sum of the others (triangle inequality); "
-            "check the units and the axes",
-            locate(element),
-        )
 
 
 def _read_geometry(owner: Element) -> Geometry:
