@@ -18,13 +18,14 @@ from meshes.gripper import gripper_shape
 from meshes.model import ModelShape
 
 PACKAGE = Path(__file__).parents[1] / "src/tool0/ros_packages/tool0_description"
-BUNDLED = ("ur5", "2f85")
+GRIPPERS = PACKAGE / "config" / "grippers"
+BUNDLED = ("ur5", *sorted(file.parent.name for file in GRIPPERS.glob("*/macro.xacro")))
 
 
 def model_shape(name: str) -> ModelShape:
     """Return the shapes of a model, with the kinematics in ``config/`` if there."""
-    if name == "2f85":
-        return gripper_shape()
+    if (GRIPPERS / name).is_dir():
+        return gripper_shape(GRIPPERS / name)
     arm = ARMS[name]
     kinematics = PACKAGE / "config" / "arms" / name / "default_kinematics.yaml"
     if kinematics.exists():
@@ -35,12 +36,13 @@ def model_shape(name: str) -> ModelShape:
 def main(arguments: Sequence[str]) -> None:
     """Write the models that the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("models", nargs="*", help=f"2f85, {', '.join(ARMS)}")
+    known = sorted({*BUNDLED, *ARMS})
+    parser.add_argument("models", nargs="*", help=", ".join(known))
     parser.add_argument("--output", type=Path, default=PACKAGE)
     options = parser.parse_args(arguments)
     for name in options.models or BUNDLED:
-        if name != "2f85" and name not in ARMS:
-            parser.error(f"unknown model {name!r}: need 2f85, {', '.join(ARMS)}")
+        if name not in known:
+            parser.error(f"unknown model {name!r}: need {', '.join(known)}")
         files = write_model(model_shape(name), options.output)
         size = sum(file.stat().st_size for file in files)
         print(f"{name}: {len(files)} files, {size / 1000:.0f} kB")

@@ -146,10 +146,12 @@ def grip(
 
     Args:
         opening: Distance between the pads [m]; 0 is closed.
-        position: Position of the driven joint [rad], instead of --opening.
-        speed: Speed of the pads relative to each other [m/s]; 0.02 to 0.15 for a 2F-85.
-        force: Largest force at each pad [N]; 20 to 235 for a 2F-85.
-        effort: Largest torque of the driven joint [N·m], instead of --force.
+        position: Position of the driven joint [rad], [m] if it slides, instead of
+            --opening; 0 is open.
+        speed: Speed of the pads relative to each other [m/s]; the fastest if not given.
+        force: Largest force at each pad [N]; the strongest if not given.
+        effort: Largest effort of the driven joint [N·m], [N] if it slides, instead of
+            --force.
         timeout: Cancel the motion after this wall time [s].
     """
     if (opening is None) == (position is None):

@@ -36,6 +36,8 @@ DEFAULT_GRIPPER = "2f85"
 MESHES = ("tool0", "upstream")
 GRIPPER_MODELS = ("mimic", "linkage")
 
+_LINKAGE_FILE = "linkage.yaml"
+"""Of grippers with a linkage model."""
 _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
 """Largest tilt of an arm that stands on a pedestal [rad]."""
@@ -141,6 +143,8 @@ def load_description(
             f"({', '.join(grippers())}), but the robot has none"
         )
     check_arm_files(_own_files(robot.arm, given))
+    if robot.gripper is not None and gripper_model == "linkage":
+        _check_linkage(robot.gripper)
     given["arm"] = str(robot.arm.folder)
     if robot.gripper is not None:
         given["gripper"] = str(robot.gripper.folder)
@@ -225,6 +229,20 @@ def _own_files(arm: Part, given: Mapping[str, str]) -> Mapping[str, Path]:
         if given.get(argument)
     }
     return {**files, **instead}
+
+
+def _check_linkage(gripper: Part) -> None:
+    """Raise DescriptionError unless the gripper's fingers are linkages."""
+    if not gripper.file(_LINKAGE_FILE).is_file():
+        having = [
+            name
+            for name in grippers()
+            if find_part("gripper", name).file(_LINKAGE_FILE).is_file()
+        ]
+        raise DescriptionError(
+            f"gripper_model linkage: the fingers of '{gripper.name}' are no linkages; "
+            f"grippers with this model: {', '.join(having)}"
+        )
 
 
 def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
