@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, NamedTuple, final
 
 from tool0.api.scene import object_pose
 from tool0.description.forward_kinematics import link_poses
@@ -15,6 +16,7 @@ from tool0.sensing.grasp import pad_links
 from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 if TYPE_CHECKING:
+    from tool0.api.gripper import Gripper
     from tool0.api.robot import Robot
 
 FRAME_RATE = 30
@@ -22,6 +24,16 @@ FRAME_RATE = 30
 _POLL_PERIOD = 0.5
 """Longest wait for a snapshot [wall s]: a pause is noticed after that."""
 _TIME_ROUNDING = 1e-9  # [s]
+
+
+class _Held(NamedTuple):
+    """An object between the pads of a gripper."""
+
+    base: str
+    """The link that carries the fingers."""
+    pads: tuple[str, str]
+    start: Vector3
+    """Where the object was, from the middle of the pads, in the base [m]."""
 
 
 @final
@@ -34,10 +46,10 @@ class GraspMonitor:
         item: str,
         on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
     ) -> None:
-        """Start measuring how the gripper acts on the object ``item``.
+        """Start measuring how grippers act on the object ``item``.
 
         Args:
-            robot: The robot, with one gripper.
+            robot: The robot.
             item: The name of an object of its scene.
             on_snapshot: Called with each snapshot, for recording.
         """
@@ -45,10 +57,12 @@ class GraspMonitor:
         self._item = item
         self._on_snapshot = on_snapshot
         self._subscription = robot.subscribe()
-        model, gripper = robot.description.model, robot.gripper.geometry
-        self._pads = pad_links(model, gripper)
-        self._base = model.joint(gripper.joint).parent
-        self._start: Vector3 | None = None
+        model = robot.description.model
+        self._pads = {
+            name: pad_links(model, gripper.geometry)
+            for name, gripper in robot.grippers.items()
+        }
+        self._held: _Held | None = None
         self.slip: float | None = None
         """How far the object has moved between the pads since it was held [m]."""
         self.peak_force = 0.0
@@ -95,14 +109,18 @@ class GraspMonitor:
         """Let ``duration`` simulated seconds pass."""
         self.until(lambda: False, duration)
 
-    def start_slip(self) -> None:
+    def start_slip(self, gripper: Gripper) -> None:
         """Measure slip from here on: the object should not move between the pads."""
-        self._start = self._held_at(self._robot.snapshot)
-        self.slip = 0.0
+        geometry = gripper.geometry
+        base = self._robot.description.model.joint(geometry.joint).parent
+        pads = pad_links(self._robot.description.model, geometry)
+        start = self._held_at(self._robot.snapshot, base, pads)
+        self._held = _Held(base, pads, start)
+        self.slip = self.slip or 0.0
 
     def stop_slip(self) -> None:
         """Stop measuring slip."""
-        self._start = None
+        self._held = None
 
     def pose(self) -> Transform:
         """Return where the object is, in the root."""
@@ -110,7 +128,7 @@ class GraspMonitor:
 
     def pad_force(self) -> float:
         """Return the largest force between a pad and the object [N]."""
-        item, pads = self._item, self._pads
+        item, pads = self._item, set(itertools.chain(*self._pads.values()))
         return max(
             (
                 math.hypot(*contact.force)
@@ -141,18 +159,18 @@ class GraspMonitor:
         if self._item not in {item.name for item in snapshot.scene}:
             raise ControlError(f"the object '{self._item}' is gone")
         self._on_snapshot(snapshot)
-        if self._start is not None and self.slip is not None:
-            moved = math.dist(self._start, self._held_at(snapshot))
-            self.slip = max(self.slip, moved)
+        if (held := self._held) is not None and self.slip is not None:
+            now = self._held_at(snapshot, held.base, held.pads)
+            self.slip = max(self.slip, math.dist(held.start, now))
 
-    def _held_at(self, snapshot: Snapshot) -> Vector3:
+    def _held_at(self, snapshot: Snapshot, base: str, pads: tuple[str, str]) -> Vector3:
         """Return the object's position from the middle of the pads, in the gripper."""
         position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
         found = link_poses(self._robot.description.model, position)
-        (ax, ay, az), (bx, by, bz) = (found[pad].position for pad in self._pads)
+        (ax, ay, az), (bx, by, bz) = (found[pad].position for pad in pads)
         middle = Transform(
             position=((ax + bx) / 2.0, (ay + by) / 2.0, (az + bz) / 2.0),
-            rotation=found[self._base].rotation,
+            rotation=found[base].rotation,
         )
         return middle.inverse().apply(object_pose(snapshot, self._item).position)
 

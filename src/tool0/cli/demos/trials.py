@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-import math
-import random
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, final
 
-from tool0.cli.pick_demo.grasps import Bin
-from tool0.cli.pick_demo.monitor import GraspMonitor
-from tool0.cli.pick_demo.picker import PickOptions, PickReport, pick_and_place
+from tool0.cli.demos.grasps import Bin
+from tool0.cli.demos.hand import PickOptions
+from tool0.cli.demos.monitor import GraspMonitor
+from tool0.cli.demos.picker import PickReport, pick_and_place
 from tool0.description.transform import Pose, to_transform
 from tool0.sensing.snapshot import Snapshot
 
@@ -23,8 +22,6 @@ RETURN_TIMEOUT = 20.0
 """Longest motion back between two picks, simulated [s]."""
 SETTLE = 0.3
 """For an object to come to rest where it was put [s]."""
-TABLE_TOP = -0.02
-"""Of the scene ``table_and_bin``, in the robot's root [m]."""
 
 
 @final
@@ -65,22 +62,6 @@ class DemoReport:
             f"{self.wall_time:.1f} s ({ratio:.1f} x real time)"
         )
         return "\n".join(lines)
-
-
-def random_poses(height: float, seed: int) -> Iterator[Pose]:
-    """Yield poses on the table of the scene ``table_and_bin`` without end.
-
-    They are clear of the bin and within the arm's reach, in the robot's root.
-
-    Args:
-        height: Of the object, which stands [m].
-        seed: The same one yields the same poses.
-    """
-    rng = random.Random(seed)
-    while True:
-        x, y = rng.uniform(0.40, 0.65), rng.uniform(-0.10, 0.30)
-        yaw = rng.uniform(-math.pi, math.pi)
-        yield Pose(xyz=(x, y, TABLE_TOP + height / 2.0), rpy=(0.0, 0.0, yaw))
 
 
 def run_trials(

@@ -2,70 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, final
 
-from tool0.cli.pick_demo.grasps import (
+from tool0.cli.demos.grasps import (
     CLEARANCE,
     Bin,
-    Grasp,
     find_grasps,
     finger_reach,
     half_height,
 )
-from tool0.cli.pick_demo.monitor import GraspMonitor
-from tool0.control.goal import GoalStatus
-from tool0.description.transform import Transform, Vector3
-from tool0.errors import ControlError, ModelError, Tool0Error
-from tool0.hardware.limits import DriveLimits
-from tool0.runtime.joint_motion import require_speed
-from tool0.sensing.grasp import grasp_frame
+from tool0.cli.demos.hand import Hand, PickOptions, TaskFailure
+from tool0.cli.demos.monitor import GraspMonitor
+from tool0.errors import ControlError, ModelError
 from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
-    from tool0.api.controller import GoalHandle
     from tool0.api.robot import Robot
 
-LIFT = 0.15
-"""Height at which an object is carried, above its pick and its place position [m]."""
 DROP = 0.015
 """Height above the floor of the bin at which it is released [m]."""
-MOTION_TIMEOUT = 20.0
-"""Longest duration of a motion, simulated [s]."""
 SETTLE_TIMEOUT = 1.0
 """Longest time for an object in the bin to come to rest [s]."""
 
 
 @final
-class PickFailure(Exception):  # noqa: N818  # of the task, not of a program
-    """Why a pick ended early.  It ends up in the report."""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PickOptions:
-    """The parameters of a pick."""
-
-    force: float = 60.0
-    """At each pad [N]."""
-    speed: float = 0.7
-    """Of joints between two poses, part of the fastest."""
-    linear_speed: float = 0.25
-    """On the straight lines down and up [m/s]."""
-    pad_speed: float = 0.15
-    """Of the pads towards each other [m/s]."""
-
-    def __post_init__(self) -> None:
-        require_speed(self.speed)
-
-
-@final
 class Picker:
-    """Does one pick with a robot that has one arm and one gripper."""
+    """Does one pick with one arm and its gripper."""
 
     def __init__(
-        self, robot: Robot, item: str, options: PickOptions, monitor: GraspMonitor
+        self,
+        robot: Robot,
+        item: str,
+        options: PickOptions,
+        monitor: GraspMonitor,
+        name: str | None = None,
     ) -> None:
         """Find the grasps of the object where it is now.
 
@@ -74,14 +46,14 @@ class Picker:
             item: An upright box, cylinder or sphere.
             options: Force and speeds.
             monitor: Advances time, and measures.
+            name: Of the arm and the gripper; the only ones, if left out.
 
         Raises:
             ControlError: If there is no such object, it cannot be gripped at all, or
                 the gripper has no such force or speed.
         """
-        geometry = robot.gripper.geometry
-        DriveLimits(gripper=geometry, speed=options.pad_speed, force=options.force)
-        self._robot = robot
+        self.hand = Hand(robot, options, monitor, name)
+        geometry = self.hand.gripper.geometry
         self._options = options
         self._monitor = monitor
         thing, pose = robot.scene[item], monitor.pose()
@@ -94,104 +66,58 @@ class Picker:
             pose.position[2], top - reach, self._floor + reach + CLEARANCE
         )
         """Of the middle of the pads, when they take it [m]."""
-        self._tool = Transform()
+        self._grasp = self._grasps[0]
         self.width: float | None = None
         """Width of the gripped object, from the gripper's joint [m]."""
         self.force: float | None = None
         """That a pad exerts on it when it is lifted [N]."""
 
-    def take(self, lift: float = LIFT) -> None:
-        """Go there, grip it, and lift it by ``lift`` [m], or raise PickFailure."""
-        robot, monitor, options = self._robot, self._monitor, self._options
-        gripper, arm = robot.gripper, robot.arm
+    def take(self) -> None:
+        """Go there, grip it, and lift it, or raise TaskFailure."""
+        hand, monitor, lift = self.hand, self._monitor, self._options.lift
         x, y, _ = self._grasps[0].pose.position
-        grasp = self._nearest((x, y, self._height + lift), self._grasps)
-        self._tool = tool = self._tool_for(grasp.width)
-        above = grasp.pose
+        self._grasp = hand.nearest((x, y, self._height + lift), self._grasps)
+        tool = hand.tool_for(self._grasp.width)
+        above = self._grasp.pose
         down = replace(above, position=(x, y, self._height))
 
         monitor.begin("approaching")
-        opening = gripper.move(opening=gripper.geometry.max_opening)
-        self._finish(arm.move_to(above, tool=tool, speed=options.speed))
-        self._finish(opening)
+        opening = hand.open()
+        hand.move_to(above, tool)
+        hand.finish(opening)
         monitor.begin("going down")
-        self._finish(arm.move_linear(down, tool=tool, speed=options.linear_speed))
+        hand.move_linear(down, tool)
         monitor.begin("gripping")
-        gripper.move(opening=0.0, speed=options.pad_speed, force=options.force)
-        monitor.until(lambda: gripper.state.motion != "moving", MOTION_TIMEOUT)
-        self.check_hold()
-        self.width, self.force = gripper.state.width, monitor.pad_force()
-        monitor.start_slip()
+        hand.grip()
+        self.width, self.force = hand.gripper.state.width, monitor.pad_force()
+        monitor.start_slip(hand.gripper)
         monitor.begin("lifting")
-        self._finish(arm.move_linear(above, tool=tool, speed=options.linear_speed))
-        self.check_hold()
+        hand.move_linear(above, tool)
+        hand.check_hold()
 
     def put(self, into: Bin) -> None:
-        """Carry the object to a bin and release it, or raise PickFailure."""
-        robot, monitor, options = self._robot, self._monitor, self._options
-        gripper, arm, tool = robot.gripper, robot.arm, self._tool
+        """Carry the object to a bin and release it, or raise TaskFailure."""
+        hand, monitor, width = self.hand, self._monitor, self._grasp.width
+        tool = hand.tool_for(width)
 
         monitor.begin("carrying")
         x, y, bottom = into.center
         height = bottom + self._height - self._floor + DROP
-        above = self._nearest((x, y, height + LIFT), self._grasps).pose
+        above = hand.nearest((x, y, height + self._options.lift), self._grasps).pose
         down = replace(above, position=(x, y, height))
-        self._finish(arm.move_to(above, tool=tool, speed=options.speed))
-        self.check_hold()
+        hand.move_to(above, tool)
+        hand.check_hold()
         monitor.begin("lowering")
-        self._finish(arm.move_linear(down, tool=tool, speed=options.linear_speed))
-        self.check_hold()
+        hand.move_linear(down, tool)
+        hand.check_hold()
         monitor.begin("letting go")
         monitor.stop_slip()
-        self._finish(gripper.move(opening=gripper.geometry.max_opening))
+        hand.finish(hand.open(width))
         monitor.begin("leaving")
-        self._finish(arm.move_linear(above, tool=tool, speed=options.linear_speed))
+        hand.move_linear(above, tool)
         if not monitor.until(lambda: into.holds(monitor.pose()), SETTLE_TIMEOUT):
             x, y, z = monitor.pose().position
-            raise PickFailure(f"it is at ({x:.3f}, {y:.3f}, {z:.3f}), not in the bin")
-
-    def check_hold(self) -> None:
-        """Raise PickFailure unless the gripper holds something."""
-        state = self._robot.gripper.state
-        if state.motion != "holding_inside":
-            raise PickFailure(
-                f"the gripper holds nothing: {state.motion}, "
-                f"open {1000 * state.opening:.1f} mm"
-            )
-
-    def _nearest(self, position: Vector3, grasps: Sequence[Grasp]) -> Grasp:
-        """Return the grasp, moved to ``position``, that moves the joints least."""
-        best: tuple[float, Grasp] | None = None
-        refused: Tool0Error | None = None
-        for grasp in grasps:
-            pose = replace(grasp.pose, position=position)
-            try:
-                solutions = self._robot.arm.inverse_kinematics(
-                    pose, tool=self._tool_for(grasp.width)
-                )
-            except ModelError as error:
-                refused = error
-                continue
-            if best is None or solutions[0].distance < best[0]:
-                best = solutions[0].distance, replace(grasp, pose=pose)
-        if best is None:
-            raise PickFailure(f"it cannot be reached from above: {refused}")
-        return best[1]
-
-    def _tool_for(self, width: float) -> Transform:
-        robot = self._robot
-        return grasp_frame(
-            robot.description.model, robot.gripper.geometry, width, robot.arm.tip
-        )
-
-    def _finish(self, goal: GoalHandle) -> None:
-        """Wait until a goal has succeeded, or raise PickFailure."""
-        if not self._monitor.until(lambda: goal.result is not None, MOTION_TIMEOUT):
-            goal.cancel()
-            raise PickFailure(f"the motion is not done after {MOTION_TIMEOUT:g} s")
-        result = goal.result
-        if result is not None and result.status is not GoalStatus.SUCCEEDED:
-            raise PickFailure(f"the goal was {result.status.name}")
+            raise TaskFailure(f"it is at ({x:.3f}, {y:.3f}, {z:.3f}), not in the bin")
 
 
 @final
@@ -272,7 +198,7 @@ def pick_and_place(
         try:
             picker.take()
             picker.put(into)
-        except (PickFailure, ControlError, ModelError) as error:
+        except (TaskFailure, ControlError, ModelError) as error:
             failure = f"while {monitor.phase}: {error}"
         monitor.begin("")
         return PickReport(

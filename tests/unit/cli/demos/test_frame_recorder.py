@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import pytest
 
-from tool0.cli.pick_demo.monitor import FrameRecorder
+from tool0.cli.demos.monitor import FrameRecorder
 from tool0.sensing.snapshot import Snapshot
 
 PERIOD = 0.008  # [s]
