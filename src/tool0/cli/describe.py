@@ -1,4 +1,4 @@
-"""``tool0 describe``: the robot as a tree, a table, URDF or MJCF; its controllers."""
+"""``tool0 describe``: the robot in several forms, its controllers and its sources."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
+    from tool0.description.catalogue import Part
     from tool0.description.model import Joint, RobotModel
     from tool0.description.robot import RobotDescription
 
-Form = Literal["tree", "table", "urdf", "mjcf", "controllers"]
+Form = Literal["tree", "table", "urdf", "mjcf", "controllers", "sources"]
 
 
 def describe(
@@ -30,6 +31,7 @@ def describe(
 
     ``controllers`` is the built-in ros_control YAML with all gains and where they come
     from: copy it, change it, and give it to ``tool0 bringup --controllers-file``.
+    ``sources`` lists ratings of each part and its values without a published source.
 
     Args:
         form: What to write.
@@ -70,6 +72,8 @@ def _render(description: RobotDescription, form: Form, *, gripper_action: bool) 
             from tool0.control.default_controllers import controllers_yaml
 
             return controllers_yaml(description, gripper_action=gripper_action)
+        case "sources":
+            return sources(description)
 
 
 def tree(model: RobotModel) -> str:
@@ -108,6 +112,30 @@ def _row(model: RobotModel, joint: Joint) -> Sequence[str]:
         *(f"{value:.6g}" for value in bounds),
         _drive(model, joint),
     )
+
+
+def sources(description: RobotDescription) -> str:
+    """Return the ratings of each part, and its values without a published source."""
+    if not description.robots:
+        return f"{description.source.name}: your own file, without specifications\n"
+    parts = dict.fromkeys(part for robot in description.robots for part in robot.parts)
+    return "\n".join(map(_specifications, parts))
+
+
+def _specifications(part: Part) -> str:
+    facts = dict(part.load("specifications"))
+    if not facts:
+        return f"{part.name}: no specifications.yaml in {part.folder}\n"
+    unsourced = facts.pop("unsourced", None) or {}
+    rows = [
+        (f"  {key}", "-" if value is None else str(value))
+        for key, value in facts.items()
+    ]
+    text = f"{part.name}\n{columns(rows)}"
+    if unsourced:
+        text += "  without a published source:\n"
+        text += columns([(f"    {key}", reason) for key, reason in unsourced.items()])
+    return text
 
 
 def _drive(model: RobotModel, joint: Joint) -> str:

@@ -1,7 +1,8 @@
 """The built-in arms and grippers, and your own: folders of YAML files.
 
 The built-in ones are in ``tool0_description/config``, in ``arms`` and ``grippers``.
-They contain kinematics, limits, masses, appearance, poses and display names; a file
+They contain kinematics, limits, masses, appearance, poses and display names, a gripper
+also its xacro macro; a file
 that a folder lacks is the one that all arms, or all grippers, have in common.
 """
 
@@ -15,7 +16,7 @@ from typing import Any, Literal, final
 
 from tool0.description.packages import find_package
 from tool0.description.yaml_tree import read_verbatim
-from tool0.errors import DescriptionError, did_you_mean
+from tool0.errors import ConfigError, DescriptionError, did_you_mean
 from tool0.user_data import expanded
 
 NO_GRIPPER = "none"
@@ -25,7 +26,7 @@ PartKind = Literal["arm", "gripper"]
 
 _FIRST_FILE: Mapping[PartKind, str] = {
     "arm": "default_kinematics.yaml",
-    "gripper": "kinematics.yaml",
+    "gripper": "macro.xacro",
 }
 """The file that makes a folder an arm or a gripper."""
 
@@ -52,6 +53,10 @@ class Part:
         """Such as ``ur5``; the name of the folder."""
         return self.folder.name
 
+    @property
+    def is_built_in(self) -> bool:
+        return self.folder.parent == shared_folder(self.kind)
+
     def file(self, name: str) -> Path:
         """Return one of its files, or the one that all parts of its kind share."""
         own = self.folder / name
@@ -61,13 +66,16 @@ class Part:
         """Return the mapping ``what`` in its ``<what>.yaml``; empty without the file.
 
         Raises:
-            ConfigError: If the file cannot be read.
+            ConfigError: If the file cannot be read, or has no such mapping.
         """
         path = self.file(f"{what}.yaml")
         if not path.is_file():
             return {}
-        entries = read_verbatim(path).root.children[what].children
-        return {name: entry.plain() for name, entry in entries.items()}
+        root = read_verbatim(path).root
+        entry = root.find(what)
+        if entry is None or not entry.is_mapping:
+            raise ConfigError(f"there is no mapping '{what}'", root.location)
+        return {name: child.plain() for name, child in entry.children.items()}
 
 
 def arms() -> tuple[str, ...]:

@@ -137,21 +137,39 @@ class _Expansion:
 
     def load_yaml(self, filename: str) -> Any:  # whatever YAML holds
         """Replace ``xacro.load_yaml``, with the C loader if there is one."""
-        units = {
-            unit.value.tag: unit.constructor for unit in self._xacro.ConstructUnits
-        }
         path = Path(self._xacro.abs_filename_spec(str(filename)))
         if not path.is_file():
             raise DescriptionError(
                 f"cannot read the parameters '{path}': there is no such file"
             )
-        try:
-            root = read_verbatim(path, units).root
-        except ConfigError as error:
-            raise DescriptionError(error.message, error.location) from None
-        if root.is_null:
-            raise DescriptionError("holds no parameters", root.location)
-        return _wrapped(root)
+        return _wrapped(read_parameters(path))
+
+
+def read_parameters(path: Path) -> YamlEntry:
+    """Return a YAML file as xacro reads it, with units such as ``!degrees``.
+
+    Raises:
+        DescriptionError: If it cannot be read, or is empty.
+    """
+    units = {
+        unit.value.tag: functools.partial(_construct, unit)
+        for unit in _imported().ConstructUnits
+    }
+    try:
+        root = read_verbatim(path, units).root
+    except ConfigError as error:
+        raise DescriptionError(error.message, error.location) from None
+    if root.is_null:
+        raise DescriptionError("holds no parameters", root.location)
+    return root
+
+
+def _construct(unit: Any, loader: Any, node: Any) -> Any:  # xacro's and PyYAML's
+    """Return a number with a unit; ValueError unless it is one."""
+    try:
+        return unit.constructor(loader, node)
+    except Exception as error:  # xacro evaluates it as Python
+        raise ValueError(str(error)) from None
 
 
 @final

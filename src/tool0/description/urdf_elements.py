@@ -18,13 +18,17 @@ from tool0.description.model import (
     Joint,
     JointLimits,
     JointType,
+    LinearOpening,
     Link,
     LoopJoint,
     Mimic,
     ParallelGripper,
+    RotaryOpening,
     SafetyController,
     Transmission,
     Visual,
+    check_inertia,
+    check_mass,
 )
 from tool0.description.shapes import (
     RGBA,
@@ -56,8 +60,6 @@ from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 _LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
 _WITH_AXIS = (*_LIMITED, JointType.CONTINUOUS, JointType.PLANAR)
 _INTERFACE_PACKAGE = "hardware_interface/"
-# Tolerance of the triangle inequality, for numbers rounded by CAD programs.
-_ROUNDING = 1e-3
 
 
 def read_link(element: Element, materials: Mapping[str, RGBA]) -> Link:
@@ -88,37 +90,13 @@ def read_inertial(link: Element, name: str) -> Inertial | None:
         return None
     mass_element = required_child(element, "mass")
     mass = number(mass_element, "value")
-    if not mass > 0:
-        raise ModelError(
-            f"link '{name}' has mass {mass:g} kg; give a mass above zero, "
-            "or omit <inertial> for a frame without mass",
-            locate(mass_element),
-        )
+    check_mass(mass, name, locate(mass_element))
     tensor = required_child(element, "inertia")
     moments = {key: number(tensor, key) for key in ("ixx", "iyy", "izz")}
     products = {key: number(tensor, key, 0.0) for key in ("ixy", "ixz", "iyz")}
     inertial = Inertial(mass=mass, origin=origin(element), **moments, **products)
-    _check_inertia(inertial, name, tensor)
+    check_inertia(inertial, name, locate(tensor))
     return inertial
-
-
-def _check_inertia(inertial: Inertial, name: str, element: Element) -> None:
-    """Raise ModelError unless a body of positive mass can have this inertia."""
-    low, middle, high = inertial.principal_moments
-    moments = f"principal moments {low:.4g}, {middle:.4g}, {high:.4g} kg·m²"
-    if not low > 0:
-        raise ModelError(
-            f"the inertia of link '{name}' is not positive definite ({moments}); "
-            "check the signs and the products of inertia",
-            locate(element),
-        )
-    if not low + middle >= high * (1 - _ROUNDING):
-        raise ModelError(
-            f"no body has the inertia of link '{name}' ({moments}): the largest "
-            "must not exceed the sum of the others (triangle inequality); "
-            "check the units and the axes",
-            locate(element),
-        )
 
 
 def _read_geometry(owner: Element) -> Geometry:
@@ -333,6 +311,9 @@ def read_loop(element: Element, links: Collection[str]) -> LoopJoint:
     )
 
 
+_ROTARY, _LINEAR = ("pad_cos", "pad_sin"), ("pad_slope",)
+
+
 def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripper:
     """Return the gripper that one of ``joints`` drives."""
     name, driven = required(element, "name"), required(element, "joint")
@@ -349,9 +330,7 @@ def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripp
     gripper = ParallelGripper(
         name=name,
         joint=driven,
-        pad_offset=number(element, "pad_offset"),
-        pad_cos=number(element, "pad_cos"),
-        pad_sin=number(element, "pad_sin"),
+        law=_read_opening_law(element, name, joints[driven]),
         max_opening=positive(element, "max_opening"),
         speed=speed,
         force=force,
@@ -371,3 +350,40 @@ def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripp
                 locate(element),
             ) from None
     return gripper
+
+
+def _read_opening_law(
+    element: Element, name: str, joint: Joint
+) -> RotaryOpening | LinearOpening:
+    """Return how the opening of gripper ``name`` follows from its ``joint``."""
+    is_linear = any(map(element.hasAttribute, _LINEAR))
+    if is_linear == any(map(element.hasAttribute, _ROTARY)):
+        raise DescriptionError(
+            f"gripper '{name}' needs either pad_cos and pad_sin (its joint turns) or "
+            "pad_slope (it slides)",
+            locate(element),
+        )
+    offset = number(element, "pad_offset")
+    law: RotaryOpening | LinearOpening
+    if is_linear:
+        law = LinearOpening(pad_offset=offset, pad_slope=number(element, "pad_slope"))
+        if not law.pad_slope < 0.0:
+            raise ModelError(
+                f"gripper '{name}' has pad_slope {law.pad_slope:g}, so that it opens as "
+                f"'{joint.name}' grows; turn the joint's axis round: it must close",
+                locate(element),
+            )
+    else:
+        law = RotaryOpening(
+            pad_offset=offset,
+            pad_cos=number(element, "pad_cos"),
+            pad_sin=number(element, "pad_sin"),
+        )
+    if joint.type is not law.joint_type:
+        given = " and ".join(_LINEAR if is_linear else _ROTARY)
+        raise ModelError(
+            f"gripper '{name}' is driven by the {joint.type.value} joint "
+            f"'{joint.name}', but with {given} it must be {law.joint_type.value}",
+            locate(element),
+        )
+    return law
