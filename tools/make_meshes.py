@@ -32,7 +32,8 @@ def model_shapes() -> Iterator[ModelShape]:
     """Yield the shapes of all built-in models."""
     for folder in arm_folders():
         yield arm_shape(read_parameters(folder))
-    yield gripper_shape()
+    for file in sorted((PACKAGE / "config" / "grippers").glob("*/macro.xacro")):
+        yield gripper_shape(file.parent)
 
 
 def _natural(folder: Path) -> tuple[int, str]:

@@ -94,6 +94,9 @@ def test_it_shows_the_robot_and_follows_it(screen: Screen, bring_up: BringUp) ->
         return now.shape == then.shape and bool((now != then).sum() > 200)
 
     assert screen.wait_for(has_moved, PATIENCE) is not None
+    (server,) = (pid for pid in engine.server.process_ids if "gzserver" in program(pid))
+    environment = Path(f"/proc/{server}/environ").read_bytes().split(b"\0")
+    assert b"DISPLAY=" in environment  # no sensor of this robot draws
     robot.close()
     assert watch.all_ended(0.0)
 

@@ -84,7 +84,13 @@ class GazeboEngine:
         installation = find_installation()
         libraries = bridge_libraries(installation)
         file = (world or EMPTY_WORLD).resolve()
-        self.server = GazeboServer(installation, libraries, file, gui=gui)
+        self.server = GazeboServer(
+            installation,
+            libraries,
+            file,
+            gui=gui,
+            renders=world is not None or "<sensor" in urdf,
+        )
         with contextlib.ExitStack() as failed:
             failed.callback(self.server.close)
             self._connection = self.server.connect(dt)

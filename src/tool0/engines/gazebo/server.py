@@ -74,8 +74,12 @@ class GazeboServer:
         world: Path,
         *,
         gui: bool,
+        renders: bool,
     ) -> None:
         """Start gzserver with ``world`` and the bridge; ``open_window`` needs ``gui``.
+
+        ``renders`` lets gzserver itself draw, for its sensors.  Without it, gzserver
+        gets no display: an X error while it loads OGRE makes it hang.
 
         Raises:
             EngineUnavailableError: If a window is requested but impossible.
@@ -99,7 +103,10 @@ class GazeboServer:
                 installation.server,
                 ["--verbose", *quiet, "-s", bridge, str(world)],
                 self._log,
-                {"TOOL0_BRIDGE": "bridge"},  # it runs in the folder
+                {
+                    "TOOL0_BRIDGE": "bridge",  # it runs in the folder
+                    **({} if renders else {"DISPLAY": ""}),
+                },
             )
             self._exits = exits.pop_all()
 
