@@ -290,8 +290,8 @@ class LoopJoint:
 class RotaryOpening:
     """The opening of pads that a revolute joint moves, each on a circle.
 
-    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``, as parallelogram
-    linkages move them.
+    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``: parallelogram
+    linkages move them so.
     """
 
     pad_offset: float

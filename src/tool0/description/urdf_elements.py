@@ -369,8 +369,8 @@ def _read_opening_law(
         law = LinearOpening(pad_offset=offset, pad_slope=number(element, "pad_slope"))
         if not law.pad_slope < 0.0:
             raise ModelError(
-                f"gripper '{name}' has pad_slope {law.pad_slope:g}, so that it opens as "
-                f"'{joint.name}' grows; turn the joint's axis round: it must close",
+                f"gripper '{name}' has pad_slope {law.pad_slope:g}: it opens as "
+                f"'{joint.name}' grows, but must close; turn the joint's axis round",
                 locate(element),
             )
     else:
