@@ -32,22 +32,35 @@ def default_controllers(
             f"there are no built-in controllers for '{description.source}'; "
             "give a file of controllers"
         )
-    (robot,) = description.robots
-    path = config_file("_".join(part.name for part in robot.parts), file)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise DescriptionError(
-            f"there are no controllers for this robot: cannot read '{path}'; "
-            "give a file of controllers"
-        ) from error
-    if robot.prefix:
-        joints = {
-            transmission.joint.removeprefix(robot.prefix)
-            for transmission in description.model.transmissions
-        }
-        text = _with_prefix(text, robot.prefix, joints)
-    return text, SourceLocation(path, 1)
+    texts = []
+    for robot in description.robots:
+        path = config_file("_".join(part.name for part in robot.parts), file)
+        try:
+            text = path.read_text(encoding="utf-8")
+        except OSError as error:
+            raise DescriptionError(
+                f"there are no controllers for this robot: cannot read '{path}'; "
+                "give a file of controllers"
+            ) from error
+        if robot.prefix:
+            joints = {
+                transmission.joint.removeprefix(robot.prefix)
+                for transmission in description.model.transmissions
+                if transmission.joint.startswith(robot.prefix)
+            }
+            if robot.name:
+                joints |= set(yaml_keys(text)) - {"joint_state_controller"}
+            text = _with_prefix(text, robot.prefix, joints)
+            text = text.replace("arm_joints", f"{robot.prefix}arm_joints")
+        texts.append(text)
+    return "\n".join(texts), SourceLocation(path, 1)
+
+
+def yaml_keys(text: str) -> Collection[str]:
+    """Return the names at the top."""
+    import yaml
+
+    return list(yaml.safe_load(text))
 
 
 def all_default_controllers() -> Iterator[tuple[str, SourceLocation]]:

@@ -49,9 +49,13 @@ def choose_controllers(
         ConfigError: If the YAML does not define one of the names, or is wrong.
     """
     config = _config(description, control.controllers_file)
-    started = _existing(config, control.controllers, DEFAULT_CONTROLLERS)
+    started = _existing(
+        config, control.controllers, _of_all(description, DEFAULT_CONTROLLERS)
+    )
     stopped = _existing(
-        config, control.stopped_controllers, DEFAULT_STOPPED_CONTROLLERS
+        config,
+        control.stopped_controllers,
+        _of_all(description, DEFAULT_STOPPED_CONTROLLERS),
     )
     return ControllerChoice(
         config,
@@ -59,6 +63,11 @@ def choose_controllers(
         tuple(name for name in stopped if name not in started),
         tuple(_findings(description, control, config, started)),
     )
+
+
+def _of_all(description: RobotDescription, names: tuple[str, ...]) -> tuple[str, ...]:
+    prefixes = [f"{robot.name}_" for robot in description.robots if robot.name]
+    return (*names, *(prefix + name for prefix in prefixes for name in names))
 
 
 def _config(
