@@ -379,11 +379,12 @@ def _read_opening_law(
             pad_cos=number(element, "pad_cos"),
             pad_sin=number(element, "pad_sin"),
         )
-    if joint.type is not law.joint_type:
+    if is_linear != (joint.type is JointType.PRISMATIC):
         given = " and ".join(_LINEAR if is_linear else _ROTARY)
         raise ModelError(
             f"gripper '{name}' is driven by the {joint.type.value} joint "
-            f"'{joint.name}', but with {given} it must be {law.joint_type.value}",
+            f"'{joint.name}', but with {given} it must "
+            + ("slide (prismatic)" if is_linear else "turn"),
             locate(element),
         )
     return law
