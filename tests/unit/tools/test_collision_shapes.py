@@ -6,8 +6,9 @@ import math
 import mujoco
 import numpy as np
 import pytest
+from arm_shapes import ARMS
 from meshes.arm import GAP, arm_shape
-from meshes.arm_parameters import ARMS, ArmParameters
+from meshes.arm_parameters import ArmParameters
 from meshes.gripper import (
     INNER_PIVOT,
     OUTER_FINGER,
