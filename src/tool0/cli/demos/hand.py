@@ -71,6 +71,8 @@ class Hand:
         self.arm = robot.arm if name is None else robot.arms[name]
         self.gripper = robot.gripper if name is None else robot.grippers[name]
         self._model = robot.description.model
+        self._robot = robot
+        self._home = self.arm.joints
         self.options = options
         self._monitor = monitor
         DriveLimits(
@@ -117,6 +119,11 @@ class Hand:
         speed = self.options.linear_speed
         self.finish(self.arm.move_linear(pose, tool=tool, speed=speed))
 
+    def move_home(self) -> None:
+        """Move the joints to where they were at first."""
+        for goal in self._robot.move_joints(self._home, speed=self.options.speed):
+            self.finish(goal)
+
     def finish(self, goal: GoalHandle) -> None:
         """Wait until a goal has succeeded."""
         if not self._monitor.until(lambda: goal.result is not None, MOTION_TIMEOUT):
@@ -124,7 +131,7 @@ class Hand:
             raise TaskFailure(f"the motion is not done after {MOTION_TIMEOUT:g} s")
         result = goal.result
         if result is not None and result.status is not GoalStatus.SUCCEEDED:
-            raise TaskFailure(f"the goal was {result.status.name}")
+            raise TaskFailure(f"{result.status.name}: {result.error_string}")
 
     def put(self, into: Bin, grasps: Sequence[Grasp], height: float) -> None:
         """Carry the object to a bin, release it there, and leave.

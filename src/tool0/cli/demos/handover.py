@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 
 GIVER, TAKER = "giver", "taker"
 """Names of the two robots."""
-FORWARD, SIDEWAYS = 0.45, 0.45
+FORWARD, SIDEWAYS = 0.45, 0.55
 """Where the robots meet, from either base, for an arm of scale 1 [m]."""
 HEIGHT = 0.33
 """The same above the root [m]; lower for shorter arms."""
-APART = 0.12
+APART = 0.1
 """Distance from which a gripper approaches the other, and to which it leaves [m]."""
 
 
@@ -217,6 +217,11 @@ class _Handover:
         monitor.start_slip(taker.gripper)
         monitor.begin("parting")
         giver.move_linear(_behind(way.give), give_tool)
+        taker.check_hold()
+        # Back as it came: on a shorter way it might hit itself or the giver.
+        monitor.begin("withdrawing")
+        taker.move_linear(_behind(way.take), take_tool)
+        taker.move_home()
         taker.check_hold()
         return width
 
