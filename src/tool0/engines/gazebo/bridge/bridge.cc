@@ -212,7 +212,8 @@ class Drive {
     if (!motor_) return;
     const Vector3d along = joint->GlobalAxis(0);
     const double speed = along.Dot(Velocity(below)) - along.Dot(Velocity(above));
-    SetMotor(dParamVel, velocity_gain_ * speed);
+    const double carried = turns ? 0.0 : along.Dot(Carried());
+    SetMotor(dParamVel, velocity_gain_ * (speed - carried));
   }
   /// Adds an armature [kg·m² | kg], and takes over the joint's damping.
   void AddArmature(double armature, double dt, dWorldID world) {
@@ -245,6 +246,16 @@ class Drive {
     if (!body) return Vector3d::Zero;
     const dReal* v = turns ? dBodyGetAngularVel(body) : dBodyGetLinearVel(body);
     return Vector3d(v[0], v[1], v[2]);
+  }
+
+  /// Returns how fast a sliding child's centre moves because the parent turns: ODE's
+  /// motor leaves that out, since it acts with the torque that keeps both from turning.
+  Vector3d Carried() const {
+    if (!above) return Vector3d::Zero;
+    const dReal *w = dBodyGetAngularVel(above), *from = dBodyGetPosition(above);
+    const dReal* to = dBodyGetPosition(below);
+    return Vector3d(w[0], w[1], w[2])
+        .Cross(Vector3d(to[0] - from[0], to[1] - from[1], to[2] - from[2]));
   }
 
   /// What has no body stands still, turned as it may be.
