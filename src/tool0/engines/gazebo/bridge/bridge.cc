@@ -202,18 +202,17 @@ class Drive {
       const Vector3d sine(turned.X(), turned.Y(), turned.Z());
       const double angle = 2.0 * std::atan2(axis.Dot(sine), turned.W());
       position += std::remainder(angle - position, 2.0 * M_PI);
-    } else {
+      velocity = joint->GetVelocity(0);
+    } else {  // ODE's velocity is that of the centres, also if both only turn
       position = joint->Position(0);
+      velocity = SlidingSpeed();
     }
-    velocity = joint->GetVelocity(0);
   }
   void ApplyEffort(double effort) {
     joint->SetForce(0, effort);
     if (!motor_) return;
-    const Vector3d along = joint->GlobalAxis(0);
-    const double speed = along.Dot(Velocity(below)) - along.Dot(Velocity(above));
-    const double carried = turns ? 0.0 : along.Dot(Carried());
-    SetMotor(dParamVel, velocity_gain_ * (speed - carried));
+    const double speed = turns ? TurningSpeed() : SlidingSpeed();
+    SetMotor(dParamVel, velocity_gain_ * speed);
   }
   /// Adds an armature [kg·m² | kg], and takes over the joint's damping.
   void AddArmature(double armature, double dt, dWorldID world) {
@@ -241,22 +240,23 @@ class Drive {
   void SetMotor(int parameter, double value) const {
     (turns ? dJointSetAMotorParam : dJointSetLMotorParam)(motor_, parameter, value);
   }
-  /// Returns how fast a body turns, or its centre moves.
-  Vector3d Velocity(dBodyID body) const {
-    if (!body) return Vector3d::Zero;
-    const dReal* v = turns ? dBodyGetAngularVel(body) : dBodyGetLinearVel(body);
-    return Vector3d(v[0], v[1], v[2]);
+  double TurningSpeed() const {
+    const Vector3d along = joint->GlobalAxis(0);
+    return along.Dot(Angular(below)) - along.Dot(Angular(above));
   }
 
-  /// Returns how fast a sliding child's centre moves because the parent turns: ODE's
-  /// motor leaves that out, since it acts with the torque that keeps both from turning.
-  Vector3d Carried() const {
-    if (!above) return Vector3d::Zero;
-    const dReal *w = dBodyGetAngularVel(above), *from = dBodyGetPosition(above);
-    const dReal* to = dBodyGetPosition(below);
-    return Vector3d(w[0], w[1], w[2])
-        .Cross(Vector3d(to[0] - from[0], to[1] - from[1], to[2] - from[2]));
+  /// Returns the speed along the axis, without what the child's centre moves because the
+  /// parent turns.  ODE's motor leaves that out as well.
+  double SlidingSpeed() const {
+    const Vector3d along = joint->GlobalAxis(0);
+    const Vector3d apart = Position(below) - Position(above);
+    return along.Dot(Linear(below) - Linear(above) - Angular(above).Cross(apart));
   }
+
+  static Vector3d Angular(dBodyID body) { return body ? Of(dBodyGetAngularVel(body)) : Vector3d(); }
+  static Vector3d Linear(dBodyID body) { return body ? Of(dBodyGetLinearVel(body)) : Vector3d(); }
+  static Vector3d Position(dBodyID body) { return body ? Of(dBodyGetPosition(body)) : Vector3d(); }
+  static Vector3d Of(const dReal* v) { return Vector3d(v[0], v[1], v[2]); }
 
   /// What has no body stands still, turned as it may be.
   static Quaterniond Orientation(dBodyID body) {
