@@ -211,12 +211,16 @@ class _Composer:
                 gains.append(stated[joint])
                 continue
             gains.append(self._derived(joint, found))
-            limit = f"max_acceleration: {_number(found.acceleration)}"
+            values = (
+                f"has_acceleration_limits: true, "
+                f"max_acceleration: {_number(found.acceleration)}, "
+                f"has_jerk_limits: true, max_jerk: {_number(found.jerk)}"
+            )
             limits.append(
                 _Row(
                     joint=joint,
-                    values=f"{{has_acceleration_limits: true, {limit}}}",
-                    comment=found.acceleration_derivation,
+                    values=f"{{{values}}}",
+                    comment=found.limits_derivation,
                     location=SourceLocation(self.description.source),
                 )
             )

@@ -36,7 +36,7 @@ from tool0.hardware.bodies import (
 )
 from tool0.hardware.sampled_dynamics import SampledDynamics, sample_dynamics
 
-SAMPLING = 1.5
+SAMPLING = 1.7
 """Largest eigenvalue of M⁻¹ D · period in any posture.  From 2 on, damping by sampled
 velocities is unstable."""
 DAMPING_RATIO = 0.15
@@ -81,7 +81,9 @@ class DerivedGains:
     """In one line."""
     acceleration: float = math.inf
     """For planned motions [rad/s² | m/s²]."""
-    acceleration_derivation: str = ""
+    jerk: float = math.inf
+    """For planned motions [rad/s³ | m/s³]."""
+    limits_derivation: str = ""
 
 
 def derive_arm_gains(
@@ -118,7 +120,8 @@ def derive_arm_gains(
     smallest = 1.0 / _diagonals(np.linalg.inv(light.masses)).max(axis=0)
     largest = _diagonals(heavy.masses).max(axis=0)
     load = np.abs(heavy.loads).max(axis=0)
-    sampled = smallest * _sampling_factor(light.masses, smallest) / period
+    shares = np.sqrt(smallest * largest)
+    sampled = shares * _sampling_factor(light.masses, shares) / period
     damping = _rounded(np.minimum(sampled, 2.0 * BANDWIDTH * largest))
     frequency = np.minimum(damping / (2.0 * DAMPING_RATIO * largest), BANDWIDTH)
     stiffness = _rounded(largest * frequency**2)
@@ -145,12 +148,16 @@ def derive_arm_gains(
                 f"load {load[k]:.3g} N·m"
             ),
             acceleration=float(acceleration[k]),
-            acceleration_derivation=(
-                "what the drives can give the loaded arm in every posture"
-                if acceleration[k] < by_lag[k] * 0.99
-                else f"its error is {LAG * 1e3:g} mrad"
-                if by_lag[k] < usual[k]
-                else "as for any joint"
+            jerk=float(_rounded(acceleration[k] * frequency[k] / (2.0 * math.pi))),
+            limits_derivation=(
+                (
+                    "what the drives can give the loaded arm in every posture"
+                    if acceleration[k] < by_lag[k] * 0.99
+                    else f"its error is {LAG * 1e3:g} mrad"
+                    if by_lag[k] < usual[k]
+                    else "as for any joint"
+                )
+                + f"; reached in a period of {frequency[k]:.3g} rad/s"
             ),
         )
         for k in range(len(joints))
