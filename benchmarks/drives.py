@@ -100,7 +100,9 @@ def spectral_radius(
     for _ in range(n_poses):
         q = np.zeros(len(names))
         q[driven] = rng.uniform(lower, upper)
-        inverse = np.linalg.inv(dynamics.mass_matrix(q.tolist())[np.ix_(driven, driven)])
+        inverse = np.linalg.inv(
+            dynamics.mass_matrix(q.tolist())[np.ix_(driven, driven)]
+        )
         load = np.array(dynamics.static_effort(q.tolist()))[driven]
         slope = np.zeros((n, n))
         for column, joint in enumerate(driven):
@@ -236,7 +238,9 @@ def _gains(description: RobotDescription) -> dict[str, Gains]:
 
 def main() -> None:
     """Print the table of docs/tuning.md."""
-    print("| robot | radius | with payload | drift [mrad] | path [mrad] | final [mrad] |")
+    print(
+        "| robot | radius | with payload | drift [mrad] | path [mrad] | final [mrad] |"
+    )
     for description in descriptions():
         if len(sys.argv) > 1 and description.robots[0].arm.name not in sys.argv[1:]:
             continue

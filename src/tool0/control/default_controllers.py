@@ -254,11 +254,12 @@ class _Composer:
         return _Piece(text=text, location=SourceLocation(path, 1), gains=rows)
 
     def _derived(self, joint: str, gains: DerivedGains) -> _Row:
-        values = {"p": gains.p, "i": gains.i, "d": gains.d, "i_clamp": gains.i_clamp}
-        texts = [f"{name}: {_number(value)}" for name, value in values.items()]
+        values = f"p: {_number(gains.p)}, i: {_number(gains.i)}, d: {_number(gains.d)}"
+        if gains.i:
+            values += f", i_clamp: {_number(gains.i_clamp)}, antiwindup: true"
         return _Row(
             joint=joint,
-            values=f"{{{', '.join(texts)}, antiwindup: true}}",
+            values=f"{{{values}}}",
             comment=gains.derivation,
             location=SourceLocation(self.description.source),
         )

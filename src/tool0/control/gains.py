@@ -39,16 +39,17 @@ from tool0.hardware.sampled_dynamics import SampledDynamics, sample_dynamics
 SAMPLING = 1.7
 """Largest eigenvalue of M⁻¹ D · period in any posture.  From 2 on, damping by sampled
 velocities is unstable."""
-DAMPING_RATIO = 0.15
+DAMPING_RATIO = 0.1
 """Smallest damping ratio, at the largest inertia.  Low, because the inertia of a pan
 joint varies by a factor of 100: more would cost stiffness."""
-BANDWIDTH = 50.0
-"""Largest natural frequency at the largest inertia [rad/s]: a cycle is 125 periods of
+BANDWIDTH = 60.0
+"""Largest natural frequency at the largest inertia [rad/s]: a cycle is 100 periods of
 1 ms.  Damping beyond a ratio of 1 there would only slow the joint."""
 INTEGRAL_RATE = 5.0
 """Largest i / p [1/s]: a load is compensated within half a second."""
-INTEGRAL_SHARE = 0.3
-"""Largest i / p as a fraction of d / inertia; at 1 the joint would oscillate."""
+INTEGRAL_SHARE = 0.6
+"""Largest i / p as a fraction of the smallest eigenvalue of D M⁻¹ in any posture, with
+payload; from 1 on, the arm may oscillate."""
 LOAD_MARGIN = 1.2
 """The integral's clamp in relation to the largest static load."""
 CLAMP_SHARE = 0.1
@@ -57,8 +58,7 @@ in the model."""
 DRIVE_SHARE = 0.9
 """Fraction of the effort left beside the static load that accelerations may use."""
 LAG = 0.015
-"""Largest error that an acceleration causes at rest in it [rad]; oscillation can double
-it."""
+"""Error of a joint whose acceleration is the largest [rad]; oscillation can double it."""
 ALUMINIUM = 2700.0
 """Density of the payload, a cube around the flange [kg/m³]."""
 FULL_EFFORT_ERROR = 0.05
@@ -117,15 +117,17 @@ def derive_arm_gains(
     heavy = _with_rotors(
         model, bodies, sample_dynamics(loaded, postures, (g_x, g_y, g_z))
     )
-    smallest = 1.0 / _diagonals(np.linalg.inv(light.masses)).max(axis=0)
+    inverses = np.linalg.inv(light.masses)
+    smallest = 1.0 / _diagonals(inverses).max(axis=0)
     largest = _diagonals(heavy.masses).max(axis=0)
     load = np.abs(heavy.loads).max(axis=0)
     shares = np.sqrt(smallest * largest)
-    sampled = shares * _sampling_factor(light.masses, shares) / period
+    sampled = shares * SAMPLING / _largest_eigenvalue(inverses, shares) / period
     damping = _rounded(np.minimum(sampled, 2.0 * BANDWIDTH * largest))
     frequency = np.minimum(damping / (2.0 * DAMPING_RATIO * largest), BANDWIDTH)
     stiffness = _rounded(largest * frequency**2)
-    rate = np.minimum(INTEGRAL_SHARE * damping / largest, INTEGRAL_RATE)
+    slowest = 1.0 / _largest_eigenvalue(heavy.masses, 1.0 / damping)
+    rate = min(INTEGRAL_SHARE * slowest, INTEGRAL_RATE)
     effort = np.array([limit.effort for limit in limits])
     clamp = np.minimum(
         np.maximum(LOAD_MARGIN * load, CLAMP_SHARE * np.minimum(effort, 1e3)), effort
@@ -133,31 +135,33 @@ def derive_arm_gains(
     usual = np.array([body.joint.max_acceleration for body in bodies])
     by_lag = np.minimum(LAG * stiffness / largest, usual)
     acceleration = _rounded(_within_drives(heavy, effort, by_lag))
+    # A ramp of one period leaves no oscillation behind, and the joints arrive together.
+    ramp = 2.0 * math.pi / float(frequency.min())
     weight = "without payload (unknown)" if payload is None else f"with {payload:g} kg"
     ratio = damping / (2.0 * np.sqrt(stiffness * largest))
     return tuple(
         DerivedGains(
             p=float(stiffness[k]),
-            i=float(_rounded(rate[k] * stiffness[k])),
+            i=float(_rounded(rate * stiffness[k])),
             d=float(damping[k]),
             i_clamp=float(_rounded(clamp[k])),
             derivation=(
                 f"inertia {smallest[k]:.3g} … {largest[k]:.3g} kg·m² {weight}: "
                 f"{frequency[k]:.3g} rad/s, damping ratio {ratio[k]:.2g}, "
                 f"d·dt/inertia {damping[k] * period / smallest[k]:.2g}, "
-                f"load {load[k]:.3g} N·m"
+                f"load {load[k]:.1f} N·m"
             ),
             acceleration=float(acceleration[k]),
-            jerk=float(_rounded(acceleration[k] * frequency[k] / (2.0 * math.pi))),
+            jerk=float(_rounded(acceleration[k] / ramp)),
             limits_derivation=(
                 (
-                    "what the drives can give the loaded arm in every posture"
+                    "what the drives give the loaded arm in every posture"
                     if acceleration[k] < by_lag[k] * 0.99
                     else f"its error is {LAG * 1e3:g} mrad"
                     if by_lag[k] < usual[k]
                     else "as for any joint"
                 )
-                + f"; reached in a period of {frequency[k]:.3g} rad/s"
+                + f"; reached in {ramp:.2g} s"
             ),
         )
         for k in range(len(joints))
@@ -263,11 +267,10 @@ def _diagonals(matrices: Matrix) -> Matrix:
     return np.diagonal(matrices, axis1=1, axis2=2)
 
 
-def _sampling_factor(masses: Matrix, damping: Matrix) -> float:
-    """Return by what to multiply ``damping`` · dt for the eigenvalue SAMPLING."""
-    root = np.sqrt(damping)
-    eigenvalues = np.linalg.eigvalsh(root[:, None] * np.linalg.inv(masses) * root)
-    return float(SAMPLING / eigenvalues.max())
+def _largest_eigenvalue(matrices: Matrix, factors: Matrix) -> float:
+    """Return the largest one of any symmetric matrix times diag(``factors``)."""
+    root = np.sqrt(factors)
+    return float(np.linalg.eigvalsh(root[:, None] * matrices * root).max())
 
 
 def _within_drives(heavy: SampledDynamics, effort: Matrix, wanted: Matrix) -> Matrix:

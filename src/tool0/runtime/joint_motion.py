@@ -231,7 +231,10 @@ def _solve(
         for factor, joint in zip(hardness, joints, strict=True)
     ]
     wanted.max_jerk = [
-        min(factor * acceleration / TIME_TO_FULL_ACCELERATION, factor * joint.limits.jerk)
+        min(
+            factor * acceleration / TIME_TO_FULL_ACCELERATION,
+            factor * joint.limits.jerk,
+        )
         for factor, acceleration, joint in zip(
             hardness, wanted.max_acceleration, joints, strict=True
         )
