@@ -136,12 +136,20 @@ class _Piece:
             gains = controller.find("gains")
             if gains is not None and gains.scalar == _GAINS:
                 gains.value = {}
-                for row in self.gains:
-                    text = f"{name}: {{gains: {{{row.joint}: {row.values}}}}}"
-                    tree.load(text, row.location)
-        for row in self.limits:
-            text = f"joint_limits: {{{row.joint}: {row.values}}}"
-            tree.load(text, row.location)
+                _load_rows(tree, f"{name}: {{gains: {{", self.gains, "}}")
+        _load_rows(tree, "joint_limits: {", self.limits, "}")
+
+
+def _load_rows(tree: Tree, start: str, rows: Sequence[_Row], end: str) -> None:
+    """Add the rows as one text for each file, in which they keep their lines."""
+    for file in dict.fromkeys(row.location.file for row in rows):
+        text, line = start, 1
+        for row in rows:
+            if row.location.file == file:
+                gap = max((row.location.line or 1) - line, 0)
+                text += "\n" * gap + f" {row.joint}: {row.values},"
+                line += gap
+        tree.load(text + end, SourceLocation(file, 1))
 
 
 def _lines(rows: Sequence[_Row], indent: str) -> str:

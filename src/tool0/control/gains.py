@@ -58,7 +58,8 @@ in the model."""
 DRIVE_SHARE = 0.9
 """Fraction of the effort left beside the static load that accelerations may use."""
 LAG = 0.015
-"""Error of a joint whose acceleration is the largest [rad]; oscillation can double it."""
+"""Error of a joint whose acceleration is its largest [rad]; oscillation can double
+it."""
 ALUMINIUM = 2700.0
 """Density of the payload, a cube around the flange [kg/m³]."""
 FULL_EFFORT_ERROR = 0.05
@@ -109,9 +110,10 @@ def derive_arm_gains(
     base = model.joint(joints[0]).parent
     rotation = np.array(link_pose(model, {}, base).rotation)
     g_x, g_y, g_z = (rotation.T @ np.asarray(gravity)).tolist()
+    is_upright = math.hypot(g_x, g_y) < 0.01 * abs(g_z)
     bodies = moving_bodies(_part(model, base, joints))
     limits = [body.joint.limits for body in bodies]
-    postures = _postures(limits)
+    postures = _postures(limits, is_upright=is_upright)
     light = _with_rotors(model, bodies, sample_dynamics(bodies, postures))
     loaded = _loaded(model, bodies, payload or 0.0)
     heavy = _with_rotors(
@@ -225,14 +227,15 @@ def _part(model: RobotModel, root: str, movable: Sequence[str] = ()) -> RobotMod
     )
 
 
-def _postures(limits: Sequence[JointLimits]) -> Matrix:
+def _postures(limits: Sequence[JointLimits], *, is_upright: bool) -> Matrix:
     """Return postures with the extreme inertias and loads, shape (n, n_joints) [rad].
 
     They are at right angles: stretched out, folded, with aligned or crossed axes.  The
-    first joint matters to gravity alone, and the last one hardly.
+    first joint matters to gravity alone, if it is not upright, and the last one hardly.
     """
-    between = itertools.product(_RIGHT_ANGLES, repeat=len(limits) - 2)
-    turned = [(0.0, *angles, 0.0) for angles in between]
+    first = _RIGHT_ANGLES[: 1 if is_upright else 2]
+    between = [_RIGHT_ANGLES] * (len(limits) - 2)
+    turned = list(itertools.product(first, *between, (0.0,)))
     lower = [limit.lower for limit in limits]
     upper = [limit.upper for limit in limits]
     return np.clip(np.array(turned), lower, upper)

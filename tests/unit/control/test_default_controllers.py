@@ -171,13 +171,15 @@ def test_wrong_gains_are_told_with_file_and_line(
 
 
 def test_the_payload_counts_if_it_is_known(tmp_path: Path) -> None:
-    unknown = controllers_yaml(own_arm(tmp_path / "mine"))
-    assert "without payload" in unknown
+    own_arm(tmp_path / "mine")
     file = tmp_path / "mine" / "specifications.yaml"
+    file.unlink()
+    unknown = controllers_yaml(assemble(str(tmp_path / "mine"), None))
+    assert "without payload" in unknown
     file.write_text("specifications: {payload: 5.0, reach: 0.85}\n")
     assert "with 5 kg" in controllers_yaml(assemble(str(tmp_path / "mine"), None))
     file.write_text("specifications: {payload: heavy}\n")
-    with raises_naming(ConfigError, f"{file}:1", "payload"):
+    with raises_naming(DescriptionError, f"{file}:1", "payload"):
         controllers_yaml(assemble(str(tmp_path / "mine"), None))
 
 
