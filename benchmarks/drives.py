@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,13 +14,14 @@ import numpy as np
 import tool0
 from tool0.api.channel import LocalChannel
 from tool0.control.default_controllers import controllers_yaml, default_controllers
+from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.control.parameters import Gains, RobotJoints
 from tool0.description.catalogue import NO_GRIPPER, arms, grippers
 from tool0.description.model import Inertial, RobotModel
 from tool0.description.robot import RobotDescription, assemble
 from tool0.hardware.bodies import JointDynamics
+from tool0.runtime.bringup import start_simulation
 from tool0.runtime.config import ControlConfig, SimulationConfig
-from tool0.runtime.simulation import Simulation
 
 N_POSES = 1500
 N_MOVES = 8
@@ -130,7 +131,7 @@ def spectral_radius(
 def tracking(description: RobotDescription, *, n_moves: int = N_MOVES) -> Tracking:
     """Move the loaded arm between random postures and from its full stretch."""
     rng = np.random.default_rng(seed=1)
-    arm = [name for name in _gains(description) if name in _arm_joints(description)]
+    arm = list(_gains(description))[:6]
     lower, upper = np.array(RANGES).T
     stretched = np.array([0.0, -0.05, 0.0, -1.5708, -1.5708, 0.0])
     postures = [stretched, np.array([1.5, -1.5, 0.0, -1.5708, 0.0, 1.0]), stretched]
@@ -204,57 +205,60 @@ def descriptions() -> Iterator[RobotDescription]:
 def _robot(
     description: RobotDescription, control: ControlConfig, simulation: SimulationConfig
 ) -> tool0.Robot:
-    started: Simulation = tool0_start(description, control, simulation)
-    return tool0.Robot(LocalChannel(started))
-
-
-def tool0_start(
-    description: RobotDescription, control: ControlConfig, simulation: SimulationConfig
-) -> Simulation:
-    from tool0.runtime.bringup import start_simulation
-
-    return start_simulation(description, control, simulation)
-
-
-def _arm_joints(description: RobotDescription) -> Sequence[str]:
-    config, model = default_controllers(description), description.model
-    interfaces = {item.joint: item.interface for item in model.transmissions}
-    joints = RobotJoints(model.joint_by_name, interfaces)
-    return config.spec("eff_joint_traj_controller", joints).joints
+    return tool0.Robot(LocalChannel(start_simulation(description, control, simulation)))
 
 
 def _gains(description: RobotDescription) -> dict[str, Gains]:
-    """Return the gains of all driven joints that have some."""
+    """Return the gains of all driven joints, those of the arm first."""
     config, model = default_controllers(description), description.model
     interfaces = {item.joint: item.interface for item in model.transmissions}
     joints = RobotJoints(model.joint_by_name, interfaces)
-    found: dict[str, Gains] = {}
-    for name in config.names:
-        spec = config.spec(name, joints)
-        gains = getattr(spec, "gains", ())
-        found |= dict(zip(spec.joints, gains, strict=False))
-    return found
+    specs = [config.spec(name, joints) for name in config.names]
+    return {
+        joint: gains
+        for spec in specs
+        if isinstance(spec, JointTrajectorySpec)
+        for joint, gains in zip(spec.joints, spec.gains, strict=True)
+    }
 
 
-def main() -> None:
-    """Print the table of docs/tuning.md."""
-    print(
-        "| robot | radius | with payload | drift [mrad] | path [mrad] | final [mrad] |"
-    )
-    for description in descriptions():
-        if len(sys.argv) > 1 and description.robots[0].arm.name not in sys.argv[1:]:
-            continue
-        free = spectral_radius(description, loaded=False)
-        heavy = spectral_radius(description, loaded=True)
-        held = 1e3 * drift(description)
-        moved = tracking(description)
-        print(
-            f"| {description.title} | {free:.4f} | {heavy:.4f} | {held:.1f} | "
-            f"{1e3 * moved.path:.1f} | {1e3 * moved.final:.2f} |"
-            f" {moved.duration:.2f} s {moved.n_motions}",
-            flush=True,
+@dataclass(frozen=True)
+class Row:
+    """The measurements of one robot."""
+
+    title: str
+    has_derived_gains: bool
+    free: float
+    """Spectral radius without payload."""
+    loaded: float
+    """Spectral radius with the rated payload."""
+    drift: float
+    """[rad | m]"""
+    motions: Tracking
+
+    def __str__(self) -> str:
+        return (
+            f"| {self.title} | {self.free:.4f} | {self.loaded:.4f} | "
+            f"{1e3 * self.drift:.1f} | {1e3 * self.motions.path:.1f} | "
+            f"{1e3 * self.motions.final:.1f} |"
         )
 
 
+def rows(only: Collection[str] = ()) -> Iterator[Row]:
+    """Yield the measurements of every arm, or of some, with every gripper."""
+    for description in descriptions():
+        (robot,) = description.robots
+        if not only or robot.arm.name in only:
+            yield Row(
+                title=description.title,
+                has_derived_gains=not robot.arm.file("gains.yaml").is_file(),
+                free=spectral_radius(description, loaded=False),
+                loaded=spectral_radius(description, loaded=True),
+                drift=drift(description),
+                motions=tracking(description),
+            )
+
+
 if __name__ == "__main__":
-    main()
+    for row in rows(sys.argv[1:]):
+        print(row, flush=True)
