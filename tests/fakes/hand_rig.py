@@ -24,11 +24,11 @@ Vector = NDArray[np.float64]
 XACRO = """<robot name="hand" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <xacro:arg name="gripper_model" default="mimic"/>
 <xacro:arg name="rpy" default="0 0 0"/>
-<xacro:include filename="$(find tool0_description)/urdf/robotiq_2f_85_macro.xacro"/>
+<xacro:include filename="$(find tool0_description)/config/grippers/2f85/macro.xacro"/>
 <link name="wall"/>
-<xacro:robotiq_2f_85 prefix="" parent="wall" gripper_model="$(arg gripper_model)">
+<xacro:tool0_gripper folder="$(find tool0_description)/config/grippers/2f85" prefix="" parent="wall" gripper_model="$(arg gripper_model)">
   <origin xyz="0 0 0" rpy="$(arg rpy)"/>
-</xacro:robotiq_2f_85>
+</xacro:tool0_gripper>
 </robot>"""
 
 UP, DOWN, LEVEL, ON_ITS_SIDE = "0 0 0", f"{math.pi} 0 0", "1.5708 0 0", "0 1.5708 0"

@@ -47,8 +47,8 @@ class Gripper:
     ) -> Transform:
         """Return the pose of the point midway between the pads at an opening.
 
-        y points from pad to pad, z away from the gripper.  The pads move on circles:
-        they advance along z while they close, by 14 mm on a 2F-85.
+        y points from pad to pad, z away from the gripper.  Pads that move on circles
+        advance along z while they close, by 14 mm on a 2F-85.
 
         Args:
             opening: Distance between the pads [m]; the measured one, if left out.
@@ -108,13 +108,14 @@ class Gripper:
 
         Args:
             opening: Distance between the pads [m], 0 … ``geometry.max_opening``.
-            position: Instead of an opening: position of the driven joint [rad].
+            position: Instead of an opening: position of the driven joint
+                [rad | m].
             speed: Of the pads relative to each other [m/s], within
                 ``geometry.speed``; the fastest, if left out.
             force: Largest force at each pad [N], within ``geometry.force``: an object
                 between them is gripped with it.  The maximum, if left out.
-            effort: Instead of a force: largest torque of the driven joint [N·m], as
-                ``max_effort`` of ROS's GripperCommand.
+            effort: Instead of a force: largest effort of the driven joint [N·m | N],
+                as ``max_effort`` of ROS's GripperCommand.
 
         Raises:
             ModelError: If the opening is out of reach.

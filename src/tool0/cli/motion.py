@@ -19,7 +19,14 @@ from tool0.cli.connection import (
 from tool0.cli.parameters import Option, joint_values
 from tool0.description.model import JointType
 from tool0.description.transform import Pose
-from tool0.description.units import ANGLE, LENGTH, Metres, Quantity, Radians
+from tool0.description.units import (
+    ANGLE,
+    LENGTH,
+    Metres,
+    Quantity,
+    Radians,
+    read_number,
+)
 from tool0.errors import ConfigError, GoalTimeoutError
 
 if TYPE_CHECKING:
@@ -137,7 +144,7 @@ def _check_units(units: Mapping[str, Quantity], robot: Robot) -> None:
 def grip(
     *,
     opening: Metres | None = None,
-    position: Radians | None = None,
+    position: Annotated[str, Option(metavar="ANGLE | LENGTH")] | None = None,
     speed: float | None = None,
     force: float | None = None,
     effort: float | None = None,
@@ -151,10 +158,12 @@ def grip(
 
     Args:
         opening: Distance between the pads [m]; 0 is closed.
-        position: Position of the driven joint [rad], instead of --opening.
-        speed: Speed of the pads relative to each other [m/s]; 0.02 to 0.15 for a 2F-85.
-        force: Largest force at each pad [N]; 20 to 235 for a 2F-85.
-        effort: Largest torque of the driven joint [N·m], instead of --force.
+        position: Position of the driven joint, instead of --opening: an angle, or a
+            length if it slides; 0 is open.
+        speed: Speed of the pads relative to each other [m/s]; the fastest if not given.
+        force: Largest force at each pad [N]; the strongest if not given.
+        effort: Largest effort of the driven joint [N·m], [N] if it slides, instead of
+            --force.
         robot: Which robot of a cell has the gripper.
         timeout: Cancel the motion after this wall time [s].
     """
@@ -165,7 +174,7 @@ def grip(
         move = partial(
             gripper.move,
             opening=opening,
-            position=position,
+            position=_joint_position(position, gripper.geometry.quantity),
             speed=speed,
             force=force,
             effort=effort,
@@ -176,6 +185,16 @@ def grip(
                 gripper.wait(_SETTLE)
             print(described(gripper.state))
     return status
+
+
+def _joint_position(text: str | None, quantity: Quantity) -> float | None:
+    """Return ``--position`` [rad | m]: the joint measures ``quantity``."""
+    if text is None:
+        return None
+    try:
+        return read_number(text, quantity)[0]
+    except ConfigError as error:
+        raise ConfigError(f"--position: {error}") from None
 
 
 def described(state: GraspState) -> str:

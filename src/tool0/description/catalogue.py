@@ -1,7 +1,8 @@
 """The built-in arms and grippers, and your own: folders of YAML files.
 
 The built-in ones are in ``tool0_description/config``, in ``arms`` and ``grippers``.
-They contain kinematics, limits, masses, appearance, poses and display names; a file
+They contain kinematics, limits, masses, appearance, poses and display names, a gripper
+also its xacro macro; a file
 that a folder lacks is the one that all arms, or all grippers, have in common.
 """
 
@@ -25,7 +26,7 @@ PartKind = Literal["arm", "gripper"]
 
 _FIRST_FILE: Mapping[PartKind, str] = {
     "arm": "default_kinematics.yaml",
-    "gripper": "kinematics.yaml",
+    "gripper": "macro.xacro",
 }
 """The file that makes a folder an arm or a gripper."""
 

@@ -11,11 +11,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeVar, final
+from typing import ClassVar, TypeVar, final
 
 from tool0.description.shapes import RGBA, Geometry
 from tool0.description.transform import Pose, Vector3
-from tool0.description.units import LENGTH
+from tool0.description.units import ANGLE, LENGTH, Quantity
 from tool0.errors import LimitsError, ModelError, SourceLocation, did_you_mean
 
 Item = TypeVar("Item")
@@ -287,32 +287,21 @@ class LoopJoint:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ParallelGripper:
-    """The relation between the opening of a parallel gripper and its driven joint.
+class RotaryOpening:
+    """The opening of pads that a revolute joint moves, each on a circle.
 
-    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``: parallelogram
-    linkages move each pad on a circle.
+    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``, as parallelogram
+    linkages move them.
     """
 
-    name: str
-    """In the description, prefix included."""
-    joint: str
-    """The driven joint."""
     pad_offset: float
     """[m]"""
     pad_cos: float
     """[m]"""
     pad_sin: float
     """[m]"""
-    max_opening: float
-    """Largest distance between the pads [m]."""
-    speed: tuple[float, float]
-    """Slowest and fastest closing speed, between the pads [m/s]."""
-    force: tuple[float, float]
-    """Weakest and strongest grip, at each pad [N]."""
-    passive: tuple[tuple[str, Mimic], ...] = ()
-    """Mimic relations of the linkage's joints, valid while the pads are parallel: not
-    for fingers that wrap around an object."""
+
+    joint_type: ClassVar[JointType] = JointType.REVOLUTE
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [rad]."""
@@ -323,22 +312,96 @@ class ParallelGripper:
         )
 
     def position(self, opening: float) -> float:
-        """Return the joint position [rad] for ``opening`` [m], or raise ModelError."""
+        """Return the joint position [rad]: where the pads close as it grows."""
+        radius = math.hypot(self.pad_cos, self.pad_sin)
+        phase = math.atan2(self.pad_sin, self.pad_cos)
+        return phase + math.acos((opening / 2.0 - self.pad_offset) / radius)
+
+    def lever(self, position: float) -> float:
+        """Return ``|d opening / d position|`` [m/rad]."""
+        return 2.0 * abs(
+            self.pad_sin * math.cos(position) - self.pad_cos * math.sin(position)
+        )
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinearOpening:
+    """The opening of pads that a prismatic joint moves, each on a straight line.
+
+    ``opening(q) = 2 (pad_offset + pad_slope · q)``.
+    """
+
+    pad_offset: float
+    """[m]"""
+    pad_slope: float
+    """Below zero: the pads close as the position grows."""
+
+    joint_type: ClassVar[JointType] = JointType.PRISMATIC
+
+    def opening(self, position: float) -> float:
+        """Return the distance between the pads [m] at joint ``position`` [m]."""
+        return 2.0 * (self.pad_offset + self.pad_slope * position)
+
+    def position(self, opening: float) -> float:
+        """Return the joint position [m]."""
+        return (opening / 2.0 - self.pad_offset) / self.pad_slope
+
+    def lever(self, position: float) -> float:
+        """Return ``|d opening / d position|``, the same everywhere."""
+        return 2.0 * abs(self.pad_slope)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParallelGripper:
+    """The relation between the opening of a parallel gripper and its driven joint.
+
+    The gripper closes as the position of the joint grows: a positive effort closes it.
+    """
+
+    name: str
+    """In the description, prefix included."""
+    joint: str
+    """The driven joint."""
+    law: RotaryOpening | LinearOpening
+    """How the opening follows from the joint's position."""
+    max_opening: float
+    """Largest distance between the pads [m]."""
+    speed: tuple[float, float]
+    """Slowest and fastest closing speed, between the pads [m/s]."""
+    force: tuple[float, float]
+    """Weakest and strongest grip, at each pad [N]."""
+    passive: tuple[tuple[str, Mimic], ...] = ()
+    """Mimic relations of the linkage's joints, valid while the pads are parallel: not
+    for fingers that wrap around an object."""
+
+    @property
+    def quantity(self) -> Quantity:
+        """What the position of the joint measures."""
+        is_linear = self.law.joint_type is JointType.PRISMATIC
+        return LENGTH if is_linear else ANGLE
+
+    def opening(self, position: float) -> float:
+        """Return the distance between the pads [m] at joint ``position`` [rad | m]."""
+        return self.law.opening(position)
+
+    def position(self, opening: float) -> float:
+        """Return the position [rad | m] for ``opening`` [m], or raise ModelError."""
         if not 0.0 <= opening <= self.max_opening:
             raise ModelError(
                 f"opening {opening} m of gripper '{self.name}' is outside "
                 f"[0, {self.max_opening}] m"
                 + LENGTH.suggestion(opening, lambda meant: meant <= self.max_opening)
             )
-        radius = math.hypot(self.pad_cos, self.pad_sin)
-        phase = math.atan2(self.pad_sin, self.pad_cos)
-        return phase + math.acos((opening / 2.0 - self.pad_offset) / radius)
+        return self.law.position(opening)
 
     def lever(self, position: float) -> float:
-        """Return ``|d opening / d position|`` [m/rad]; torque = grip force · lever."""
-        return 2.0 * abs(
-            self.pad_sin * math.cos(position) - self.pad_cos * math.sin(position)
-        )
+        """Return ``|d opening / d position|`` [m/rad | m/m] at ``position``.
+
+        The effort of the joint is the grip force times the lever.
+        """
+        return self.law.lever(position)
 
 
 @final

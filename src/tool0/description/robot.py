@@ -43,6 +43,8 @@ DEFAULT_GRIPPER = "2f85"
 MESHES = ("tool0", "upstream")
 GRIPPER_MODELS = ("mimic", "linkage")
 
+_LINKAGE_FILE = "linkage.yaml"
+"""Of grippers with a linkage model."""
 _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
 """Largest tilt of an arm that stands on a pedestal [rad]."""
@@ -206,6 +208,8 @@ def _expand_robot(
             f"gripper_model {gripper_model} needs a gripper "
             f"({', '.join(grippers())}), but the robot has none"
         )
+    if robot.gripper is not None and gripper_model == "linkage":
+        _check_linkage(robot.gripper)
     check_arm_files(_own_files(robot.arm, given))
     given["arm"] = str(robot.arm.folder)
     if robot.gripper is not None:
@@ -274,6 +278,20 @@ def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
         for part in robot.parts
         for item, names in part.load("part_names").items()
     }
+
+
+def _check_linkage(gripper: Part) -> None:
+    """Raise DescriptionError unless the gripper's fingers are linkages."""
+    if not gripper.file(_LINKAGE_FILE).is_file():
+        having = [
+            name
+            for name in grippers()
+            if find_part("gripper", name).file(_LINKAGE_FILE).is_file()
+        ]
+        raise DescriptionError(
+            f"gripper_model linkage: the fingers of '{gripper.name}' are no linkages; "
+            f"grippers with this model: {', '.join(having)}"
+        )
 
 
 def _own_files(arm: Part, given: Mapping[str, str]) -> Mapping[str, Path]:

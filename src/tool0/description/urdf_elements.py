@@ -18,10 +18,12 @@ from tool0.description.model import (
     Joint,
     JointLimits,
     JointType,
+    LinearOpening,
     Link,
     LoopJoint,
     Mimic,
     ParallelGripper,
+    RotaryOpening,
     SafetyController,
     Transmission,
     Visual,
@@ -309,6 +311,9 @@ def read_loop(element: Element, links: Collection[str]) -> LoopJoint:
     )
 
 
+_ROTARY, _LINEAR = ("pad_cos", "pad_sin"), ("pad_slope",)
+
+
 def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripper:
     """Return the gripper that one of ``joints`` drives."""
     name, driven = required(element, "name"), required(element, "joint")
@@ -325,9 +330,7 @@ def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripp
     gripper = ParallelGripper(
         name=name,
         joint=driven,
-        pad_offset=number(element, "pad_offset"),
-        pad_cos=number(element, "pad_cos"),
-        pad_sin=number(element, "pad_sin"),
+        law=_read_opening_law(element, name, joints[driven]),
         max_opening=positive(element, "max_opening"),
         speed=speed,
         force=force,
@@ -347,3 +350,40 @@ def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripp
                 locate(element),
             ) from None
     return gripper
+
+
+def _read_opening_law(
+    element: Element, name: str, joint: Joint
+) -> RotaryOpening | LinearOpening:
+    """Return how the opening of gripper ``name`` follows from its ``joint``."""
+    is_linear = any(map(element.hasAttribute, _LINEAR))
+    if is_linear == any(map(element.hasAttribute, _ROTARY)):
+        raise DescriptionError(
+            f"gripper '{name}' needs either pad_cos and pad_sin (its joint turns) or "
+            "pad_slope (it slides)",
+            locate(element),
+        )
+    offset = number(element, "pad_offset")
+    law: RotaryOpening | LinearOpening
+    if is_linear:
+        law = LinearOpening(pad_offset=offset, pad_slope=number(element, "pad_slope"))
+        if not law.pad_slope < 0.0:
+            raise ModelError(
+                f"gripper '{name}' has pad_slope {law.pad_slope:g}, so that it opens as "
+                f"'{joint.name}' grows; turn the joint's axis round: it must close",
+                locate(element),
+            )
+    else:
+        law = RotaryOpening(
+            pad_offset=offset,
+            pad_cos=number(element, "pad_cos"),
+            pad_sin=number(element, "pad_sin"),
+        )
+    if joint.type is not law.joint_type:
+        given = " and ".join(_LINEAR if is_linear else _ROTARY)
+        raise ModelError(
+            f"gripper '{name}' is driven by the {joint.type.value} joint "
+            f"'{joint.name}', but with {given} it must be {law.joint_type.value}",
+            locate(element),
+        )
+    return law

@@ -173,14 +173,14 @@ def _soften(
 
 EASE = 0.05
 """Shortest time in which a drive removes all its effort when its limits decrease [s]:
-several times the 13 ms period of rotor and pads on a squeezed object, so that a weaker
-grip does not lose it.  A guess: the datasheet of the 2F-85 has no value."""
+several times the period of rotor and pads on a squeezed object (13 ms for a 2F-85), so
+that a weaker grip does not lose it.  A guess: no datasheet has a value."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveLimits:
-    """Speed and force limits of a gripper goal, as rSP and rFR of a real 2F-85.
+    """Speed and force limits of a gripper goal, as rSP and rFR of a real gripper.
 
     Speed and force are those of the pads; the limits of the joint follow from its
     position: ``velocity = speed / lever``, ``effort = force · lever``.
@@ -195,13 +195,13 @@ class DriveLimits:
     force: float | None = None
     """Force at each pad [N]; None for the joint's limit."""
     effort: float | None = None
-    """Torque of the driven joint [N·m], instead of a force."""
+    """Effort of the driven joint [N·m | N], instead of a force."""
 
     def __post_init__(self) -> None:
         if self.force is not None and self.effort is not None:
             raise ControlError(
-                f"give a force ({self.force} N) or an effort ({self.effort} N·m), "
-                "not both"
+                f"give a force ({self.force} N at the pads) or an effort "
+                f"({self.effort} of the joint), not both"
             )
         _check("speed", self.speed, self.gripper.speed, "m/s")
         _check("force", self.force, self.gripper.force, "N")
@@ -209,7 +209,7 @@ class DriveLimits:
             raise ControlError(f"effort must be above 0 and finite, got {self.effort}")
 
     def at(self, position: float) -> tuple[float, float]:
-        """Return the largest effort [N·m] and velocity [rad/s] at ``position``."""
+        """Return the largest effort [N·m | N] and velocity [rad/s | m/s] there."""
         lever = self.gripper.lever(position)
         effort = math.inf if self.effort is None else self.effort
         if self.force is not None:

@@ -32,13 +32,13 @@ class Grip(Request[GoalStarted], frozen=True):
     opening: float | None = None
     """Distance between the pads [m], 0 … the gripper's maximum."""
     position: float | None = None
-    """Instead of an opening: position of the driven joint [rad]."""
+    """Instead of an opening: position of the driven joint [rad | m]."""
     speed: float | None = None
     """Of the pads relative to each other [m/s]; the fastest, if left out."""
     force: float | None = None
     """Largest force at each pad [N]; the strongest, if left out."""
     effort: Annotated[float, Meta(gt=0.0)] | None = None
-    """Instead of a force: largest torque of the driven joint [N·m]."""
+    """Instead of a force: largest effort of the driven joint [N·m | N]."""
 
 
 class ReadGripper(Request[GraspState], frozen=True):
@@ -51,7 +51,7 @@ class ReadGripper(Request[GraspState], frozen=True):
 @handles(Grip)
 def _grip(simulation: Simulation, request: Grip) -> GoalStarted:
     gripper = simulation.gripper(request.gripper)
-    opening = _opening(gripper, request)
+    opening = _opening(simulation, gripper, request)
     target, joint = gripper.position(opening), gripper.joint
     speed = gripper.speed[1] if request.speed is None else request.speed
     force = request.force
@@ -84,23 +84,21 @@ handles(ReadGripper)(
 )
 
 
-def _opening(gripper: ParallelGripper, request: Grip) -> float:
+def _opening(simulation: Simulation, gripper: ParallelGripper, request: Grip) -> float:
     """Return the requested opening [m]."""
+    unit = next(iter(gripper.quantity.units))
     if (request.opening is None) == (request.position is None):
-        raise ControlError("grip: give either 'opening' [m] or 'position' [rad]")
+        raise ControlError(f"grip: give either 'opening' [m] or 'position' [{unit}]")
     if request.opening is not None:
         return request.opening
-    # The opening law is periodic, and at the joint's end slightly above its maximum:
-    # a position is in reach if its opening leads back to it.
-    position, limit = request.position or 0.0, gripper.max_opening
-    opening = min(max(gripper.opening(position), 0.0), limit)
-    if not abs(gripper.position(opening) - position) <= 0.02:
-        ends = sorted((gripper.position(limit), gripper.position(0.0)))
+    # At its stops, the joint's opening may be slightly beyond the gripper's range.
+    position, limits = request.position or 0.0, simulation.joint_limits[gripper.joint]
+    if not limits.lower <= position <= limits.upper:
         raise ModelError(
-            f"gripper position {position} rad is outside "
-            f"[{ends[0]:.4f}, {ends[1]:.4f}] rad"
+            f"gripper position {position} {unit} is outside "
+            f"[{limits.lower:.4f}, {limits.upper:.4f}] {unit}"
         )
-    return opening
+    return min(max(gripper.opening(position), 0.0), gripper.max_opening)
 
 
 def _plan(

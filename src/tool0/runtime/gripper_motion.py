@@ -7,9 +7,9 @@ import math
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
 
-RAMP = 0.005
-"""Distance over which the pads speed up and slow down, each [m]: a guess, for lack
-of a datasheet; it keeps the fingers from overshooting at full speed."""
+RAMP_TIME = 1.0 / 15.0
+"""Time in which the pads reach their full speed, and stop from it [s]: a guess, for lack
+of a datasheet; it keeps the fingers from overshooting."""
 SPACING = 0.005
 """Distance between the points of a planned motion [m]."""
 
@@ -19,15 +19,15 @@ def opening_motion(
 ) -> list[TrajectoryPoint]:
     """Return points of the driven joint along which the pads ramp up, cruise and stop.
 
-    The linkage turns a steady opening into an unsteady angle, so points lie close.
+    A linkage turns a steady opening into an unsteady angle, so points lie close.
     ``start`` and ``end`` are distances between the pads [m], ``end`` within 0 …
     ``geometry.max_opening``; ``speed`` is that of the pads towards each other [m/s].
     """
-    widest = geometry.max_opening
+    widest, longest_ramp = geometry.max_opening, geometry.speed[1] * RAMP_TIME / 2.0
     start = min(start, widest)
     distance = abs(end - start)
-    ramp = min(RAMP, distance / 2.0)
-    speed *= math.sqrt(ramp / RAMP)  # a short motion ends before full speed
+    ramp = min(longest_ramp, distance / 2.0)
+    speed *= math.sqrt(ramp / longest_ramp)  # a short motion ends before full speed
     n_points = max(2, math.ceil(distance / SPACING))
     points = []
     for k in range(1, n_points + 1):

@@ -29,13 +29,13 @@ GripperMotion = Literal[
 WINDOW = 0.1
 """Simulated time for which the pads must be still to hold something [s].  Pads of a
 simulated grip chatter, so their velocity at one instant is no criterion."""
-STILL = 0.0002
-"""Travel within the window below which pads count as still [m].  The slowest speed of a
-2F-85 makes ten times that, weak gains creep to their target at twice that."""
-CREEP = 0.0005
+STILL = 0.1
+"""Part of the travel at the slowest speed within the window, below which pads count as
+still: weak gains creep to their target at twice that."""
+CREEP = 2.5 * STILL
 """The same for pads that push firmly, because the object yields."""
 MOVED = 2.0 * CREEP
-"""Travel within the window from which pads that were still move again [m]."""
+"""The same from which pads that were still move again."""
 PARALLEL = math.radians(3.0)
 """Largest deviation of a linkage from its rest shape in a pinch.  The grip force bends
 it by up to 1°, fingers that wrap deviate by 5° and more."""
@@ -44,8 +44,8 @@ TOLERANCE = 0.001
 """Largest steady-state error of pads that have arrived [m].  An object squeezed by
 less is not detected."""
 PUSH = 0.05
-"""Fraction of the weakest grip from which the drive pushes: 1 N for a 2F-85, whose own
-weight and friction take up to 0.8 N at a free pad."""
+"""Fraction of the weakest grip from which the drive pushes.  The weight and friction of
+the fingers take less at a free pad: on a 2F-85 0.8 of this 1 N."""
 FIRM = 0.5
 """Fraction of the weakest grip from which the drive pushes firmly."""
 
@@ -87,7 +87,7 @@ _GOBJ: dict[GripperMotion, int] = {
 class _Sample(NamedTuple):
     time: float
     position: float
-    """Position of the driven joint [rad]."""
+    """Position of the driven joint [rad | m]."""
     opening: float
     effort: float
 
@@ -102,6 +102,7 @@ class GraspDetector:
 
     def __init__(self, geometry: ParallelGripper) -> None:
         self._geometry = geometry
+        self._slowest_travel = geometry.speed[0] * WINDOW
         self._samples: deque[_Sample] = deque()
         self._target: float | None = None
         self._was_still = True
@@ -142,7 +143,7 @@ class GraspDetector:
     def _judge(self, desired: float, target: float) -> GripperMotion:
         """Return the motion for openings desired now and in the end [m]."""
         openings = [sample.opening for sample in self._samples]
-        way = max(openings) - min(openings)
+        way = (max(openings) - min(openings)) / self._slowest_travel
         last = self._samples[-1]
         lack = desired - last.opening
         push = self._push() * math.copysign(1.0, lack) / self._geometry.force[0]
@@ -162,7 +163,7 @@ class GraspDetector:
         """Return the mean opening force of the drive over the window [N]."""
         samples = self._samples
         lever = self._geometry.lever(samples[-1].position)
-        # A positive effort closes the gripper: the opening shrinks.
+        # A positive effort closes every gripper: the opening shrinks.
         return -sum(sample.effort for sample in samples) / len(samples) / lever
 
 
@@ -224,8 +225,8 @@ def grasp_frame(
 ) -> Transform:
     """Return the frame midway between the pads, in the link ``relative_to``.
 
-    y points from pad to pad, z away from the gripper's base.  The pads move on circles:
-    their distance to the base depends on the opening (by 14 mm for a 2F-85).
+    y points from pad to pad, z away from the gripper's base.  Pads that move on circles
+    are at another distance from the base at each opening (14 mm for a 2F-85).
 
     Args:
         model: The robot.

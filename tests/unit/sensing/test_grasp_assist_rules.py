@@ -16,14 +16,14 @@ from tool0.description.transform import Pose
 
 ASSISTED = tool0.SimulationConfig(grasp_assist=True)
 TWO_HANDS = """<robot name="hands" xmlns:xacro="http://www.ros.org/wiki/xacro">
-<xacro:include filename="$(find tool0_description)/urdf/robotiq_2f_85_macro.xacro"/>
+<xacro:include filename="$(find tool0_description)/config/grippers/2f85/macro.xacro"/>
 <link name="wall"/>
-<xacro:robotiq_2f_85 prefix="lower_" parent="wall">
+<xacro:tool0_gripper folder="$(find tool0_description)/config/grippers/2f85" prefix="lower_" parent="wall">
   <origin xyz="0 0 0"/>
-</xacro:robotiq_2f_85>
-<xacro:robotiq_2f_85 prefix="upper_" parent="wall">
+</xacro:tool0_gripper>
+<xacro:tool0_gripper folder="$(find tool0_description)/config/grippers/2f85" prefix="upper_" parent="wall">
   <origin xyz="0 0 0.36" rpy="3.1416 0 1.5708"/>
-</xacro:robotiq_2f_85>
+</xacro:tool0_gripper>
 </robot>"""
 TWO_CONTROLLERS = "".join(
     f"""

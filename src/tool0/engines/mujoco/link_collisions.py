@@ -1,0 +1,288 @@
+"""Finds the pairs of links between which a motion planner need not look for collisions.
+
+MuJoCo's collision detection runs on the collision shapes of the description, in random
+poses, without dynamics: every link is a body of its own, placed by forward kinematics.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, final
+
+import mujoco
+import numpy as np
+
+from tool0.description.model import Joint, JointType, RobotModel
+from tool0.description.transform import pose_matrix
+from tool0.engines.mujoco.model import add_geom, collision_name, compile_spec
+from tool0.errors import ModelError
+from tool0.hardware.bodies import Matrix
+
+N_SAMPLES: Final = 10_000
+"""Number of random poses."""
+SEED: Final = 0
+CLEARANCE: Final = 0.002
+"""Links that come nearer to each other than this do not count as never colliding [m]:
+a rare collision may lie between two samples."""
+ALWAYS: Final = 0.95
+"""Links that collide in more than this share of the samples collide always, as in
+MoveIt's setup assistant."""
+_CHUNK: Final = 1000
+"""Samples per batch of forward kinematics."""
+_ARENA: Final = 2**26
+"""Memory for contacts [bytes]."""
+
+LinkPair = tuple[str, str]
+"""The names of two links, in alphabetical order."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SampledCollisions:
+    """How often links collided in random poses."""
+
+    n_samples: int
+    collided: Mapping[LinkPair, int]
+    """Number of samples in which the shapes of two links overlapped."""
+    near: frozenset[LinkPair]
+    """Pairs that came nearer than ``CLEARANCE`` at least once."""
+
+
+def disabled_collisions(
+    model: RobotModel,
+    default: Mapping[str, float],
+    *,
+    n_samples: int = N_SAMPLES,
+    seed: int = SEED,
+) -> dict[LinkPair, str]:
+    """Return the pairs of links not to check for collisions, and MoveIt's reason.
+
+    ``Adjacent``: a joint connects them, or several joints with links without a shape.
+    ``Default``: they collide in the default pose.  ``Always``: they collide in nearly
+    all samples.  ``User``: links of one mechanism, such as the pads of a gripper: they
+    touch by design.  ``Never``: they collide in no sample.
+
+    Of links of different robots, only those never collide whose swept volumes are
+    apart: samples of all their combinations would be too few.
+
+    Args:
+        model: The robot, or several robots below one root.
+        default: The default pose: joint → position [rad | m].
+        n_samples: Number of random poses within the limits of the joints.
+        seed: Of the random poses.
+    """
+    shapes = LinkShapes(model)
+    sampled = shapes.sample(n_samples, seed)
+    at_default = shapes.colliding_at(default)
+    adjacent = set(adjacent_links(model))
+    robot = {link: _branch(model, link) for link in shapes.links}
+    masters = {link: _master(model, link) for link in shapes.links}
+    reasons = {}
+    for pair in itertools.combinations(sorted(shapes.links), 2):
+        first, second = pair
+        is_one_robot = robot[first] == robot[second]
+        collided = sampled.collided.get(pair, 0)
+        if pair in adjacent:
+            reasons[pair] = "Adjacent"
+        elif pair in at_default and is_one_robot:
+            reasons[pair] = "Default"
+        elif collided > ALWAYS * n_samples:
+            reasons[pair] = "Always"
+        elif pair in sampled.near:
+            if masters[first] is not None and masters[first] == masters[second]:
+                reasons[pair] = "User"
+        elif is_one_robot or shapes.are_apart(pair):
+            reasons[pair] = "Never"
+    return reasons
+
+
+@final
+class LinkShapes:
+    """The links that have collision shapes, each as a free body in MuJoCo."""
+
+    def __init__(self, model: RobotModel) -> None:
+        self._model = model
+        self.links = tuple(link.name for link in model.links if link.collisions)
+        spec = mujoco.MjSpec()
+        spec.memory = _ARENA
+        for name in self.links:
+            body = spec.worldbody.add_body(name=name)
+            body.add_freejoint()
+            for number, shape in enumerate(model.link(name).collisions):
+                geom = add_geom(spec, body, shape, np.eye(4))
+                geom.name = collision_name(model.link(name), number)
+                geom.margin = CLEARANCE
+        self._mjmodel = compile_spec(spec)
+        self._data = mujoco.MjData(self._mjmodel)
+        bodies = [self._mjmodel.body(name).id for name in self.links]
+        self._order = {body: index for index, body in enumerate(bodies)}
+        self._link_of_geom = np.array(
+            [self._order[body] for body in self._mjmodel.geom_bodyid]
+        )
+        shape = (self._mjmodel.ngeom, 3)
+        self._swept = np.full(shape, np.inf), np.full(shape, -np.inf)
+
+    def sample(self, n_samples: int, seed: int) -> SampledCollisions:
+        """Return how often links collide in random poses within the joints' limits."""
+        rng = np.random.default_rng(seed)
+        free = [joint for joint in self._model.movable_joints if joint.mimic is None]
+        limits = np.array([_range(joint) for joint in free]).reshape(-1, 2)
+        n_links = len(self.links)
+        counts = np.zeros(n_links * n_links, dtype=int)
+        near = np.zeros(n_links * n_links, dtype=bool)
+        for start in range(0, n_samples, _CHUNK):
+            n = min(_CHUNK, n_samples - start)
+            positions = rng.uniform(limits[:, 0], limits[:, 1], size=(n, len(free)))
+            given = dict(zip((j.name for j in free), positions.T, strict=True))
+            for contacts in self._contacts(given, n):
+                codes, depths = contacts
+                near[codes] = True
+                counts[np.unique(codes[depths < 0.0])] += 1
+        return SampledCollisions(
+            n_samples=n_samples,
+            collided={self._pair(c): int(counts[c]) for c in np.flatnonzero(counts)},
+            near=frozenset(self._pair(code) for code in np.flatnonzero(near)),
+        )
+
+    def colliding_at(self, pose: Mapping[str, float]) -> frozenset[LinkPair]:
+        """Return the pairs of links that collide in a pose: joint → position."""
+        given = {name: np.array([position]) for name, position in pose.items()}
+        ((codes, depths),) = self._contacts(given, 1)
+        return frozenset(self._pair(code) for code in codes[depths < 0.0])
+
+    def are_apart(self, pair: LinkPair) -> bool:
+        """Return whether the boxes around all poses of two links so far are apart."""
+        lower, upper = self._swept
+        boxes = []
+        for name in pair:
+            mine = self._link_of_geom == self.links.index(name)
+            boxes.append((lower[mine].min(axis=0), upper[mine].max(axis=0)))
+        (lower_1, upper_1), (lower_2, upper_2) = boxes
+        return bool(np.any(lower_1 > upper_2) or np.any(lower_2 > upper_1))
+
+    def _contacts(self, given: Mapping[str, Any], n: int) -> Iterator[tuple[Any, Any]]:
+        """Yield codes of pairs of links and their distances [m], for each pose."""
+        frames = _link_frames(self._model, given, n)
+        data, n_links = self._data, len(self.links)
+        placed = np.empty((n, n_links, 7))
+        for index, name in enumerate(self.links):
+            placed[:, index, :3] = frames[name][:, :3, 3]
+            placed[:, index, 3:] = _quats_wxyz(frames[name])
+        radius = self._mjmodel.geom_rbound[:, None]
+        lower, upper = self._swept
+        for qpos in placed.reshape(n, -1):
+            data.qpos[:] = qpos
+            mujoco.mj_kinematics(self._mjmodel, data)
+            mujoco.mj_collision(self._mjmodel, data)
+            np.minimum(lower, data.geom_xpos - radius, out=lower)
+            np.maximum(upper, data.geom_xpos + radius, out=upper)
+            links = np.sort(self._link_of_geom[data.contact.geom], axis=1)
+            yield links[:, 0] * n_links + links[:, 1], data.contact.dist.copy()
+        if data.warning[int(mujoco.mjtWarning.mjWARN_CONTACTFULL)].number:
+            raise ModelError("MuJoCo has no memory for all contacts between the links")
+
+    def _pair(self, code: int) -> LinkPair:
+        first, second = sorted(self.links[i] for i in divmod(code, len(self.links)))
+        return first, second
+
+
+def adjacent_links(model: RobotModel) -> Iterator[LinkPair]:
+    """Yield the links with shapes that joints connect, perhaps via shapeless links."""
+    # A shapeless link stands for itself and the shapeless links below it.
+    node: dict[str, str] = {}
+    neighbours: dict[str, set[str]] = defaultdict(set)
+    edges = [(joint.parent, joint.child) for joint in model.joints]
+    edges += [loop.links for loop in model.loops]
+    has_shape = {link.name for link in model.links if link.collisions}
+    for parent, child in edges:
+        above = node.setdefault(parent, parent)
+        if child not in node:
+            is_joined = not {above, child} & has_shape and above != model.root
+            node[child] = above if is_joined else child
+        if above != node[child]:
+            neighbours[above].add(node[child])
+            neighbours[node[child]].add(above)
+    for name, others in neighbours.items():
+        if name in has_shape:
+            yield from (_ordered(name, other) for other in others & has_shape)
+        elif name != model.root:
+            joined = sorted(others & has_shape)
+            yield from itertools.combinations(joined, 2)
+
+
+def _ordered(first: str, second: str) -> LinkPair:
+    return (first, second) if first < second else (second, first)
+
+
+def _branch(model: RobotModel, link: str) -> str:
+    """Return the child of the root that ``link`` hangs from: its robot."""
+    while link in model.parent_joint and model.parent_joint[link].parent != model.root:
+        link = model.parent_joint[link].parent
+    return link
+
+
+def _master(model: RobotModel, link: str) -> str | None:
+    """Return the joint that drives the mechanism of mimic joints a link belongs to."""
+    masters = {j.mimic.joint for j in model.joints if j.mimic is not None}
+    while link in model.parent_joint:
+        joint = model.parent_joint[link]
+        if joint.mimic is not None:
+            return joint.mimic.joint
+        if joint.name in masters:
+            return joint.name
+        link = joint.parent
+    return None
+
+
+def _range(joint: Joint) -> tuple[float, float]:
+    """Return the positions of a joint to sample [rad | m]: a turn if unlimited."""
+    lower, upper = joint.limits.lower, joint.limits.upper
+    is_limited = math.isfinite(lower) and math.isfinite(upper)
+    return (lower, upper) if is_limited else (-math.pi, math.pi)
+
+
+def _link_frames(
+    model: RobotModel, given: Mapping[str, Any], n: int
+) -> dict[str, Matrix]:
+    """Return the poses of the links in the root, shape (n, 4, 4) each.
+
+    ``given`` has the positions of joints [rad | m], shape (n,); the others follow, or
+    are at 0.
+    """
+    frames: dict[str, Matrix] = {model.root: np.broadcast_to(np.eye(4), (n, 4, 4))}
+    at_rest = np.zeros(n)
+    for joint in model.joints:
+        frame = frames[joint.parent] @ pose_matrix(joint.origin)
+        if joint.is_movable:
+            q = given.get(joint.name, at_rest)
+            if joint.mimic is not None and joint.name not in given:
+                followed = given.get(joint.mimic.joint, at_rest)
+                q = joint.mimic.multiplier * followed + joint.mimic.offset
+            frame = frame @ _displacements(joint, q)
+        frames[joint.child] = frame
+    return frames
+
+
+def _displacements(joint: Joint, q: Matrix) -> Matrix:
+    """Return the joint's own motion at ``q`` [rad | m], shape (n, 4, 4)."""
+    moved = np.tile(np.eye(4), (len(q), 1, 1))
+    x, y, z = joint.axis
+    if joint.type is JointType.PRISMATIC:
+        moved[:, :3, 3] = np.outer(q, joint.axis)
+    elif joint.type in {JointType.REVOLUTE, JointType.CONTINUOUS}:
+        K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        sine, versine = np.sin(q)[:, None, None], (1.0 - np.cos(q))[:, None, None]
+        moved[:, :3, :3] += sine * K + versine * (K @ K)  # Rodrigues' formula
+    return moved
+
+
+def _quats_wxyz(frames: Matrix) -> Matrix:
+    """Return the rotations of ``frames``, shape (n, 4)."""
+    quats = np.empty((len(frames), 4))
+    for quat, frame in zip(quats, frames, strict=True):
+        mujoco.mju_mat2Quat(quat, np.ascontiguousarray(frame[:3, :3]).ravel())
+    return quats

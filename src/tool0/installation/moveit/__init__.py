@@ -1,0 +1,1 @@
+"""MoveIt 1 configuration packages for robots of the catalogue."""
