@@ -89,5 +89,3 @@ def test_the_force_sensor_of_each_arm_weighs_its_own_tool(cell: tool0.Robot) -> 
         wrenches[name] = np.linalg.norm(sensor.read().force)
     assert wrenches["left"] == pytest.approx(0.9 * 9.81, abs=1.0)  # a 2F-85: 0.9 kg
     assert wrenches["right"] == pytest.approx(0.0, abs=0.1)
-
-

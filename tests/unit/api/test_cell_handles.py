@@ -10,7 +10,7 @@ from raises_naming import raises_naming
 from served import serving, use_folder
 
 import tool0
-from tool0.errors import ControlError
+from tool0.errors import ConfigError, ControlError
 
 CELL = """
 robots:
@@ -113,3 +113,39 @@ def test_an_initial_pose_applies_to_all_robots(path: Path) -> None:
     with tool0.bringup(cell=path, initial_pose="up", realtime=False) as robot:
         position = robot.joint_state.position
         assert position["left_elbow_joint"] == position["right_elbow_joint"] == 0.0
+
+
+OWN = """
+joint_state_controller: {type: joint_state_controller/JointStateController}
+eff_joint_traj_controller:
+  type: effort_controllers/JointTrajectoryController
+  joints: [shoulder_pan_joint, shoulder_lift_joint]
+  gains:
+    shoulder_pan_joint: {p: 4321, d: 60}
+    shoulder_lift_joint: {p: 8000, d: 200}
+"""
+
+
+def test_a_robots_own_controllers_replace_its_built_in_ones(
+    path: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "own.yaml").write_text(OWN)
+    path.write_text(CELL.replace("0.5, 0]}}", "0.5, 0]}, controllers_file: own.yaml}"))
+    with tool0.bringup(cell=path, realtime=False) as robot:
+        assert robot.warnings == ()
+        running = [item.name for item in robot.controllers() if item.state == "running"]
+        assert running == [
+            "joint_state_controller",
+            "left_eff_joint_traj_controller",
+            "right_eff_joint_traj_controller",
+            "right_gripper_controller",
+        ]
+        gains = robot.controller("left_eff_joint_traj_controller").gains
+        assert list(gains) == ["left_shoulder_pan_joint", "left_shoulder_lift_joint"]
+        assert gains["left_shoulder_pan_joint"].p == 4321
+
+
+def test_own_controllers_that_do_not_exist_name_the_file(path: Path) -> None:
+    path.write_text(CELL.replace("0.5, 0]}}", "0.5, 0]}, controllers_file: no.yaml}"))
+    with raises_naming(ConfigError, "no.yaml"):
+        tool0.bringup(cell=path, realtime=False)
