@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import Path
-from typing import Annotated, Final
+import time
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING, Annotated, Final
 
 from tool0.cli.parameters import Option
+from tool0.description.config import DescriptionConfig
+from tool0.description.robot import DEFAULT_ARM, DEFAULT_GRIPPER
 from tool0.installation.workspace import (
-    PACKAGES,
     FileAction,
     WorkspaceChanges,
     write_workspace,
 )
+
+if TYPE_CHECKING:
+    from tool0.description.robot import RobotDescription
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 """Where robotiq_2f_85_gripper_visualization is; no distribution packages it."""
@@ -21,6 +26,9 @@ _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 def workspace(
     folder: Annotated[Path, Option(is_positional=True, metavar="DIR")],
     *,
+    arm: str = DEFAULT_ARM,
+    gripper: str = DEFAULT_GRIPPER,
+    moveit: bool = False,
     upstream_meshes: bool = False,
     force: bool = False,
 ) -> None:
@@ -31,15 +39,65 @@ def workspace(
 
     Args:
         folder: The workspace; it is created if it does not exist.
+        arm: The arm that the launch files bring up: its name, or a folder of your own.
+        gripper: The gripper, or none.
+        moveit: Also write a configuration package for MoveIt 1.
         upstream_meshes: Use the meshes of ur_description and
             robotiq_2f_85_gripper_visualization, and depend on those packages.
         force: Also overwrite files that you have edited; your version is kept as
             FILE.orig.
     """
-    changes = write_workspace(folder, upstream_meshes=upstream_meshes, force=force)
+    from tool0.control.default_controllers import controllers_yaml
+    from tool0.description.robot import load_description
+    from tool0.installation.robot_packages import robot_packages
+
+    description = load_description(DescriptionConfig(arm=arm, gripper=gripper))
+    (robot,) = description.robots
+    controllers = controllers_yaml(description)
+    action_controllers = controllers_yaml(description, gripper_action=True)
+    files = robot_packages(
+        robot,
+        controllers=controllers,
+        action_controllers=action_controllers,
+        upstream_meshes=upstream_meshes,
+    )
+    if moveit:
+        name = "_".join(part.name for part in robot.parts)
+        files |= _moveit_package(name, description, controllers, action_controllers)
+    changes = write_workspace(folder, files, force=force)
     _print_changes(changes)
     print()
-    _print_next_steps(changes.source, upstream_meshes=upstream_meshes)
+    _print_next_steps(changes, upstream_meshes=upstream_meshes)
+
+
+def _moveit_package(
+    name: str, description: RobotDescription, controllers: str, action_controllers: str
+) -> dict[PurePosixPath, bytes]:
+    """Return the files of the MoveIt package, and print what they rest on."""
+    import yaml
+
+    from tool0.description.robot import named_poses
+    from tool0.engines.mujoco.gl import import_mujoco
+    from tool0.installation.moveit.package import moveit_package
+
+    import_mujoco()
+    from tool0.engines.mujoco.link_collisions import N_SAMPLES, disabled_collisions
+
+    start = time.perf_counter()
+    home = named_poses(description).get("home", {})
+    disabled = disabled_collisions(description.model, home)
+    files = moveit_package(
+        name,
+        description,
+        disabled=disabled,
+        controllers=yaml.safe_load(controllers),
+        action_controllers=yaml.safe_load(action_controllers),
+    )
+    print(
+        f"collisions between {len(disabled)} pairs of links are disabled, from "
+        f"{N_SAMPLES} poses in {time.perf_counter() - start:.1f} s"
+    )
+    return files
 
 
 def _print_changes(changes: WorkspaceChanges) -> None:
@@ -48,7 +106,8 @@ def _print_changes(changes: WorkspaceChanges) -> None:
         for action in FileAction
         if changes.paths(action)
     )
-    packages = " and ".join(str(changes.source / name) for name in PACKAGES)
+    *first, last = (str(changes.source / name) for name in changes.packages)
+    packages = f"{', '.join(first)} and {last}" if first else last
     print(f"{packages}: files {', '.join(counts)}")
     for path, aside in changes.backups.items():
         print(f"  overwritten: {path}; your version: {aside}")
@@ -59,7 +118,8 @@ def _print_changes(changes: WorkspaceChanges) -> None:
         print("  --force overwrites them, and puts your versions beside them (.orig)")
 
 
-def _print_next_steps(source: Path, *, upstream_meshes: bool) -> None:
+def _print_next_steps(changes: WorkspaceChanges, *, upstream_meshes: bool) -> None:
+    source = changes.source
     sources = next((p for p in (source, *source.parents) if p.name == "src"), source)
     name = shlex.quote(sources.name)
     option = "" if sources.name == "src" else f" --source {name}"
@@ -70,5 +130,8 @@ def _print_next_steps(source: Path, *, upstream_meshes: bool) -> None:
     print(f"  rosdep install --from-paths {name} --ignore-src --rosdistro noetic -y")
     print(f"  catkin_make{option}")
     print("  source devel/setup.bash")
-    print("  roslaunch tool0_gazebo ur5_robotiq_2f_85_bringup.launch")
-    print("  roslaunch tool0_description view_ur5_robotiq_2f_85.launch   # RViz alone")
+    print("  roslaunch tool0_gazebo bringup.launch")
+    print("  roslaunch tool0_description view.launch   # RViz alone")
+    for package in changes.packages:
+        if package.endswith("_moveit_config"):
+            print(f"  roslaunch {package} demo_gazebo.launch")
