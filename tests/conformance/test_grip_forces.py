@@ -10,7 +10,8 @@ from conformance_types import BringUp
 from ur5_rig import GRIPPER
 
 import tool0
-from tool0.description.default_controllers import config_file
+from tool0.control.default_controllers import controllers_yaml
+from tool0.description.robot import assemble
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Transform
@@ -20,7 +21,6 @@ SPEEDS = (0.02, 0.05, 0.10, 0.15)  # [m/s]
 FORCES = (20.0, 60.0, 120.0, 235.0)  # [N]
 WIDTHS = (0.02, 0.045, 0.08)  # [m]
 AWAY = (2.0, 0.0, 1.0)
-ACTION = config_file("ur5_2f85", "controllers_gripper_action.yaml")
 BY_POSITION = """
 gripper_controller:
   type: position_controllers/GripperActionController
@@ -35,7 +35,7 @@ def options(request: pytest.FixtureRequest, tmp_path: Path) -> dict[str, object]
     if request.param == "trajectory":
         return {}
     if request.param == "action":
-        return {"controllers_file": ACTION}
+        return {"gripper_action": True}
     file = tmp_path / "position.yaml"
     file.write_text(BY_POSITION)
     interface = "hardware_interface/PositionJointInterface"
@@ -169,7 +169,8 @@ def test_an_action_that_meets_something_ends_as_in_ros(
 ) -> None:
     file = tmp_path / "action.yaml"
     allow = f"stall_timeout: 0.3\n  allow_stalling: {str(allow_stalling).lower()}"
-    file.write_text(ACTION.read_text().replace("stall_timeout: 1.0", allow))
+    controllers = controllers_yaml(assemble(), gripper_action=True)
+    file.write_text(controllers.replace("stall_timeout: 1.0", allow))
     item = block(0.045, mass=None)
     robot = bring_up(initial_pose="ready", scene=Scene((item,)), controllers_file=file)
     robot.gripper.move(opening=0.06).wait(3.0)

@@ -21,6 +21,7 @@ from promised import absent, require_engine, require_ros
 from ros import TIMEOUT, Ros
 from screen import Pixels, Screen, find_xvfb
 
+from tool0.control.default_controllers import controllers_yaml
 from tool0.description.robot import assemble, named_poses
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
@@ -367,13 +368,13 @@ def test_a_description_of_ones_own_is_given_what_it_takes(
 def test_the_controllers_are_those_of_the_program_but_for_the_gripper(
     catkin: Catkin,
 ) -> None:
-    ours = catkin.source / "tool0_description" / "config" / "ur5_2f85"
     native = catkin.source / "tool0_gazebo" / "config"
-    for one, other in (
-        ("controllers.yaml", "controllers.yaml"),
-        ("controllers_gripper_action.yaml", "gripper_action_controllers.yaml"),
+    for is_action, other in (
+        (False, "controllers.yaml"),
+        (True, "gripper_action_controllers.yaml"),
     ):
-        program = yaml.safe_load((ours / one).read_text())
+        text = controllers_yaml(assemble(), gripper_action=is_action)
+        program = yaml.safe_load(text)
         gazebo = yaml.safe_load((native / f"ur5_robotiq_2f_85_{other}").read_text())
         gripper, program_gripper = (
             each.pop("gripper_controller") for each in (gazebo, program)

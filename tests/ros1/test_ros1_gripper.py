@@ -10,12 +10,9 @@ from ros import Bringup, until
 from ros_client import Message, Topic, connected, listening, outcome, state
 from ur5_rig import GRIPPER
 
-from tool0.description.default_controllers import config_file
-
 ENGINES = ("mujoco", "gazebo")
-FILE = config_file("ur5_2f85", "controllers_gripper_action.yaml")
 OPTIONS = (
-    *("--scene", "table_and_cubes", "--controllers-file", str(FILE)),
+    *("--scene", "table_and_cubes", "--gripper-action"),
     *("--initial-pose", "shoulder_lift_joint=-1.2"),
     *("elbow_joint=1.9", "wrist_1_joint=-2.2708"),
 )

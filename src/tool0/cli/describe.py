@@ -24,20 +24,23 @@ def describe(
     form: Annotated[Form, Option(is_positional=True)],
     description: DescriptionConfig = DescriptionConfig(),
     output: Path | None = None,
+    *,
+    gripper_action: bool = False,
 ) -> None:
     """Write the robot as a tree, a table of joints, URDF or MJCF, or its controllers.
 
-    ``controllers`` is the built-in ros_control YAML with all gains: copy it, change it,
-    and give it to ``tool0 bringup --controllers-file``. ``sources`` lists ratings of
-    each part and its values without a published source.
+    ``controllers`` is the built-in ros_control YAML with all gains and where they come
+    from: copy it, change it, and give it to ``tool0 bringup --controllers-file``.
+    ``sources`` lists ratings of each part and its values without a published source.
 
     Args:
         form: What to write.
         output: File to write; standard output if not given.
+        gripper_action: In ``controllers``, give grippers a GripperActionController.
     """
     from tool0.description.robot import load_description
 
-    text = _render(load_description(description), form)
+    text = _render(load_description(description), form, gripper_action=gripper_action)
     if output is None:
         if form in ("urdf", "mjcf"):
             encoding = sys.stdout.encoding
@@ -50,7 +53,7 @@ def describe(
             raise ConfigError(f"cannot write '{output}': {error.strerror}") from None
 
 
-def _render(description: RobotDescription, form: Form) -> str:
+def _render(description: RobotDescription, form: Form, *, gripper_action: bool) -> str:
     match form:
         case "tree":
             return tree(description.model)
@@ -66,9 +69,9 @@ def _render(description: RobotDescription, form: Form) -> str:
 
             return to_mjcf(description.model)
         case "controllers":
-            from tool0.description.default_controllers import default_controllers
+            from tool0.control.default_controllers import controllers_yaml
 
-            return default_controllers(description)[0]
+            return controllers_yaml(description, gripper_action=gripper_action)
         case "sources":
             return sources(description)
 

@@ -139,7 +139,7 @@ def _lint_limits(limits: YamlEntry, known: Collection[str] | None) -> Iterator[F
             elif name in NOT_ENFORCED and joint.children[flag].scalar is not False:
                 yield entry.finding(
                     "not-enforced",
-                    "no drive of tool0 enforces it",
+                    "tool0 does not keep to it",
                     severity="warning",
                 )
 

@@ -60,7 +60,7 @@ class Part:
     def file(self, name: str) -> Path:
         """Return one of its files, or the one that all parts of its kind share."""
         own = self.folder / name
-        return own if own.is_file() else _shared(self.kind) / name
+        return own if own.is_file() else shared_folder(self.kind) / name
 
     def load(self, what: str) -> Mapping[str, Any]:  # Any: any YAML value
         """Return the mapping ``what`` in its ``<what>.yaml``; empty without the file.
@@ -102,13 +102,18 @@ def find_part(kind: PartKind, name: str) -> Part:
         if not (folder / first).is_file():
             problem = f"there is no {first}" if folder.is_dir() else "no such folder"
             raise DescriptionError(
-                f"{kind} '{name}': {problem}; give a folder like {_shared(kind)}/"
+                f"{kind} '{name}': {problem}; give a folder like {shared_folder(kind)}/"
                 f"{_names(kind)[0]}"
             )
         return Part(kind=kind, folder=folder)
     none = (NO_GRIPPER,) if kind == "gripper" else ()
     check_choice(kind, name, (*_names(kind), *none))
-    return Part(kind=kind, folder=_shared(kind) / name)
+    return Part(kind=kind, folder=shared_folder(kind) / name)
+
+
+def shared_folder(kind: PartKind) -> Path:
+    """Return the folder of all built-in parts of a kind, and of what they share."""
+    return find_package("tool0_description") / "config" / f"{kind}s"
 
 
 def check_choice(what: str, name: str, valid: tuple[str, ...]) -> None:
@@ -120,10 +125,6 @@ def check_choice(what: str, name: str, valid: tuple[str, ...]) -> None:
         raise DescriptionError(f"unknown {what} '{name}'{hint}{more}")
 
 
-def _shared(kind: PartKind) -> Path:
-    return find_package("tool0_description") / "config" / f"{kind}s"
-
-
 def _names(kind: PartKind) -> tuple[str, ...]:
-    found = _shared(kind).glob(f"*/{_FIRST_FILE[kind]}")
+    found = shared_folder(kind).glob(f"*/{_FIRST_FILE[kind]}")
     return tuple(sorted(path.parent.name for path in found))

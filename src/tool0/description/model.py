@@ -26,6 +26,9 @@ DEFAULT_TURN_VELOCITY = 1.0
 """Velocity of revolute joints without a velocity limit [rad/s]; chosen to be slow."""
 DEFAULT_SLIDE_VELOCITY = 0.25
 """The same for prismatic joints [m/s]."""
+TIME_TO_FULL_SPEED = 0.4
+"""[s], at the largest acceleration.  A guess, for lack of a datasheet: the
+shoulder of a UR5 gets 7.9 rad/s², which its drive can give to the outstretched arm."""
 _ROUNDING = 1e-3
 """Tolerance of the triangle inequality, for numbers rounded by CAD programs."""
 
@@ -159,16 +162,19 @@ class JointLimits:
     """Largest speed in either direction, per second."""
     effort: float = math.inf
     """Largest effort in either direction."""
+    acceleration: float = math.inf
+    """Largest acceleration of planned motions, per second squared."""
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper:
             raise LimitsError(
                 f"lower limit {self.lower} is above upper limit {self.upper}"
             )
-        if not (self.velocity > 0 and self.effort >= 0):
+        if not (self.velocity > 0 and self.effort >= 0 and self.acceleration > 0):
             raise LimitsError(
-                f"need velocity > 0 and effort >= 0, "
-                f"got velocity {self.velocity}, effort {self.effort}"
+                f"need velocity > 0, effort >= 0 and acceleration > 0, got velocity "
+                f"{self.velocity}, effort {self.effort}, "
+                f"acceleration {self.acceleration}"
             )
 
     def clamp(self, position: float) -> float:
@@ -239,6 +245,11 @@ class Joint:
         if self.type is JointType.PRISMATIC:
             return DEFAULT_SLIDE_VELOCITY
         return DEFAULT_TURN_VELOCITY
+
+    @property
+    def max_acceleration(self) -> float:
+        """Its acceleration in planned motions [rad/s² | m/s²]."""
+        return min(self.max_velocity / TIME_TO_FULL_SPEED, self.limits.acceleration)
 
     def clamp_velocity(self, velocity: float) -> float:
         """Return the allowed velocity nearest to ``velocity`` [rad/s | m/s]."""

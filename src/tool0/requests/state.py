@@ -23,6 +23,8 @@ class LimitsInfo(Struct, frozen=True, kw_only=True):
     upper: float | None
     velocity: float | None
     effort: float | None
+    acceleration: float | None
+    """Of planned motions."""
 
 
 class SimulationInfo(Struct, frozen=True, kw_only=True):

@@ -28,6 +28,9 @@ class ControlConfig:
     fit the robot."""
     stopped_controllers: Names | None = None
     """Names of the controllers to load but not start."""
+    gripper_action: bool = False
+    """Built-in grippers have a GripperActionController, whose goals are positions of
+    the driven joint, instead of a JointTrajectoryController."""
     initial_pose: str | Mapping[str, float] | None = None
     """A named pose (built-in or saved), or positions by joint [rad | m], which replace
     those of the pose home."""

@@ -7,14 +7,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tool0.control.config import ControllerConfig
-from tool0.control.parameters import RobotJoints
-from tool0.description.config import File
-from tool0.description.default_controllers import (
-    all_default_controllers,
+from tool0.control.default_controllers import (
+    PERIOD,
+    controller_prefixes,
     default_controllers,
 )
 from tool0.description.finding import Finding, quoted, warning_at
-from tool0.description.model import RobotModel
 from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
 from tool0.runtime.config import ControlConfig, Names
@@ -26,7 +24,8 @@ DEFAULT_CONTROLLERS = (
     "gripper_controller",
 )
 DEFAULT_STOPPED_CONTROLLERS = ("joint_group_eff_controller",)
-"""As in the launch file ``ur5_bringup.launch``; only those that the YAML defines."""
+"""As in the launch file ``ur5_bringup.launch``; only those that the YAML defines.  In a
+cell, those of each robot, with its name as prefix."""
 
 
 class ControllerChoice(NamedTuple):
@@ -48,10 +47,11 @@ def choose_controllers(
     Raises:
         ConfigError: If the YAML does not define one of the names, or is wrong.
     """
-    config = _config(description, control.controllers_file)
-    started = _existing(config, control.controllers, DEFAULT_CONTROLLERS)
+    config = _config(description, control)
+    prefixes = ("", *controller_prefixes(description))
+    started = _existing(config, control.controllers, DEFAULT_CONTROLLERS, prefixes)
     stopped = _existing(
-        config, control.stopped_controllers, DEFAULT_STOPPED_CONTROLLERS
+        config, control.stopped_controllers, DEFAULT_STOPPED_CONTROLLERS, prefixes
     )
     return ControllerChoice(
         config,
@@ -61,40 +61,34 @@ def choose_controllers(
     )
 
 
-def _config(
-    description: RobotDescription, files: File | Sequence[File] | None
-) -> ControllerConfig:
-    if files is not None:
-        given = [files] if isinstance(files, Path | str) else files
-        return ControllerConfig.from_files([expanded(file) for file in given])
-    if description.robots:
-        return ControllerConfig.from_text(*default_controllers(description))
-    for text, location in all_default_controllers():
-        config = ControllerConfig.from_text(text, location)
-        if _fits(config, description.model):
-            return config
-    return ControllerConfig.from_text("")
-
-
-def _fits(config: ControllerConfig, model: RobotModel) -> bool:
-    """Return whether a robot has the joints of the default controllers."""
-    interfaces = {item.joint: item.interface for item in model.transmissions}
-    robot = RobotJoints(model.joint_by_name, interfaces)
-    try:
-        for name in _existing(config, None, DEFAULT_CONTROLLERS):
-            config.spec(name, robot)
-    except ConfigError:
-        return False
-    return True
+def _config(description: RobotDescription, control: ControlConfig) -> ControllerConfig:
+    files = control.controllers_file
+    if files is None:
+        return default_controllers(
+            description,
+            gripper_action=control.gripper_action,
+            period=control.control_period or PERIOD,
+        )
+    if control.gripper_action:
+        raise ConfigError(
+            "gripper_action is for the built-in controllers, and controllers_file "
+            "replaces them; leave out one of the two"
+        )
+    given = [files] if isinstance(files, Path | str) else files
+    return ControllerConfig.from_files([expanded(file) for file in given])
 
 
 def _existing(
-    config: ControllerConfig, names: Names | None, default: tuple[str, ...]
+    config: ControllerConfig,
+    names: Names | None,
+    default: Sequence[str],
+    prefixes: Sequence[str],
 ) -> tuple[str, ...]:
     """Return the names, which must be defined, or the default ones that are."""
     defined = config.names
     if names is None:
-        return tuple(name for name in default if name in defined)
+        usual = dict.fromkeys(prefix + name for prefix in prefixes for name in default)
+        return tuple(name for name in usual if name in defined)
     given = tuple(names.split() if isinstance(names, str) else names)
     for name in given:
         if name not in defined:

@@ -20,9 +20,6 @@ if TYPE_CHECKING:
 
 SLOWEST = 0.01
 """Smallest fraction of the joints' largest velocities that can be requested."""
-TIME_TO_FULL_SPEED = 0.4
-"""[s], at the largest acceleration.  A guess, for lack of a datasheet: the
-shoulder of a UR5 gets 7.9 rad/s², which its drive can give to the outstretched arm."""
 TIME_TO_FULL_ACCELERATION = 0.1
 """[s], at the largest jerk; a guess: shorter makes the arm ring, longer feels slow."""
 SPACING = 1e-4
@@ -230,8 +227,8 @@ def _solve(
     wanted.target_position = list(ends)
     wanted.max_velocity = [speed * velocity for velocity in velocities]
     wanted.max_acceleration = [
-        factor * velocity / TIME_TO_FULL_SPEED
-        for factor, velocity in zip(hardness, velocities, strict=True)
+        factor * joint.max_acceleration
+        for factor, joint in zip(hardness, joints, strict=True)
     ]
     wanted.max_jerk = [
         factor * acceleration / TIME_TO_FULL_ACCELERATION

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -15,7 +16,7 @@ from tool0.kinematics.chain import Array
 from tool0.kinematics.geometry import wrapped
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.line import MIN_PATH_SPEED, LinePath, PathSegment, PathTiming
-from tool0.runtime.joint_motion import TIME_TO_FULL_ACCELERATION, TIME_TO_FULL_SPEED
+from tool0.runtime.joint_motion import TIME_TO_FULL_ACCELERATION
 
 STEP = 0.002
 """Distance between the poses that are solved [m]."""
@@ -68,6 +69,7 @@ class LinearMotion:
         line: LinePath,
         start: Array,
         limits: LinearLimits,
+        joint_accelerations: Sequence[float],
     ) -> None:
         """Plan the motion.
 
@@ -76,6 +78,7 @@ class LinearMotion:
             line: The line for its tool.
             start: Joint positions at the start [rad], shape (6,).
             limits: Limits of the tool's motion.
+            joint_accelerations: Largest accelerations of the joints [rad/s²], (6,).
 
         Raises:
             UnreachableError: If the arm cannot follow it, with reason and place.
@@ -83,6 +86,7 @@ class LinearMotion:
         self._kinematics = kinematics
         self._line = line
         self._limits = limits
+        self._strongest = np.asarray(joint_accelerations)
         steps = max(line.length / STEP, line.angle / STEP_ANGLE)
         if steps < 1e-6:
             raise ControlError("the tool is already there: the line has no length")
@@ -177,7 +181,7 @@ class LinearMotion:
         rate, curvature = self._rates(self._s, self._q)
         rate, curvature = np.abs(rate), np.abs(curvature)
         fastest = self._kinematics.fastest
-        strongest = fastest / TIME_TO_FULL_SPEED
+        strongest = self._strongest
         line, limits = self._line, self._limits
         ramp = limits.speed / limits.acceleration
         with np.errstate(divide="ignore"):

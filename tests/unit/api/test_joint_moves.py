@@ -9,8 +9,8 @@ from raises_naming import raises_naming
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, POST, POST_GRIPPER
 
 import tool0
+from tool0.description.model import TIME_TO_FULL_SPEED
 from tool0.errors import ControlError, GoalRejectedError, RequestError
-from tool0.runtime.joint_motion import TIME_TO_FULL_SPEED
 
 DT = 0.001  # [s], a tick
 PAN, LIFT, ELBOW = ARM_JOINTS[:3]

@@ -98,7 +98,7 @@ def test_columns_are_aligned_and_end_without_blanks() -> None:
         ("table", "joint "),
         ("urdf", "<?xml"),
         ("mjcf", "<mujoco"),
-        ("controllers", "# Controllers of a UR5"),
+        ("controllers", "# Controllers of ur5 + 2f85"),
     ],
 )
 def test_every_form_is_written(

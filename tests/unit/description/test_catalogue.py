@@ -11,7 +11,6 @@ import yaml
 
 from tool0.description.catalogue import arms, grippers
 from tool0.description.config import DescriptionConfig
-from tool0.description.default_controllers import default_controllers
 from tool0.description.forward_kinematics import link_pose
 from tool0.description.model import Inertial, Interface, RobotModel
 from tool0.description.robot import (
@@ -177,9 +176,6 @@ def test_two_robots_stand_in_one_scene() -> None:
     T_left_right = link_pose(model, {}, "right_base_link", relative_to="left_base_link")
     assert T_left_right.position == pytest.approx((0, -2, 0))
     assert named_poses(description) == part_names(description) == {}
-    with pytest.raises(DescriptionError) as error:
-        default_controllers(description)
-    assert str(path) in str(error.value)
 
 
 def test_bare_arm_mounting_and_place_in_the_world() -> None:
@@ -188,9 +184,6 @@ def test_bare_arm_mounting_and_place_in_the_world() -> None:
     assert assemble(gripper="none").model == bare.model
     assert "open" not in named_poses(bare)
     assert "finger_joint" not in named_poses(bare)["home"]
-    controllers, _ = default_controllers(bare)
-    assert "gripper_controller" not in yaml.safe_load(controllers)
-    assert "finger_joint" not in joints_named_in(controllers)
     description = assemble(
         mount_xyz=(0, 0, 0.011),
         mount_rpy=(0, 0, 1.5),
@@ -498,17 +491,6 @@ def test_a_persons_urdf_needs_no_xacro(tmp_path: Path) -> None:
     assert "no.urdf" in str(missing.value)
 
 
-FILES = ("controllers.yaml", "controllers_gripper_action.yaml")
-
-
-def joints_named_in(text: str) -> set[str]:
-    return {
-        token.value
-        for token in yaml.scan(text)
-        if isinstance(token, yaml.ScalarToken) and token.value.endswith("_joint")
-    }
-
-
 @pytest.mark.parametrize("prefix", ["", "left_"])
 def test_poses_place_driven_joints_within_their_limits(prefix: str) -> None:
     description = assemble(prefix=prefix)
@@ -533,30 +515,6 @@ def test_gripper_poses_open_close_and_halve() -> None:
     assert opening["open"] >= gripper.max_opening
     assert opening["half"] == pytest.approx(gripper.max_opening / 2, abs=1e-6)
     assert opening["closed"] == pytest.approx(0, abs=1e-6)
-
-
-@pytest.mark.parametrize("file", FILES)
-def test_controllers_name_the_driven_joints(file: str) -> None:
-    description = assemble()
-    text, location = default_controllers(description, file)
-    assert location.file is not None
-    assert location.file.name == file
-    assert joints_named_in(text) == set(description.model.transmission_by_joint)
-    assert list(yaml.safe_load(text)) == [
-        "joint_state_controller",
-        "eff_joint_traj_controller",
-        "gripper_controller",
-        "joint_group_eff_controller",
-    ]
-
-
-@pytest.mark.parametrize("file", FILES)
-def test_a_prefix_reaches_every_joint_and_moves_no_line(file: str) -> None:
-    plain, _ = default_controllers(assemble(), file)
-    text, _ = default_controllers(assemble(prefix="left_"), file)
-    expected = {f"left_{name}" for name in joints_named_in(plain)}
-    assert joints_named_in(text) == expected
-    assert text.replace("left_", "") == plain
 
 
 ROBOTS = [

@@ -12,6 +12,7 @@ from tool0.control.trajectory import JointsMotion
 from tool0.description.model import (
     DEFAULT_SLIDE_VELOCITY,
     DEFAULT_TURN_VELOCITY,
+    TIME_TO_FULL_SPEED,
     Joint,
     JointLimits,
     JointType,
@@ -19,7 +20,6 @@ from tool0.description.model import (
 from tool0.errors import ControlError
 from tool0.runtime.joint_motion import (
     SPACING,
-    TIME_TO_FULL_SPEED,
     plan_motion,
 )
 

@@ -10,12 +10,12 @@ from arm_rig import calibration, ur5
 
 from tool0.control.spline import Knots, Motion, hold
 from tool0.control.trajectory import TrajectoryPoint
+from tool0.description.model import TIME_TO_FULL_SPEED
 from tool0.description.transform import Pose, as_matrix
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import Array
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.line import LinePath
-from tool0.runtime.joint_motion import TIME_TO_FULL_SPEED
 from tool0.runtime.linear_motion import PERIOD, LinearLimits, LinearMotion
 
 pytestmark = pytest.mark.slow
@@ -23,6 +23,7 @@ pytestmark = pytest.mark.slow
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])
 PAD = as_matrix(Pose(xyz=(0.01, 0.0, 0.15), rpy=(0.2, 0.0, 0.3)))
 FASTEST = np.pi
+STRONGEST = FASTEST / TIME_TO_FULL_SPEED
 USUAL = LinearLimits(speed=0.25, acceleration=1.2, angular_speed=1.0)
 QUICK = LinearLimits(speed=3.0, acceleration=30.0, angular_speed=20.0)
 ENDS = {
@@ -44,7 +45,7 @@ def planned(
 ) -> tuple[LinePath, list[TrajectoryPoint]]:
     begin = arm.chain.forward(start[None]).T_base_tip[0] @ PAD
     line = LinePath(begin, begin @ as_matrix(end), PAD)
-    return line, LinearMotion(arm, line, start, limits).points()
+    return line, LinearMotion(arm, line, start, limits, [STRONGEST] * 6).points()
 
 
 def played(start: Array, points: list[TrajectoryPoint], times: Array) -> Array:
@@ -97,7 +98,7 @@ def test_the_tool_keeps_to_its_line_and_all_to_their_limits(
     turning = np.abs(np.diff(s)) * line.angle / times[1]
     assert turning.max() < limits.angular_speed * 1.001
     assert np.abs(motion[:, :, 1]).max() < FASTEST * 1.001
-    assert np.abs(motion[:, :, 2]).max() < FASTEST / TIME_TO_FULL_SPEED * 1.01
+    assert np.abs(motion[:, :, 2]).max() < STRONGEST * 1.01
 
 
 def test_a_calibrated_arm_keeps_to_its_line_too(tmp_path: Path) -> None:
@@ -135,7 +136,7 @@ def test_a_line_near_a_singularity_is_slower_by_its_joints(
         _, points = planned(arm, Pose(xyz=(0.0, 0.0, -0.2)), QUICK, start)
         durations.append(points[-1].time_from_start)
         motion = played(start, points, np.linspace(0, durations[-1], 800))
-        share = np.abs(motion[:, :, 2]).max() / (FASTEST / TIME_TO_FULL_SPEED)
+        share = np.abs(motion[:, :, 2]).max() / (STRONGEST)
         assert 0.45 < share < 1.01
     assert durations[0] > 1.5 * durations[1]
 
@@ -159,7 +160,7 @@ def test_a_line_far_out_of_reach_takes_no_memory(
     tracemalloc.start()
     try:
         with pytest.raises(UnreachableError, match="out of reach"):
-            LinearMotion(arm, line, HOME, USUAL)
+            LinearMotion(arm, line, HOME, USUAL, [STRONGEST] * 6)
         assert tracemalloc.get_traced_memory()[1] < 1e6
     finally:
         tracemalloc.stop()
@@ -171,7 +172,7 @@ def test_a_line_of_a_very_long_tool_is_bounded(arm: InverseKinematics) -> None:
     end = begin @ as_matrix(Pose(rpy=(0.0, 0.0, 0.5))) @ T_tip_tool
     line = LinePath(begin @ T_tip_tool, end, T_tip_tool)
     with pytest.raises(UnreachableError, match="too long"):
-        LinearMotion(arm, line, HOME, USUAL)
+        LinearMotion(arm, line, HOME, USUAL, [STRONGEST] * 6)
 
 
 @pytest.mark.parametrize("speed", [1e-6, 1e6])
@@ -192,7 +193,7 @@ def test_a_line_through_a_singularity_says_where(arm: InverseKinematics) -> None
     end = arm.chain.forward(through[None]).T_base_tip[0]
     line = LinePath(begin, end, np.eye(4))
     with pytest.raises(UnreachableError) as caught:
-        LinearMotion(arm, line, start, USUAL)
+        LinearMotion(arm, line, start, USUAL, [STRONGEST] * 6)
     assert re.search(r" \d+% ", str(caught.value))
 
 

@@ -115,8 +115,9 @@ def _joint_limits(model: RobotModel, controllers: Controllers) -> str:
     about = (
         "Limits of the joints [rad/s, rad/s² | m/s, m/s²]; positions are in the URDF.\n"
         "Velocities are those of the URDF.  No accelerations are published: these are\n"
-        "those of tool0's own motions (tool0 describe controllers has their derivation\n"
-        f"where there is one; otherwise full speed is reached in {TIME_TO_FULL_SPEED} s)."
+        "those of tool0's own motions.  They reach full speed in\n"
+        f"{TIME_TO_FULL_SPEED} s, or less fast where the drive is too weak, as\n"
+        "`tool0 describe controllers` derives."
     )
     scaling = {
         "default_velocity_scaling_factor": 0.1,

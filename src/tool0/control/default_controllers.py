@@ -1,0 +1,377 @@
+"""The built-in controllers of a robot: one part per arm and one per gripper.
+
+The parts are ros_control's YAML in ``tool0_description/config``: one that all arms
+share, one that all grippers share.  A folder may have its own.  ``$gains`` in them are
+those of the folder's ``gains.yaml``, or else follow from the model.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, final
+
+from tool0.control.config import ControllerConfig
+from tool0.control.parameters import joint_entries
+from tool0.description.catalogue import Part, PartKind, shared_folder
+from tool0.description.model import Interface, JointType, RobotModel
+from tool0.description.packages import find_package
+from tool0.description.robot import CatalogueRobot, RobotDescription
+from tool0.description.yaml_tree import Tree, YamlEntry, read_verbatim
+from tool0.description.yaml_values import Namespace
+from tool0.errors import ConfigError, DescriptionError, SourceLocation
+
+if TYPE_CHECKING:
+    from tool0.control.gains import DerivedGains
+
+PERIOD: Final = 0.001
+"""Time between updates of the controllers for which the gains are [s]."""
+_FILE: Final = "controllers.yaml"
+_ACTION_FILE: Final = "controllers_gripper_action.yaml"
+_GAINS: Final = "$gains"
+_ROTARY: Final = {"$tolerance": "0.002", "$standstill": "0.001"}
+"""Of a gripper whose driven joint turns [rad, rad/s]."""
+_LINEAR: Final = {"$tolerance": "0.0001", "$standstill": "0.0001"}
+"""Of one whose driven joint slides [m, m/s]: 0.2 mm of opening."""
+
+
+def controllers_yaml(
+    description: RobotDescription,
+    *,
+    gripper_action: bool = False,
+    period: float = PERIOD,
+) -> str:
+    """Return the built-in controllers as YAML, with where each gain comes from.
+
+    Args:
+        description: The robot, or several.
+        gripper_action: Whether grippers have a GripperActionController instead of a
+            JointTrajectoryController.
+        period: Time between updates of the controllers [s].
+
+    Raises:
+        DescriptionError: If there are none that fit, as for your own robot file.
+        ConfigError: If a part's file is wrong.
+    """
+    pieces = _pieces(description, gripper_action, period)
+    if not pieces:
+        raise DescriptionError(
+            f"there are no built-in controllers for '{description.source}'; "
+            "give a file of controllers"
+        )
+    about = f"# Controllers of {description.title}, for ros_control and for tool0.\n"
+    limits = [row for piece in pieces for row in piece.limits]
+    texts = [about, *(piece.yaml() for piece in pieces)]
+    if limits:
+        texts.append(
+            "# What the motions of tool0 keep to; ros_control does not enforce it.\n"
+            "joint_limits:\n" + _lines(limits, indent="  ")
+        )
+    return "\n".join(texts)
+
+
+def default_controllers(
+    description: RobotDescription,
+    *,
+    gripper_action: bool = False,
+    period: float = PERIOD,
+) -> ControllerConfig:
+    """Return the same controllers, with locations in the files that they come from.
+
+    There are none if none fit your own robot file.
+
+    Raises:
+        ConfigError: If a part's file is wrong.
+    """
+    tree = Tree()
+    for piece in _pieces(description, gripper_action, period):
+        piece.load_into(tree)
+    return ControllerConfig(tree)
+
+
+def controller_prefixes(description: RobotDescription) -> tuple[str, ...]:
+    """Return the prefix of the controllers of each robot: ``left_`` for ``left``."""
+    return tuple(map(_prefix, description.robots)) or ("",)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Row:
+    """Gains or limits of one joint: a line of YAML."""
+
+    joint: str
+    values: str
+    comment: str
+    location: SourceLocation
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Piece:
+    """The text of a part, for one robot, with what is inserted there."""
+
+    text: str
+    location: SourceLocation
+    gains: Sequence[_Row] = ()
+    limits: Sequence[_Row] = ()
+
+    def yaml(self) -> str:
+        """Return the text with its gains."""
+        lines = self.text.splitlines(keepends=True)
+        return "".join(
+            _lines(self.gains, line[: line.index(_GAINS)])
+            if line.strip() == _GAINS
+            else line
+            for line in lines
+        )
+
+    def load_into(self, tree: Tree) -> None:
+        """Add the parameters to ``tree``."""
+        tree.load(self.text, self.location)
+        for name, controller in tree.root.children.items():
+            gains = controller.find("gains")
+            if gains is not None and gains.scalar == _GAINS:
+                gains.value = {}
+                for row in self.gains:
+                    text = f"{name}: {{gains: {{{row.joint}: {row.values}}}}}"
+                    tree.load(text, row.location)
+        for row in self.limits:
+            text = f"joint_limits: {{{row.joint}: {row.values}}}"
+            tree.load(text, row.location)
+
+
+def _lines(rows: Sequence[_Row], indent: str) -> str:
+    return "".join(
+        f"{indent}{row.joint}: {row.values}  # {row.comment}\n" for row in rows
+    )
+
+
+def _prefix(robot: CatalogueRobot) -> str:
+    return f"{robot.name}_" if robot.name else ""
+
+
+def _pieces(
+    description: RobotDescription, gripper_action: bool, period: float
+) -> list[_Piece]:
+    """Return the parts of all robots; none if your own file fits none."""
+    parts = [
+        piece
+        for robot in description.robots or (None,)
+        for piece in _Composer(description, robot, gripper_action, period).pieces()
+    ]
+    if not parts:
+        return []
+    path = find_package("tool0_description") / "config" / _FILE
+    return [_Piece(text=_read(path), location=SourceLocation(path, 1)), *parts]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _Composer:
+    """Makes the parts of one robot."""
+
+    description: RobotDescription
+    robot: CatalogueRobot | None
+    """None for your own file, whose names are those of a robot without prefix."""
+    gripper_action: bool
+    period: float
+
+    def pieces(self) -> Iterator[_Piece]:
+        """Yield the parts of arm and gripper; none if your file lacks the joints."""
+        model, robot = self.description.model, self.robot
+        path = _part_file("arm", robot.arm if robot else None, _FILE)
+        text = self._renamed(_read(path))
+        arm = _joints_of(text, path)
+        if robot is None and not all(joint in _effort_joints(model) for joint in arm):
+            return
+        gains, limits = self._arm_rows(arm)
+        location = SourceLocation(path, 1)
+        yield _Piece(text=text, location=location, gains=gains, limits=limits)
+        hand = _joints_beyond(model, arm[-1])
+        if (len(hand) == 1) if robot is None else (robot.gripper and hand):
+            yield self._gripper(hand)
+
+    def _arm_rows(self, joints: Sequence[str]) -> tuple[list[_Row], list[_Row]]:
+        """Return the gains of an arm, and its limits where gains are derived."""
+        stated = self._stated(self.robot.arm if self.robot else None, joints)
+        if all(joint in stated for joint in joints):
+            return [stated[joint] for joint in joints], []
+        from tool0.control.gains import derive_arm_gains
+
+        payload = _rated_payload(self.robot.arm) if self.robot else None
+        model = self.description.model
+        derived = derive_arm_gains(model, joints, payload, period=self.period)
+        gains, limits = [], []
+        for joint, found in zip(joints, derived, strict=True):
+            if joint in stated:
+                gains.append(stated[joint])
+                continue
+            gains.append(self._derived(joint, found))
+            limit = f"max_acceleration: {_number(found.acceleration)}"
+            limits.append(
+                _Row(
+                    joint=joint,
+                    values=f"{{has_acceleration_limits: true, {limit}}}",
+                    comment=found.acceleration_derivation,
+                    location=SourceLocation(self.description.source),
+                )
+            )
+        return gains, limits
+
+    def _gripper(self, joints: Sequence[str]) -> _Piece:
+        """Return the part of a gripper with these driven joints."""
+        part = self.robot.gripper if self.robot else None
+        model = self.description.model
+        path = _part_file(
+            "gripper", part, _ACTION_FILE if self.gripper_action else _FILE
+        )
+        stated = self._stated(part, joints)
+        rows = []
+        for joint in joints:
+            if joint not in stated:
+                from tool0.control.gains import derive_gripper_gains
+
+                found = derive_gripper_gains(model, joint, period=self.period)
+            rows.append(stated.get(joint) or self._derived(joint, found))
+        driven = model.joint(joints[0])
+        values = {
+            **(_LINEAR if driven.type is JointType.PRISMATIC else _ROTARY),
+            "$joints": ", ".join(joints),
+            "$joint": joints[0],
+            "$effort": _number(driven.limits.effort),
+        }
+        text = self._renamed(_read(path))
+        for name, value in values.items():
+            text = text.replace(name, value)
+        return _Piece(text=text, location=SourceLocation(path, 1), gains=rows)
+
+    def _derived(self, joint: str, gains: DerivedGains) -> _Row:
+        values = {"p": gains.p, "i": gains.i, "d": gains.d, "i_clamp": gains.i_clamp}
+        texts = [f"{name}: {_number(value)}" for name, value in values.items()]
+        return _Row(
+            joint=joint,
+            values=f"{{{', '.join(texts)}, antiwindup: true}}",
+            comment=gains.derivation,
+            location=SourceLocation(self.description.source),
+        )
+
+    def _stated(self, part: Part | None, joints: Sequence[str]) -> dict[str, _Row]:
+        """Return the gains that the folder of a part states, by joint."""
+        path = None if part is None else part.file("gains.yaml")
+        if self.robot is None or path is None or not path.is_file():
+            return {}
+        file = Namespace(read_verbatim(path).root)
+        file.only("source", "gains")
+        source, gains = file.text("source"), file.namespace("gains")
+        if gains is None:
+            return {}
+        prefix = self.robot.prefix
+        gains.only(*(joint.removeprefix(prefix) for joint in joints))
+        return {
+            prefix + name: _Row(
+                joint=prefix + name,
+                values=_flow(entry),
+                comment=source,
+                location=entry.location,
+            )
+            for name, entry in gains.entry.children.items()
+        }
+
+    def _renamed(self, text: str) -> str:
+        """Return YAML ``text`` with prefixes before joints and controllers."""
+        robot = self.robot
+        if robot is None or not (robot.prefix or robot.name):
+            return text
+        import yaml
+
+        joints = {
+            transmission.joint.removeprefix(robot.prefix)
+            for transmission in self.description.model.transmissions
+            if transmission.joint.startswith(robot.prefix)
+        }
+        for token in reversed(list(yaml.scan(text, yaml.SafeLoader))):
+            if not isinstance(token, yaml.ScalarToken):
+                continue
+            start = token.start_mark.index + (token.style is not None)
+            if token.value in joints:
+                text = text[:start] + robot.prefix + text[start:]
+            elif token.start_mark.column == 0:
+                text = text[:start] + _prefix(robot) + text[start:]
+        return text
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(
+            f"cannot read the built-in controllers: {error}", SourceLocation(path)
+        ) from None
+
+
+def _part_file(kind: PartKind, part: Part | None, name: str) -> Path:
+    return shared_folder(kind) / name if part is None else part.file(name)
+
+
+def _joints_of(text: str, path: Path) -> list[str]:
+    """Return the joints of the controllers whose gains are to be inserted."""
+    tree = Tree()
+    tree.load(text, SourceLocation(path, 1))
+    return [
+        str(item.scalar)
+        for controller in tree.root.children.values()
+        if controller.find("gains")
+        for item in joint_entries(controller)
+    ]
+
+
+def _effort_joints(model: RobotModel) -> set[str]:
+    return {
+        transmission.joint
+        for transmission in model.transmissions
+        if transmission.interface is Interface.EFFORT
+    }
+
+
+def _joints_beyond(model: RobotModel, joint: str) -> list[str]:
+    """Return the driven joints beyond an arm's last ``joint``."""
+    links = set(model.links_from(model.joint(joint).child))
+    return [
+        item.name
+        for item in model.movable_joints
+        if item.parent in links and item.name in model.transmission_by_joint
+    ]
+
+
+def _rated_payload(arm: Part) -> float | None:
+    """Return the rated payload of an arm [kg]; None if its folder does not state it."""
+    path = arm.file("specifications.yaml")
+    if not path.is_file():
+        return None
+    entries = Namespace(read_verbatim(path).root).namespace("specifications")
+    if entries is None or entries.find("payload") is None:
+        return None
+    return entries.not_negative("payload")
+
+
+def _flow(entry: YamlEntry) -> str:
+    """Return the value of an entry as YAML in one line."""
+    if entry.is_mapping:
+        items = (f"{name}: {_flow(value)}" for name, value in entry.children.items())
+        return f"{{{', '.join(items)}}}"
+    value = entry.plain()
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return _number(float(value))
+    return json.dumps(value)
+
+
+def _number(value: float) -> str:
+    """Return a number without exponent, which YAML 1.1 could take for a text."""
+    if not math.isfinite(value):
+        return f"{'-' if value < 0 else ''}.inf" if math.isinf(value) else ".nan"
+    whole = int(value)
+    return str(whole) if whole == value else format(Decimal(repr(value)), "f")

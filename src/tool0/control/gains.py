@@ -1,0 +1,291 @@
+"""PID gains and accelerations that follow from the model of an arm or a gripper.
+
+The rule and its reasons are in docs/adr/0013-derived-gains.md.  For each joint of an
+arm it needs two inertias over all postures: the smallest at which the joint reacts
+while the others are free, without payload, and the largest that it has to carry, with
+the rated payload.  The first limits the damping, since the controller samples the
+velocity; the damping and the second limit the stiffness.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from tool0.description.forward_kinematics import link_pose
+from tool0.description.model import (
+    FLANGE,
+    JointLimits,
+    JointType,
+    RobotModel,
+)
+from tool0.description.transform import Vector3
+from tool0.hardware.bodies import (
+    STANDARD_GRAVITY,
+    BodyInertia,
+    JointDynamics,
+    Matrix,
+    MovingBody,
+    moving_bodies,
+    total_inertia,
+)
+from tool0.hardware.sampled_dynamics import SampledDynamics, sample_dynamics
+
+SAMPLING = 1.5
+"""Largest eigenvalue of M⁻¹ D · period in any posture.  From 2 on, damping by sampled
+velocities is unstable."""
+DAMPING_RATIO = 0.15
+"""Smallest damping ratio, at the largest inertia.  Low, because the inertia of a pan
+joint varies by a factor of 100: more would cost stiffness."""
+BANDWIDTH = 50.0
+"""Largest natural frequency at the largest inertia [rad/s]: a cycle is 125 periods of
+1 ms.  Damping beyond a ratio of 1 there would only slow the joint."""
+INTEGRAL_RATE = 5.0
+"""Largest i / p [1/s]: a load is compensated within half a second."""
+INTEGRAL_SHARE = 0.3
+"""Largest i / p as a fraction of d / inertia; at 1 the joint would oscillate."""
+LOAD_MARGIN = 1.2
+"""The integral's clamp in relation to the largest static load."""
+CLAMP_SHARE = 0.1
+"""The smallest clamp in relation to the joint's effort limit: for joints without load
+in the model."""
+DRIVE_SHARE = 0.9
+"""Fraction of the effort left beside the static load that accelerations may use."""
+LAG = 0.015
+"""Largest error that an acceleration causes at rest in it [rad]; oscillation can double
+it."""
+ALUMINIUM = 2700.0
+"""Density of the payload, a cube around the flange [kg/m³]."""
+FULL_EFFORT_ERROR = 0.05
+"""Error at which a gripper pushes with its full effort, as a fraction of its range."""
+
+_RIGHT_ANGLES = np.arange(4) * (math.pi / 2)
+_DIGITS = 3
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DerivedGains:
+    """Gains of one joint, with the numbers that they follow from."""
+
+    p: float
+    i: float
+    d: float
+    i_clamp: float
+    derivation: str
+    """In one line."""
+    acceleration: float = math.inf
+    """For planned motions [rad/s² | m/s²]."""
+    acceleration_derivation: str = ""
+
+
+def derive_arm_gains(
+    model: RobotModel,
+    joints: Sequence[str],
+    payload: float | None,
+    *,
+    period: float,
+    gravity: Vector3 = STANDARD_GRAVITY,
+) -> tuple[DerivedGains, ...]:
+    """Return the gains of the ``joints`` of an arm, a chain from its base on.
+
+    Everything beyond the arm counts as fixed to it.
+
+    Args:
+        model: The robot.
+        joints: The joints of the arm.
+        payload: The rated payload at the flange [kg], what is mounted there included;
+            None if it is not known.
+        period: Time between updates of the controllers [s].
+        gravity: In the axes of the model's root [m/s²].
+    """
+    base = model.joint(joints[0]).parent
+    rotation = np.array(link_pose(model, {}, base).rotation)
+    g_x, g_y, g_z = (rotation.T @ np.asarray(gravity)).tolist()
+    bodies = moving_bodies(_part(model, base, joints))
+    limits = [body.joint.limits for body in bodies]
+    postures = _postures(limits)
+    light = _with_rotors(model, bodies, sample_dynamics(bodies, postures))
+    loaded = _loaded(model, bodies, payload or 0.0)
+    heavy = _with_rotors(
+        model, bodies, sample_dynamics(loaded, postures, (g_x, g_y, g_z))
+    )
+    smallest = 1.0 / _diagonals(np.linalg.inv(light.masses)).max(axis=0)
+    largest = _diagonals(heavy.masses).max(axis=0)
+    load = np.abs(heavy.loads).max(axis=0)
+    sampled = smallest * _sampling_factor(light.masses, smallest) / period
+    damping = _rounded(np.minimum(sampled, 2.0 * BANDWIDTH * largest))
+    frequency = np.minimum(damping / (2.0 * DAMPING_RATIO * largest), BANDWIDTH)
+    stiffness = _rounded(largest * frequency**2)
+    rate = np.minimum(INTEGRAL_SHARE * damping / largest, INTEGRAL_RATE)
+    effort = np.array([limit.effort for limit in limits])
+    clamp = np.minimum(
+        np.maximum(LOAD_MARGIN * load, CLAMP_SHARE * np.minimum(effort, 1e3)), effort
+    )
+    usual = np.array([body.joint.max_acceleration for body in bodies])
+    by_lag = np.minimum(LAG * stiffness / largest, usual)
+    acceleration = _rounded(_within_drives(heavy, effort, by_lag))
+    weight = "without payload (unknown)" if payload is None else f"with {payload:g} kg"
+    ratio = damping / (2.0 * np.sqrt(stiffness * largest))
+    return tuple(
+        DerivedGains(
+            p=float(stiffness[k]),
+            i=float(_rounded(rate[k] * stiffness[k])),
+            d=float(damping[k]),
+            i_clamp=float(_rounded(clamp[k])),
+            derivation=(
+                f"inertia {smallest[k]:.3g} … {largest[k]:.3g} kg·m² {weight}: "
+                f"{frequency[k]:.3g} rad/s, damping ratio {ratio[k]:.2g}, "
+                f"d·dt/inertia {damping[k] * period / smallest[k]:.2g}, "
+                f"load {load[k]:.3g} N·m"
+            ),
+            acceleration=float(acceleration[k]),
+            acceleration_derivation=(
+                "what the drives can give the loaded arm in every posture"
+                if acceleration[k] < by_lag[k] * 0.99
+                else f"its error is {LAG * 1e3:g} mrad"
+                if by_lag[k] < usual[k]
+                else "as for any joint"
+            ),
+        )
+        for k in range(len(joints))
+    )
+
+
+def derive_gripper_gains(
+    model: RobotModel, joint: str, *, period: float
+) -> DerivedGains:
+    """Return the gains of a gripper's driven ``joint``: critically damped, no integral.
+
+    Its drive compensates gravity, and an integral would build up on a gripped object.
+    """
+    driven = model.joint(joint)
+    hand = _part(model, driven.parent)
+    names = [item.name for item in hand.movable_joints]
+    index = names.index(joint)
+    limits = driven.limits
+    middle = [0.0] * len(names)
+    middle[index] = (limits.lower + limits.upper) / 2.0
+    masses = JointDynamics(hand).mass_matrix(middle)
+    inertia = float(masses[index, index])
+    error = FULL_EFFORT_ERROR * (limits.upper - limits.lower)
+    most = (SAMPLING / 4.0 / period) ** 2 * inertia  # d·dt/inertia, if critical
+    stiffness = float(_rounded(min(limits.effort / error, most)))
+    unit, length = (
+        ("kg", "m") if driven.type is JointType.PRISMATIC else ("kg·m²", "rad")
+    )
+    return DerivedGains(
+        p=stiffness,
+        i=0.0,
+        d=float(_rounded(2.0 * math.sqrt(stiffness * inertia))),
+        i_clamp=0.0,
+        derivation=(
+            f"inertia {inertia:.3g} {unit}: critically damped; full effort at an error "
+            f"of {limits.effort / stiffness:.2g} {length}"
+        ),
+    )
+
+
+def _part(model: RobotModel, root: str, movable: Sequence[str] = ()) -> RobotModel:
+    """Return the links from ``root`` on as a model of its own.
+
+    If ``movable`` names joints, all others are fixed at 0.
+    """
+    links = set(model.links_from(root))
+    joints = [
+        joint
+        if not movable or joint.name in movable
+        else replace(joint, type=JointType.FIXED, mimic=None, spring=None)
+        for joint in model.joints
+        if joint.parent in links
+    ]
+    names = {joint.name for joint in joints}
+    return RobotModel(
+        name=model.name,
+        root=root,
+        links=tuple(link for link in model.links if link.name in links),
+        joints=tuple(joints),
+        transmissions=tuple(t for t in model.transmissions if t.joint in names),
+    )
+
+
+def _postures(limits: Sequence[JointLimits]) -> Matrix:
+    """Return postures with the extreme inertias and loads, shape (n, n_joints) [rad].
+
+    They are at right angles: stretched out, folded, with aligned or crossed axes.  The
+    first joint matters to gravity alone, and the last one hardly.
+    """
+    between = itertools.product(_RIGHT_ANGLES, repeat=len(limits) - 2)
+    turned = [(0.0, *angles, 0.0) for angles in between]
+    lower = [limit.lower for limit in limits]
+    upper = [limit.upper for limit in limits]
+    return np.clip(np.array(turned), lower, upper)
+
+
+def _loaded(
+    model: RobotModel, bodies: Sequence[MovingBody], payload: float
+) -> list[MovingBody]:
+    """Return the bodies with the payload at the flange, less what is mounted there."""
+    *inner, last = bodies
+    flange = next(
+        ((name, at) for name, at in last.links if name.endswith(FLANGE)), None
+    )
+    name, frame = flange or (last.joint.child, np.eye(4))
+    beyond = set(model.links_from(name)) - {name}
+    mounted = total_inertia(model, [item for item in last.links if item[0] in beyond])
+    mass = max(payload - mounted.mass, 0.0)
+    side = (mass / ALUMINIUM) ** (1.0 / 3.0)
+    cube = BodyInertia(mass, frame[:3, 3], np.eye(3) * mass * side**2 / 6.0)
+    return [*inner, replace(last, inertia=BodyInertia.total([last.inertia, cube]))]
+
+
+def _with_rotors(
+    model: RobotModel, bodies: Sequence[MovingBody], dynamics: SampledDynamics
+) -> SampledDynamics:
+    drives = [model.transmission_by_joint.get(body.joint.name) for body in bodies]
+    rotors = np.diag([drive.armature if drive else 0.0 for drive in drives])
+    return dynamics._replace(masses=dynamics.masses + rotors)
+
+
+def _diagonals(matrices: Matrix) -> Matrix:
+    return np.diagonal(matrices, axis1=1, axis2=2)
+
+
+def _sampling_factor(masses: Matrix, damping: Matrix) -> float:
+    """Return by what to multiply ``damping`` · dt for the eigenvalue SAMPLING."""
+    root = np.sqrt(damping)
+    eigenvalues = np.linalg.eigvalsh(root[:, None] * np.linalg.inv(masses) * root)
+    return float(SAMPLING / eigenvalues.max())
+
+
+def _within_drives(heavy: SampledDynamics, effort: Matrix, wanted: Matrix) -> Matrix:
+    """Return accelerations, at most ``wanted``, that the drives can give everywhere.
+
+    All joints may have theirs at once; their efforts add up like random ones, since
+    joints that accelerate together need not do so against each other.
+    """
+    left = np.maximum(DRIVE_SHARE * (effort - np.abs(heavy.loads)), 1e-3 * effort)
+    masses = np.abs(heavy.masses)
+    accelerations = wanted.copy()
+    for _ in range(200):
+        shares = masses * accelerations
+        needed = np.sqrt((shares**2).sum(axis=2))
+        factors = left / needed
+        posture, joint = np.unravel_index(factors.argmin(), factors.shape)
+        factor = factors[posture, joint]
+        if factor >= 1.0 - 1e-6:
+            break
+        large = shares[posture, joint] >= 0.3 * needed[posture, joint]
+        accelerations[large] *= factor
+    return accelerations
+
+
+def _rounded(values: Matrix | float) -> Matrix:
+    """Return the values with _DIGITS significant digits."""
+    rounded = np.vectorize(lambda value: float(f"{value:.{_DIGITS}g}"))(values)
+    return np.asarray(rounded, dtype=np.float64)
