@@ -55,7 +55,7 @@ class Part:
 
     @property
     def is_built_in(self) -> bool:
-        return self.folder.parent == _shared(self.kind)
+        return self.folder.parent == shared_folder(self.kind)
 
     def file(self, name: str) -> Path:
         """Return one of its files, or the one that all parts of its kind share."""

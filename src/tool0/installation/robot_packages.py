@@ -21,6 +21,10 @@ UPSTREAM_PACKAGES: Final = ("ur_description", "robotiq_2f_85_gripper_visualizati
 """Packages whose meshes can replace ours."""
 _HOME: Final = "home"
 """The pose at the start."""
+_NOT_WRITTEN: Final = re.compile(
+    r"(native_)?controllers(_gripper_action)?\.yaml|gains\.yaml"
+)
+"""Files of the configuration that only the program reads: parts of controllers."""
 _LAST_DEPENDENCY: Final = b"  <exec_depend>xacro</exec_depend>\n"
 
 Files = dict[PurePosixPath, bytes]
@@ -78,11 +82,12 @@ def robot_packages(
 
 
 def _files_in(folder: Path) -> list[Path]:
-    """Return the files of a package, without leftovers of tools."""
+    """Return the files of a package or a part of it, without leftovers of tools."""
     return [
         path
         for path in sorted(folder.rglob("*"))
         if path.is_file()
+        and not _NOT_WRITTEN.fullmatch(path.name)
         and not any(
             name.startswith((".", "__pycache__"))
             for name in path.relative_to(folder).parts
