@@ -10,10 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 import tool0
-from tool0.cli.pick_demo.grasps import find_bin
-from tool0.cli.pick_demo.monitor import GraspMonitor
-from tool0.cli.pick_demo.picker import Picker, PickFailure, PickOptions
-from tool0.cli.pick_demo.trials import DemoReport, random_poses, run_trials
+from tool0.cli.demos.grasps import find_bin
+from tool0.cli.demos.hand import PickOptions, TaskFailure
+from tool0.cli.demos.monitor import GraspMonitor
+from tool0.cli.demos.picker import Picker
+from tool0.cli.demos.table import pick_table
+from tool0.cli.demos.trials import DemoReport, run_trials
 from tool0.description.forward_kinematics import link_poses
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
 from tool0.sensing.grasp import pad_links
@@ -77,15 +79,15 @@ def hold_and_shake(
         description=description, engine=engine, scene=scene, realtime=False
     ) as robot:
         monitor = GraspMonitor(robot, ITEM)
-        picker = Picker(robot, ITEM, PickOptions(force=force), monitor)
+        picker = Picker(robot, ITEM, PickOptions(force=force, lift=LIFT), monitor)
         try:
-            picker.take(LIFT)
+            picker.take()
             slip = _slip(monitor, picker, HOLD)
             if not shake:
                 return Held(None, slip)
             accelerations: list[float] = []
             shaken = _shake(robot, monitor, picker, shake, accelerations)
-        except PickFailure as failure:
+        except TaskFailure as failure:
             return Held(f"{monitor.phase}: {failure}")
         return Held(None, slip, shaken, float(np.quantile(accelerations, 0.9)))
 
@@ -141,7 +143,7 @@ def picks(engine: str, n_picks: int, seed: int) -> DemoReport:
             robot,
             "cube",
             find_bin(robot.scene.objects, "bin"),
-            random_poses(height, seed),
+            pick_table(robot.description.model).random_poses(robot, height, seed),
             n_picks,
         )
 
@@ -175,9 +177,9 @@ def _slip(monitor: GraspMonitor, picker: Picker, duration: float) -> float:
     """Hold for some simulated seconds, and return how far it moved meanwhile [m]."""
     monitor.begin("holding")
     monitor.wait(0.5)  # the arm comes to rest
-    monitor.start_slip()
+    monitor.start_slip(picker.hand.gripper)
     monitor.wait(duration)
-    picker.check_hold()
+    picker.hand.check_hold()
     assert monitor.slip is not None
     return monitor.slip
 
@@ -194,7 +196,7 @@ def _shake(
     ``accelerations`` gets what the pads underwent, each millisecond [m/s²].
     """
     monitor.begin("shaking")
-    monitor.start_slip()
+    monitor.start_slip(picker.hand.gripper)
     arm = robot.controller("eff_joint_traj_controller")
     names = robot.arm.joint_names
     start = dict(robot.arm.joints)
@@ -223,6 +225,6 @@ def _shake(
     steps = np.diff(velocity, axis=0) / robot.control_period
     accelerations.extend(np.linalg.norm(steps, axis=1).tolist())
     monitor.wait(0.5)
-    picker.check_hold()
+    picker.hand.check_hold()
     assert monitor.slip is not None
     return monitor.slip

@@ -17,14 +17,15 @@ if TYPE_CHECKING:
     from tool0.api.robot import JointValues, Robot
     from tool0.api.scene import SceneHandle
     from tool0.api.sensors import CameraHandle, ForceTorque
-    from tool0.cli.pick_demo.grasps import Bin, find_bin
-    from tool0.cli.pick_demo.picker import PickOptions, PickReport, pick_and_place
+    from tool0.cli.demos.grasps import Bin, find_bin
+    from tool0.cli.demos.hand import PickOptions
+    from tool0.cli.demos.picker import PickReport, pick_and_place
     from tool0.control.config import ControllerConfig
     from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Tolerance
     from tool0.control.manager import ControllerStatus
     from tool0.control.parameters import Gains
     from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
-    from tool0.description.config import DescriptionConfig
+    from tool0.description.config import Cell, CellRobot, DescriptionConfig
     from tool0.description.finding import Finding
     from tool0.description.model import JointLimits, ParallelGripper, RobotModel
     from tool0.description.robot import RobotDescription
@@ -73,6 +74,8 @@ __all__ = [
     "Branch",
     "CameraHandle",
     "CameraImage",
+    "Cell",
+    "CellRobot",
     "CheckReport",
     "ClaimError",
     "ConfigError",
@@ -153,7 +156,7 @@ __all__ = [
 _HOMES = {
     "Arm": "tool0.api.arm",
     "ArmChain": "tool0.kinematics.chain",
-    "Bin": "tool0.cli.pick_demo.grasps",
+    "Bin": "tool0.cli.demos.grasps",
     "Branch": "tool0.kinematics.inverse",
     "CameraHandle": "tool0.api.sensors",
     "CameraImage": "tool0.sensing.cameras",
@@ -166,6 +169,8 @@ _HOMES = {
     "ControllerConfig": "tool0.control.config",
     "ControllerHandle": "tool0.api.controller",
     "ControllerStatus": "tool0.control.manager",
+    "Cell": "tool0.description.config",
+    "CellRobot": "tool0.description.config",
     "DescriptionConfig": "tool0.description.config",
     "DescriptionError": "tool0.errors",
     "DivergenceError": "tool0.errors",
@@ -196,8 +201,8 @@ _HOMES = {
     "Overran": "tool0.runtime.bus",
     "Panel": "tool0.interfaces.panel.server",
     "ParallelGripper": "tool0.description.model",
-    "PickOptions": "tool0.cli.pick_demo.picker",
-    "PickReport": "tool0.cli.pick_demo.picker",
+    "PickOptions": "tool0.cli.demos.hand",
+    "PickReport": "tool0.cli.demos.picker",
     "Pose": "tool0.description.transform",
     "Recording": "tool0.api.recording",
     "RenderError": "tool0.errors",
@@ -230,8 +235,8 @@ _HOMES = {
     "connect": "tool0.api.connect",
     "encode_depth": "tool0.sensing.cameras",
     "encode_png": "tool0.sensing.cameras",
-    "find_bin": "tool0.cli.pick_demo.grasps",
-    "pick_and_place": "tool0.cli.pick_demo.picker",
+    "find_bin": "tool0.cli.demos.grasps",
+    "pick_and_place": "tool0.cli.demos.picker",
 }
 
 

@@ -8,20 +8,72 @@ The numbers below are proportions, so that any arm of the family can be drawn.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 from .arm_parameters import ArmParameters
 from .model import Cylinder, LinkShape, ModelShape, Primitive, Vector
-from .solid import Solid, rounded, turned
+from .solid import Solid, rounded
+from .solid import turned as turned_solid
 
-MATERIALS = {
-    "grey": (0.75, 0.76, 0.78, 1.0),
-    "blue": (0.45, 0.62, 0.74, 1.0),
-    "black": (0.12, 0.12, 0.13, 1.0),
+Colour = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Style:
+    """What a generation of arms has in common; lengths in radii of the housing."""
+
+    grey: Colour
+    """Of housings and tubes."""
+    blue: Colour
+    """Of lids."""
+    lid: float
+    """Height of a lid."""
+    rounding: float
+    """Share of the lid's height that its edge is rounded by."""
+    bevel: float = 0.0
+    """Instead of the rounding: how far a flat bevel goes inwards."""
+    seam: float = 0.05
+    """Height of the dark seam below a lid."""
+    band: float = 0.0
+    """Height of the dark band where a housing turns against the next link."""
+
+    @property
+    def materials(self) -> Mapping[str, Colour]:
+        return {"grey": self.grey, "blue": self.blue, "black": BLACK}
+
+
+BLACK = (0.12, 0.12, 0.13, 1.0)
+STYLES = {
+    "cb3": Style(
+        grey=(0.75, 0.76, 0.78, 1.0),
+        blue=(0.45, 0.62, 0.74, 1.0),
+        lid=0.22,
+        rounding=0.55,
+    ),
+    "e_series": Style(
+        grey=(0.86, 0.87, 0.88, 1.0),
+        blue=(0.66, 0.76, 0.83, 1.0),
+        lid=0.36,
+        rounding=0.95,
+        seam=0.09,
+        band=0.16,
+    ),
+    "large": Style(
+        grey=(0.80, 0.82, 0.84, 1.0),
+        blue=(0.25, 0.34, 0.43, 1.0),
+        lid=0.30,
+        rounding=0.0,
+        bevel=0.26,
+        seam=0.04,
+        band=0.07,
+    ),
 }
 GAP = 0.004
 """Width of the dark ring at a joint [m]."""
-LID = 0.22
-"""Height of a lid, in radii of its housing."""
+turned = partial(turned_solid, segments=24)
 _RPY: dict[str, Vector] = {
     "x": (0.0, math.pi / 2, 0.0),
     "y": (math.pi / 2, 0.0, 0.0),
@@ -34,7 +86,7 @@ def arm_shape(arm: ArmParameters) -> ModelShape:
     return ModelShape(
         kind="arms",
         name=arm.name,
-        materials=MATERIALS,
+        materials=STYLES[arm.style].materials,
         links={
             "base": _base(arm),
             "shoulder": _shoulder(arm),
@@ -80,18 +132,19 @@ def _shoulder(arm: ArmParameters) -> LinkShape:
     """An upright housing with its lid on top, and a neck towards the upper arm."""
     radius, drop = arm.shoulder_radius, _shoulder_drop(arm)
     neck, reach = 0.97 * radius, arm.upper_arm_offset / 2 - GAP
-    housing, lid, shadow = _housing(radius, -drop, 0.86 * radius, "+z")
+    style = STYLES[arm.style]
+    housing = _housing(style, radius, -drop, 0.86 * radius, "+z")
     return LinkShape(
         visual={
             "grey": (
-                housing,
+                housing.body,
                 turned(_flared(neck, 0.0, reach), axis="-y"),
             ),
-            "blue": (lid,),
-            "black": (shadow, _ring(neck, reach, "-y")),
+            "blue": (housing.lid,),
+            "black": (*housing.dark, _ring(neck, reach, "-y")),
         },
         collision=(
-            _cylinder(radius, -drop, (0.86 + LID) * radius, "z"),
+            _cylinder(radius, -drop, (0.86 + style.lid) * radius, "z"),
             _cylinder(neck, -reach, 0.0, "y"),
         ),
     )
@@ -104,28 +157,28 @@ def _upper_arm(arm: ArmParameters) -> LinkShape:
     r_shoulder, r_elbow = arm.shoulder_radius, arm.elbow_radius
     elbow = (-arm.a2, 0.0, 0.0)
     shoulder_top, elbow_top = z + 0.86 * r_shoulder, z + 0.9 * r_elbow
-    near, near_lid, near_shadow = _housing(r_shoulder, z / 2, shoulder_top, "+z")
-    far, far_lid, far_shadow = _housing(
-        r_elbow, elbow_face + GAP, elbow_top, "+z", at=elbow
-    )
+    style = STYLES[arm.style]
+    near = _housing(style, r_shoulder, z / 2, shoulder_top, "+z")
+    far = _housing(style, r_elbow, elbow_face + GAP, elbow_top, "+z", at=elbow)
+    tops = shoulder_top + style.lid * r_shoulder, elbow_top + style.lid * r_elbow
     return LinkShape(
         visual={
             "grey": (
-                near,
-                far,
+                near.body,
+                far.body,
                 _tube(arm.a2, (tube, tube), (r_shoulder, r_elbow), z),
             ),
-            "blue": (near_lid, far_lid),
+            "blue": (near.lid, far.lid),
             "black": (
-                near_shadow,
-                far_shadow,
+                *near.dark,
+                *far.dark,
                 _ring(r_elbow, -elbow_face - GAP, "-z", at=elbow),
             ),
         },
         collision=(
-            _cylinder(r_shoulder, z / 2, shoulder_top + LID * r_shoulder, "z"),
+            _cylinder(r_shoulder, z / 2, tops[0], "z"),
             _cylinder(tube, -arm.a2, 0.0, "x", at=(0.0, 0.0, z)),
-            _cylinder(r_elbow, elbow_face + GAP, elbow_top + LID * r_elbow, "z", elbow),
+            _cylinder(r_elbow, elbow_face + GAP, tops[1], "z", elbow),
         ),
     )
 
@@ -138,50 +191,52 @@ def _forearm(arm: ArmParameters) -> LinkShape:
     bend, wrist = 0.94 * arm.elbow_radius, arm.wrist_radius
     low, wrist_low = z - 0.92 * bend, z - 0.9 * wrist
     end = (-arm.a3, 0.0, 0.0)
-    housing, lid, shadow = _housing(wrist, -wrist_face + GAP, -wrist_low, "-z", at=end)
+    style = STYLES[arm.style]
+    housing = _housing(style, wrist, -wrist_face + GAP, -wrist_low, "-z", at=end)
     return LinkShape(
         visual={
             "grey": (
                 turned(rounded(bend, low, face, below=0.45 * bend)),
-                housing,
+                housing.body,
                 _tube(arm.a3, radii, (bend, wrist), z),
             ),
-            "blue": (lid,),
+            "blue": (housing.lid,),
             "black": (
-                shadow,
+                *housing.dark,
                 _ring(wrist, wrist_face - GAP, "+z", at=end),
             ),
         },
         collision=(
             _cylinder(bend, low, face, "z"),
             _cylinder(radii[0], -arm.a3, 0.0, "x", at=(0.0, 0.0, z)),
-            _cylinder(wrist, wrist_low - LID * wrist, wrist_face - GAP, "z", end),
+            _cylinder(wrist, wrist_low - style.lid * wrist, wrist_face - GAP, "z", end),
         ),
     )
 
 
 def _wrist_1(arm: ArmParameters) -> LinkShape:
     """The second wrist's housing, its lid away from it, on a neck to the forearm."""
-    return _wrist((arm.d4 - arm.forearm_offset) / 2, arm.d5 / 2, arm.wrist_radius, "-y")
+    return _wrist(arm, (arm.d4 - arm.forearm_offset) / 2, arm.d5 / 2, "-y")
 
 
 def _wrist_2(arm: ArmParameters) -> LinkShape:
     """The third wrist's housing, likewise, on a neck to the first."""
-    return _wrist(arm.d5 / 2, _flange_face(arm), arm.wrist_radius, "+y")
+    return _wrist(arm, arm.d5 / 2, _flange_face(arm), "+y")
 
 
-def _wrist(neck: float, face: float, radius: float, axis: str) -> LinkShape:
+def _wrist(arm: ArmParameters, neck: float, face: float, axis: str) -> LinkShape:
     """A housing along y that turns against the next link at ``face`` [m]."""
     back = {"+y": "-y", "-y": "+y"}[axis]
-    housing, lid, shadow = _housing(radius, -face + GAP, 0.98 * radius, back)
+    style, radius = STYLES[arm.style], arm.wrist_radius
+    housing = _housing(style, radius, -face + GAP, 0.98 * radius, back)
     sign = 1.0 if axis == "+y" else -1.0
-    ends = (sign * (face - GAP), -sign * (0.98 + LID) * radius)
+    ends = (sign * (face - GAP), -sign * (0.98 + style.lid) * radius)
     slim = 0.95 * radius
     return LinkShape(
         visual={
-            "grey": (housing, turned(_flared(slim, 0.0, neck), axis="-z")),
-            "blue": (lid,),
-            "black": (shadow, _ring(radius, face - GAP, axis)),
+            "grey": (housing.body, turned(_flared(slim, 0.0, neck), axis="-z")),
+            "blue": (housing.lid,),
+            "black": (*housing.dark, _ring(radius, face - GAP, axis)),
         },
         collision=(
             _cylinder(radius, min(ends), max(ends), "y"),
@@ -232,23 +287,40 @@ def _flange_face(arm: ArmParameters) -> float:
     return 1.08 * arm.wrist_radius
 
 
+class Housing(NamedTuple):
+    """A joint's housing, with the lid on its far end."""
+
+    body: Solid
+    lid: Solid
+    dark: tuple[Solid, ...]
+    """The seam below the lid, and the band at the joint."""
+
+
 def _housing(
+    style: Style,
     radius: float,
     low: float,
     high: float,
     axis: str,
     at: Vector = (0.0, 0.0, 0.0),
-) -> tuple[Solid, Solid, Solid]:
-    """Return a housing along ``axis``, the lid on its far end, and their seam."""
-    seam, lid = 0.05 * radius, LID * radius
-    return (
-        turned(rounded(radius, low, high, above=0.04 * radius), axis=axis, at=at),
-        turned(
-            rounded(radius, high + seam, high + lid, above=0.55 * (lid - seam)),
-            axis=axis,
-            at=at,
-        ),
-        turned(rounded(0.97 * radius, high, high + seam), axis=axis, at=at),
+) -> Housing:
+    """Return a housing along ``axis`` that turns against the next link at ``low``."""
+    seam, lid, band = style.seam * radius, style.lid * radius, style.band * radius
+    if style.bevel:
+        inwards, step = style.bevel * radius, 0.25 * (lid - seam)
+        edge = [(radius, high + seam), (radius, high + seam + step)]
+        lid_profile = [*edge, (radius - inwards, high + lid)]
+    else:
+        above = style.rounding * (lid - seam)
+        lid_profile = rounded(radius, high + seam, high + lid, above=above)
+    body = rounded(radius, low + band, high, above=min(0.04 * radius, 0.003))
+    dark = [rounded(0.97 * radius, high, high + seam)]
+    if band:
+        dark.append(rounded(0.99 * radius, low, low + band))
+    return Housing(
+        body=turned(body, axis=axis, at=at),
+        lid=turned(lid_profile, axis=axis, at=at),
+        dark=tuple(turned(profile, axis=axis, at=at) for profile in dark),
     )
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
@@ -13,25 +14,66 @@ from .solid import Solid
 
 HEADER = b"tool0 mesh, metres, in the link's frame".ljust(80)
 PACKAGE = "package://tool0_description"
+Meshes: TypeAlias = Mapping[tuple[str, str], str]
+"""Link and material → URI of the mesh."""
 _TRIANGLE = np.dtype(
     [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
 )
 
 
-def write_model(model: ModelShape, package: Path) -> list[Path]:
-    """Write a model's meshes and parameters below ``package``; return the files."""
-    folder = package / "meshes" / model.name / "visual"
-    folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    for link, shape in model.links.items():
-        for material, solids in shape.visual.items():
-            file = folder / mesh_name(link, material)
-            file.write_bytes(stl(solids))
-            written.append(file)
-    parameters = package / "config" / model.kind / model.name / "visual_parameters.yaml"
-    parameters.parent.mkdir(parents=True, exist_ok=True)
-    parameters.write_text(visual_parameters(model), encoding="utf-8")
-    return [*written, parameters]
+def write_models(models: Iterable[ModelShape], package: Path) -> list[Path]:
+    """Write meshes and parameters of models below ``package``; return the files.
+
+    A mesh that an earlier model has, too, is not written again: the parameters of both
+    name the same file.
+    """
+    written: list[Path] = []
+    uris: dict[bytes, str] = {}
+    for model in models:
+        folder = package / "meshes" / model.name / "visual"
+        folder.mkdir(parents=True, exist_ok=True)
+        meshes = {}
+        for (link, material), data in _meshes(model).items():
+            if data not in uris:
+                file = folder / mesh_name(link, material)
+                file.write_bytes(data)
+                written.append(file)
+                uris[data] = f"{PACKAGE}/{file.relative_to(package).as_posix()}"
+            meshes[link, material] = uris[data]
+        if not any(folder.iterdir()):
+            folder.rmdir()
+            folder.parent.rmdir()
+        parameters = package / "config" / model.kind / model.name
+        parameters.mkdir(parents=True, exist_ok=True)
+        written.append(_write_parameters(model, meshes, parameters))
+    return written
+
+
+def write_own(model: ModelShape, folder: Path) -> list[Path]:
+    """Write meshes and parameters of your own arm into its folder; return the files."""
+    (folder / "meshes").mkdir(exist_ok=True)
+    meshes, written = {}, []
+    for (link, material), data in _meshes(model).items():
+        file = folder / "meshes" / mesh_name(link, material)
+        file.write_bytes(data)
+        written.append(file)
+        meshes[link, material] = file.relative_to(folder).as_posix()
+    return [*written, _write_parameters(model, meshes, folder)]
+
+
+def _meshes(model: ModelShape) -> dict[tuple[str, str], bytes]:
+    """Return the STL files of a model by link and material."""
+    return {
+        (link, material): stl(solids)
+        for link, shape in model.links.items()
+        for material, solids in shape.visual.items()
+    }
+
+
+def _write_parameters(model: ModelShape, meshes: Meshes, folder: Path) -> Path:
+    file = folder / "visual_parameters.yaml"
+    file.write_text(visual_parameters(model, meshes), encoding="utf-8")
+    return file
 
 
 def mesh_name(link: str, material: str) -> str:
@@ -51,7 +93,7 @@ def stl(solids: Iterable[Solid]) -> bytes:
     return HEADER + struct.pack("<I", len(corners)) + triangles.tobytes()
 
 
-def visual_parameters(model: ModelShape) -> str:
+def visual_parameters(model: ModelShape, meshes: Meshes) -> str:
     """Return the text of a model's ``visual_parameters.yaml``."""
     lines = [
         "# What the links look like and where they can be touched, in the links' own",
@@ -61,15 +103,14 @@ def visual_parameters(model: ModelShape) -> str:
     lines += [f"  {name}: {_list(rgba)}" for name, rgba in model.materials.items()]
     lines.append("links:")
     for link, shape in model.links.items():
-        lines += [f"  {link}:", *_link(model.name, link, shape)]
+        lines += [f"  {link}:", *_link(link, shape, meshes)]
     return "\n".join(lines) + "\n"
 
 
-def _link(model: str, link: str, shape: LinkShape) -> Iterable[str]:
+def _link(link: str, shape: LinkShape, meshes: Meshes) -> Iterable[str]:
     yield "    visual:"
     for material in shape.visual:
-        mesh = f"{PACKAGE}/meshes/{model}/visual/{mesh_name(link, material)}"
-        yield f'      - {{mesh: "{mesh}", material: {material}}}'
+        yield f'      - {{mesh: "{meshes[link, material]}", material: {material}}}'
     yield "    collision:"
     for primitive in shape.collision:
         pose = f"xyz: {_list(primitive.xyz)}, rpy: {_list(primitive.rpy)}"

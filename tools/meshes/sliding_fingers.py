@@ -51,9 +51,9 @@ class SlidingFingers:
             (RADIUS - 0.0075, RADIUS - 0.0015, 0.0110, top - 0.0075),
         ]
         rail: list[Circle] = [
-            (side * (RADIUS - 0.004), z, 0.0010)
+            (side * (RADIUS - 0.0015), z, 0.0005)
             for side in (-1, 1)
-            for z in (top - 0.0085, top - 0.0010)
+            for z in (top - 0.0080, top - 0.0005)
         ]
         return LinkShape(
             visual={

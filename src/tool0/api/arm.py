@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any, final
 
 from tool0.api.channel import Channel
 from tool0.api.controller import GoalHandle
+from tool0.api.sensors import ForceTorque
 from tool0.description.transform import Pose, Transform
 from tool0.kinematics.inverse import Branch, Solution
 from tool0.requests import arm
+from tool0.requests.motion import GoToPose
 from tool0.requests.table import plain
 
 if TYPE_CHECKING:
@@ -38,7 +40,7 @@ class Arm:
 
     @property
     def name(self) -> str:
-        """The prefix of its links; empty without a prefix."""
+        """The prefix of its links, ``arm`` without one; in a cell, the robot's name."""
         return self._info.name
 
     @property
@@ -78,6 +80,25 @@ class Arm:
         from tool0.kinematics.inverse import InverseKinematics
 
         return InverseKinematics(self.chain)
+
+    @property
+    def force_torque(self) -> ForceTorque:
+        """The force-torque sensor at its end."""
+        return ForceTorque(self.tip, self._channel)
+
+    def go_to_pose(self, name: str, *, speed: float = 0.5) -> tuple[GoalHandle, ...]:
+        """Move the arm and what it carries to a named pose.
+
+        Args:
+            name: A built-in or saved pose; its joints of other robots do not move.
+            speed: Fraction of each joint's largest velocity, 0.01 … 1.
+
+        Raises:
+            ControlError: If there is no such pose, or it cannot be reached.
+        """
+        request = GoToPose(name=name, robot=self.name, speed=speed)
+        goals = self._channel.call(request)
+        return tuple(GoalHandle(goal, self._channel) for goal in goals)
 
     @property
     def branch(self) -> Branch:

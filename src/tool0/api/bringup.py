@@ -8,7 +8,14 @@ from typing import TypeVar
 
 from tool0.api.channel import LocalChannel
 from tool0.api.robot import Robot
-from tool0.description.config import UNSET, Argument, DescriptionConfig, File, Unset
+from tool0.description.config import (
+    UNSET,
+    Argument,
+    Cell,
+    DescriptionConfig,
+    File,
+    Unset,
+)
 from tool0.description.robot import load_description
 from tool0.description.scene import Scene
 from tool0.runtime.bringup import start_simulation
@@ -23,6 +30,7 @@ def bringup(
     gripper: str | Unset | None = UNSET,
     prefix: str | None = None,
     robot: File | None = None,
+    cell: Cell | File | None = None,
     args: Mapping[str, Argument] | None = None,
     engine: str | None = None,
     scene: Scene | File | None = None,
@@ -50,6 +58,7 @@ def bringup(
         gripper: The gripper on tool0; 2f85 if not given, None or "none" for a bare arm.
         prefix: Prefix of all link and joint names.
         robot: Your own URDF or xacro file, instead of an arm and a gripper.
+        cell: Several robots and a scene: a value, or a YAML file (docs/cells.md).
         args: xacro arguments of that file, or further ones of the built-in file.
         engine: The physics engine: "mujoco", or "gazebo" (docs/gazebo.md).
         scene: The objects around the robot: a value, a YAML file, or a built-in scene
@@ -72,7 +81,7 @@ def bringup(
         Tool0Error: If an option or a file is wrong.
     """
     description = _with_given(
-        description, arm=arm, prefix=prefix, robot=robot, args=args
+        description, arm=arm, prefix=prefix, robot=robot, cell=cell, args=args
     )
     if gripper is not UNSET:
         description = replace(description, gripper=gripper)

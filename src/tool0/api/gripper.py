@@ -18,8 +18,9 @@ class Gripper:
     """A parallel gripper, moved through the controller that claims its joint."""
 
     def __init__(
-        self, geometry: ParallelGripper, model: RobotModel, channel: Channel
+        self, name: str, geometry: ParallelGripper, model: RobotModel, channel: Channel
     ) -> None:
+        self._name = name
         self._geometry = geometry
         self._model = model
         self._channel = channel
@@ -31,8 +32,8 @@ class Gripper:
 
     @property
     def name(self) -> str:
-        """Its name in the description, prefix included."""
-        return self.geometry.name
+        """The prefix of its name in the URDF, ``gripper`` without one."""
+        return self._name
 
     @property
     def opening(self) -> float:

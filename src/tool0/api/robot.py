@@ -17,6 +17,7 @@ from tool0.api.scene import SceneHandle
 from tool0.api.sensors import CameraHandle, ForceTorque
 from tool0.control.config import TYPES, ControllerConfig
 from tool0.description.model import JointLimits
+from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, RenderError, RequestError, did_you_mean
 from tool0.requests import motion, state
 from tool0.requests.arm import ListArms
@@ -393,14 +394,18 @@ class Robot(AbstractContextManager["Robot"]):
         """
         return self.channel.call(motion.ListPoses())
 
-    def save_pose(self, name: str) -> None:
+    def save_pose(self, name: str, *, robot: str | None = None) -> None:
         """Save the measured positions of the driven joints under ``name``.
+
+        Args:
+            name: Of the pose.
+            robot: Only the joints of this robot; those of all, if left out.
 
         Raises:
             ControlError: If it is the name of one of the robot's own poses, or none.
             ConfigError: If the file of saved poses cannot be read or written.
         """
-        self.channel.call(motion.SavePose(name=name))
+        self.channel.call(motion.SavePose(name=name, robot=robot))
 
     def delete_pose(self, name: str) -> None:
         """Delete a saved pose.
@@ -410,32 +415,35 @@ class Robot(AbstractContextManager["Robot"]):
         """
         self.channel.call(motion.DeletePose(name=name))
 
-    def go_to_pose(self, name: str, *, speed: float = 0.5) -> tuple[GoalHandle, ...]:
+    def go_to_pose(
+        self, name: str, *, robot: str | None = None, speed: float = 0.5
+    ) -> tuple[GoalHandle, ...]:
         """Move every joint of a pose there, as ``move_joints`` does.
 
         Args:
             name: A built-in or saved pose.
+            robot: Only the joints of this robot; all of the pose, if left out.
             speed: Fraction of each joint's largest velocity, 0.01 … 1.
 
         Raises:
             ControlError: If there is no such pose, or it cannot be reached.
         """
-        goals = self.channel.call(motion.GoToPose(name=name, speed=speed))
+        goals = self.channel.call(motion.GoToPose(name=name, robot=robot, speed=speed))
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
     # ---- parts ----------------------------------------------------------------------
 
     @property
     def grippers(self) -> Mapping[str, Gripper]:
-        """The grippers that the description names, by name."""
+        """The grippers by the prefix of their names, ``gripper`` without one."""
         return self._grippers
 
     @cached_property
     def _grippers(self) -> Mapping[str, Gripper]:
         model = self.description.model
         return {
-            geometry.name: Gripper(geometry, model, self.channel)
-            for geometry in model.grippers
+            name: Gripper(name, geometry, model, self.channel)
+            for name, geometry in find_grippers(model).items()
         }
 
     @property
@@ -445,7 +453,10 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def arms(self) -> Mapping[str, Arm]:
-        """The arms by the prefix of their links: six revolute joints up to a tool0."""
+        """The arms by the prefix of their links, ``arm`` without one.
+
+        An arm is six revolute joints in a row, up to a link ``…tool0``.
+        """
         return self._arms
 
     @cached_property

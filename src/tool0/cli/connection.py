@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Final, final
 from tool0.api.address import DEFAULT_NAME
 
 if TYPE_CHECKING:
+    from tool0.api.arm import Arm
     from tool0.api.controller import GoalHandle
+    from tool0.api.gripper import Gripper
     from tool0.api.robot import Robot
     from tool0.control.goal import Result
 
@@ -38,6 +40,42 @@ class Bringup:
 
 
 DEFAULT: Final = Bringup()
+
+
+def chosen_robot(robot: Robot, name: str | None) -> Arm:
+    """Return the arm of the robot that ``--robot`` names, or the only one.
+
+    Raises:
+        ConfigError: If there are several and none is named, or none of this name.
+    """
+    from tool0.errors import ConfigError, did_you_mean
+
+    names = list(robot.arms)
+    if name is None:
+        if len(names) > 1:
+            raise ConfigError(f"which robot? give --robot {' | '.join(names)}")
+        return robot.arm
+    if name not in names:
+        raise ConfigError(f"--robot: no robot '{name}'{did_you_mean(name, names)}")
+    return robot.arms[name]
+
+
+def chosen_gripper(robot: Robot, name: str | None) -> Gripper:
+    """Return the gripper of the robot that ``--robot`` names, or the only one.
+
+    Raises:
+        ConfigError: If there is no such robot, or it has no gripper.
+    """
+    from tool0.description.parts import gripper_of
+    from tool0.errors import ConfigError
+
+    if name is None and len(robot.grippers) <= 1:
+        return robot.gripper
+    arm = chosen_robot(robot, name)
+    gripper = gripper_of(robot.description.model, arm.name)
+    if gripper is None:
+        raise ConfigError(f"robot '{arm.name}' has no gripper")
+    return robot.grippers[gripper]
 
 
 def wait_for_goal(

@@ -22,18 +22,13 @@ from tool0.runtime.config import SimulationConfig
 from tool0.user_data import require_writable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from tool0.api.robot import Robot
-    from tool0.cli.pick_demo.picker import PickReport
-    from tool0.cli.pick_demo.trials import DemoReport
-    from tool0.description.scene import Scene
-    from tool0.description.transform import Pose
+    from tool0.cli.demos.picker import PickReport
+    from tool0.cli.demos.table import PickTable
+    from tool0.cli.demos.trials import DemoReport
 
 PAGE_TIMEOUT = 300.0
 """Longest wait for a browser that has loaded the scene [wall s]."""
-ITEM, BIN = "cube", "bin"
-"""Their names in the scene ``table_and_bin``."""
 
 
 @final
@@ -43,8 +38,6 @@ class PickArguments:
 
     engine: str = "mujoco"
     """The physics engine: mujoco or gazebo."""
-    gripper_model: Literal["mimic", "linkage"] = "mimic"
-    """mimic: fingers that follow the drive; linkage: five-bar fingers (mujoco only)."""
     n: int = 1
     """Number of picks; from the second on, or with --seed, from random poses."""
     seed: int | None = None
@@ -56,7 +49,7 @@ class PickArguments:
     friction: float = 1.0
     """Coefficient of friction of the cube."""
     force: float = 60.0
-    """Gripping force at each pad [N], 20 to 235."""
+    """Gripping force at each pad [N], within the gripper's range."""
     speed: float = 0.7
     """Speed of the arm's joints as a fraction of the maximum."""
     grasp_assist: bool = False
@@ -79,6 +72,7 @@ class PickArguments:
 
 def pick(
     arguments: PickArguments = PickArguments(),
+    description: DescriptionConfig = DescriptionConfig(),
     panel: PanelOptions = PanelOptions(),
 ) -> int:
     """Pick a cube from the table and place it in a bin; status 1 if that fails.
@@ -98,56 +92,48 @@ def pick(
         require_encoder(arguments.video)
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
-        robot = exits.enter_context(_bring_up(arguments))
+        table = _table(description)
+        robot = exits.enter_context(_bring_up(arguments, description, table))
         if arguments.video is not None:
             robot.camera(arguments.camera).image()
         if not arguments.headless:
             _show(robot, panel, exits)
-        report = _play(robot, arguments)
+        report = _play(robot, arguments, table)
         _print_report(report, arguments)
         while not arguments.headless and _wants_replay():
             robot.reset()
             again = replace(arguments, video=None, report=None)
-            _print_report(_play(robot, again), again)
+            _print_report(_play(robot, again, table), again)
     return OK if report.n_succeeded == len(report.picks) else GOAL_FAILED
 
 
 demo = {"pick": pick}
 
 
-def _bring_up(arguments: PickArguments) -> Robot:
+def _table(description: DescriptionConfig) -> PickTable:
+    from tool0.cli.demos.table import pick_table
+    from tool0.description.robot import load_description
+
+    return pick_table(load_description(description).model)
+
+
+def _bring_up(
+    arguments: PickArguments, description: DescriptionConfig, table: PickTable
+) -> Robot:
     from tool0.api.bringup import bringup
 
+    scene = table.scene(
+        edge=arguments.size, mass=arguments.mass, friction=arguments.friction
+    )
     return bringup(
-        description=DescriptionConfig(gripper_model=arguments.gripper_model),
+        description=description,
         simulation=SimulationConfig(
             engine=arguments.engine,
             grasp_assist=arguments.grasp_assist,
-            scene=_scene(arguments),
+            scene=scene,
             realtime=not arguments.headless,
         ),
     )
-
-
-def _scene(arguments: PickArguments) -> Scene:
-    """Return the scene with the requested cube."""
-    from tool0.description.scene_file import load_scene
-    from tool0.description.shapes import Box
-
-    shipped = load_scene("table_and_bin")
-    cube = next(item for item in shipped.objects if item.name == ITEM)
-    edge = arguments.size
-    x, y, z = cube.pose.xyz
-    floor = z - cube.geometry.size[2] / 2.0  # type: ignore[union-attr]  # a box
-    changed = replace(
-        cube,
-        geometry=Box(size=(edge, edge, edge)),
-        pose=replace(cube.pose, xyz=(x, y, floor + edge / 2.0)),
-        mass=arguments.mass,
-        friction=arguments.friction,
-    )
-    others = tuple(item for item in shipped.objects if item.name != ITEM)
-    return replace(shipped, objects=(*others, changed))
 
 
 def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
@@ -182,20 +168,23 @@ def _wants_replay() -> bool:
         return not stop.is_set and sys.stdin.readline() != ""
 
 
-def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
-    from tool0.cli.pick_demo.grasps import find_bin
-    from tool0.cli.pick_demo.monitor import FrameRecorder
-    from tool0.cli.pick_demo.picker import PickOptions
-    from tool0.cli.pick_demo.trials import run_trials
+def _play(robot: Robot, arguments: PickArguments, table: PickTable) -> DemoReport:
+    from tool0.cli.demos.grasps import find_bin
+    from tool0.cli.demos.hand import PickOptions
+    from tool0.cli.demos.monitor import FrameRecorder
+    from tool0.cli.demos.table import BIN, ITEM
+    from tool0.cli.demos.trials import run_trials
 
+    options = PickOptions(force=arguments.force, speed=arguments.speed, lift=table.lift)
+    poses = table.random_poses(robot, arguments.size, arguments.seed or 0)
     recorder = FrameRecorder()
     report = run_trials(
         robot,
         ITEM,
         find_bin(robot.scene.objects, BIN),
-        _poses(arguments),
+        poses if arguments.seed is not None else itertools.chain([None], poses),
         arguments.n,
-        options=PickOptions(force=arguments.force, speed=arguments.speed),
+        options=options,
         on_snapshot=recorder.record if arguments.video else lambda snapshot: None,
         on_pick=_print_pick if arguments.format == "text" else lambda pick: None,
     )
@@ -204,13 +193,6 @@ def _play(robot: Robot, arguments: PickArguments) -> DemoReport:
     with ProgressBar() as progress:
         recorder.write(arguments.video, robot, arguments.camera, progress)
     return replace(report, video=str(arguments.video))
-
-
-def _poses(arguments: PickArguments) -> Iterator[Pose | None]:
-    from tool0.cli.pick_demo.trials import random_poses
-
-    drawn = random_poses(arguments.size, arguments.seed or 0)
-    return drawn if arguments.seed is not None else itertools.chain([None], drawn)
 
 
 def _print_pick(pick: PickReport) -> None:

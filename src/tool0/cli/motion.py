@@ -9,12 +9,25 @@ from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 from tool0.cli import INTERRUPTED
-from tool0.cli.connection import DEFAULT, Bringup, wait_for_goal
+from tool0.cli.connection import (
+    DEFAULT,
+    Bringup,
+    chosen_gripper,
+    chosen_robot,
+    wait_for_goal,
+)
 from tool0.cli.parameters import Option, joint_values
 from tool0.description.model import JointType
 from tool0.description.transform import Pose
-from tool0.description.units import ANGLE, LENGTH, Metres, Quantity, Radians
-from tool0.errors import ConfigError, ControlError, GoalTimeoutError, did_you_mean
+from tool0.description.units import (
+    ANGLE,
+    LENGTH,
+    Metres,
+    Quantity,
+    Radians,
+    read_number,
+)
+from tool0.errors import ConfigError, GoalTimeoutError
 
 if TYPE_CHECKING:
     from tool0.api.controller import GoalHandle
@@ -41,7 +54,7 @@ def move(
     speed: float | None = None,
     tip: str | None = None,
     relative_to: str | None = None,
-    arm: str | None = None,
+    robot: str | None = None,
     timeout: float | None = None,
     bringup: Bringup = DEFAULT,
 ) -> int:
@@ -61,7 +74,7 @@ def move(
             0.01 to 1; with --linear, the speed of the tool [m/s].
         tip: Link that moves to --pose; tool0 if not given.
         relative_to: Link in whose frame --pose is given; the root if not given.
-        arm: Which arm moves, if the robot has several.
+        robot: Which robot of a cell moves to --pose.
         timeout: Cancel the motion after this wall time [s].
     """
     of_pose: dict[str, Any] = {  # values of two types
@@ -72,19 +85,17 @@ def move(
     if (pose is None) == (not joints):
         raise ConfigError("give either --joints or --pose")
     if pose is None:
-        _refuse("--pose", {**of_pose, "arm": arm, "linear": linear or None})
+        _refuse("--pose", {**of_pose, "robot": robot, "linear": linear or None})
         duration = 2.0 if duration is None else duration
         return _move_joints(joints, duration, controller, timeout, bringup)
     _refuse("--joints", {"duration": duration, "controller": controller})
     given = {name: value for name, value in of_pose.items() if value is not None}
     x, y, z, roll, pitch, yaw = pose
     target = Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw))
-    with bringup.connect() as robot:
-        chosen = robot.arms.get(arm) if arm is not None else robot.arm
-        if chosen is None:
-            raise ControlError(f"no arm '{arm}'{did_you_mean(arm or '', robot.arms)}")
-        move = chosen.move_linear if linear else chosen.move_to
-        return wait_for_goal(robot, partial(move, target, **given), timeout)
+    with bringup.connect() as connected:
+        arm = chosen_robot(connected, robot)
+        move = arm.move_linear if linear else arm.move_to
+        return wait_for_goal(connected, partial(move, target, **given), timeout)
 
 
 def _refuse(other: str, options: Mapping[str, object]) -> None:
@@ -133,10 +144,11 @@ def _check_units(units: Mapping[str, Quantity], robot: Robot) -> None:
 def grip(
     *,
     opening: Metres | None = None,
-    position: Radians | None = None,
+    position: Annotated[str, Option(metavar="ANGLE | LENGTH")] | None = None,
     speed: float | None = None,
     force: float | None = None,
     effort: float | None = None,
+    robot: str | None = None,
     timeout: float | None = None,
     bringup: Bringup = DEFAULT,
 ) -> int:
@@ -146,31 +158,43 @@ def grip(
 
     Args:
         opening: Distance between the pads [m]; 0 is closed.
-        position: Position of the driven joint [rad], [m] if it slides, instead of
-            --opening; 0 is open.
+        position: Position of the driven joint, instead of --opening: an angle, or a
+            length if it slides; 0 is open.
         speed: Speed of the pads relative to each other [m/s]; the fastest if not given.
         force: Largest force at each pad [N]; the strongest if not given.
         effort: Largest effort of the driven joint [N·m], [N] if it slides, instead of
             --force.
+        robot: Which robot of a cell has the gripper.
         timeout: Cancel the motion after this wall time [s].
     """
     if (opening is None) == (position is None):
         raise ConfigError("give either --opening or --position")
-    with bringup.connect() as robot:
+    with bringup.connect() as connected:
+        gripper = chosen_gripper(connected, robot)
         move = partial(
-            robot.gripper.move,
+            gripper.move,
             opening=opening,
-            position=position,
+            position=_joint_position(position, gripper.geometry.quantity),
             speed=speed,
             force=force,
             effort=effort,
         )
-        status = wait_for_goal(robot, move, timeout)
+        status = wait_for_goal(connected, move, timeout)
         if status != INTERRUPTED:
             with contextlib.suppress(GoalTimeoutError):
-                robot.gripper.wait(_SETTLE)
-            print(described(robot.gripper.state))
+                gripper.wait(_SETTLE)
+            print(described(gripper.state))
     return status
+
+
+def _joint_position(text: str | None, quantity: Quantity) -> float | None:
+    """Return ``--position`` [rad | m]: the joint measures ``quantity``."""
+    if text is None:
+        return None
+    try:
+        return read_number(text, quantity)[0]
+    except ConfigError as error:
+        raise ConfigError(f"--position: {error}") from None
 
 
 def described(state: GraspState) -> str:

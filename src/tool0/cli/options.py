@@ -15,7 +15,7 @@ from typing import Final, Literal, final
 
 from tool0.cli.parameters import Reader, Readers, assignments, joint_values
 from tool0.description.camera import Camera
-from tool0.description.config import Argument, DescriptionConfig, File, Unset
+from tool0.description.config import Argument, Cell, DescriptionConfig, File, Unset
 from tool0.description.scene import Scene
 from tool0.description.units import (
     ANGLE,
@@ -131,6 +131,8 @@ READERS: Final[Readers] = {
     Names | None: Reader(1, "'NAME ...'", lambda words: words[0]),
     File | None: Reader(1, "FILE", lambda words: Path(words[0])),
     Scene | File | None: Reader(1, "FILE", lambda words: Path(words[0])),
+    Cell | File | None: Reader(1, "FILE", lambda words: Path(words[0])),
+    Sequence[str] | None: Reader("*", "NAME=ARM+GRIPPER@X,Y,Z ...", tuple),
     File | Sequence[File] | None: Reader(
         "*", "FILE ...", lambda words: tuple(map(Path, words))
     ),

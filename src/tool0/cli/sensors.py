@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from tool0.cli.connection import DEFAULT, Bringup
+from tool0.cli.connection import DEFAULT, Bringup, chosen_robot
 from tool0.cli.motion import described
 from tool0.cli.parameters import Option
 from tool0.cli.text import columns
@@ -116,6 +116,7 @@ def wrench(
     cutoff: float | None = None,
     duration: float | None = None,
     raw: bool = False,
+    robot: str | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
     """Print the force and torque that the tool exerts on tool0, in tool0's axes.
@@ -128,11 +129,15 @@ def wrench(
         cutoff: Set the cutoff frequency of the low-pass filter [Hz]; initially 15.
         duration: Print every sample for this simulated time [s]; otherwise print one.
         raw: Print unfiltered values.
+        robot: Which robot of a cell has the sensor.
     """
     if duration is not None and not duration >= 0.0:
         raise ConfigError(f"--duration must be 0 or more seconds, got {duration}")
-    with bringup.connect() as robot:
-        sensor = robot.force_torque
+    with bringup.connect() as connected:
+        if robot is None and len(connected.arms) <= 1:
+            sensor = connected.force_torque
+        else:
+            sensor = chosen_robot(connected, robot).force_torque
         if rate is not None or cutoff is not None:
             sensor.start(rate, DEFAULT_CUTOFF if cutoff is None else cutoff)
         if zero:

@@ -8,7 +8,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, final
 
+from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel
+from tool0.description.parts import find_arms, flange_names
 from tool0.description.transform import (
     Pose,
     Transform,
@@ -26,6 +28,13 @@ if TYPE_CHECKING:
 LARGEST = 4096
 """Largest width and height [pixels] that every OpenGL supports."""
 
+_SCENE_VIEW = math.radians(50.0)
+_ARM_LENGTH = 1.098
+"""Distance from joint to joint, summed [m], of the arm for which these are:"""
+_WORKSPACE: Vector3 = (0.35, 0.05, 0.15)
+"""What the camera of the scene looks at, from the arm's base [m]."""
+_VIEWPOINT: Vector3 = (1.0, -1.0, 0.7)
+"""Where that camera is, from there [m]."""
 _NAME = re.compile(r"[A-Za-z]\w*")
 
 
@@ -142,27 +151,56 @@ def looking(
 
 
 def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
-    """Return ``scene``, and ``wrist`` if there is one link ``tool0`` to carry it."""
+    """Return a camera on each flange, and ``scene``, which sees all arms.
+
+    On the flange of a robot with one it is ``wrist``, on those of several
+    ``left_wrist`` and so on.
+    """
+    flanges = flange_names(model)
+    cameras = [
+        # Beside the gripper's body, in the plane between its fingers, like a depth
+        # camera on a bracket; the fingertips are in the lower part of the image.  The
+        # field of view is that of the depth image of a RealSense D435 (87° x 58°,
+        # https://www.intelrealsense.com/depth-camera-d435/), whose picture is wider.
+        Camera(
+            name="wrist" if len(flanges) == 1 else f"{name}_wrist",
+            link=flange,
+            pose=looking((-0.075, 0.0, 0.05), (0.0, 0.0, 0.25), up=(-1.0, 0.0, 0.0)),
+            field_of_view=math.radians(58.0),
+            far=5.0,
+        )
+        for name, flange in flanges.items()
+    ]
+    position, at = _view_of_all(model)
     scene = Camera(
         name="scene",
-        pose=looking((1.35, -0.95, 0.85), (0.35, 0.05, 0.15)),  # the arm's reach
-        field_of_view=math.radians(50.0),
-        far=20.0,
+        pose=looking(position, at),
+        field_of_view=_SCENE_VIEW,
+        far=max(20.0, 4.0 * math.dist(position, at)),
     )
-    if len(model.flanges) != 1:
-        return (scene,)
-    # Beside the gripper's body, in the plane between its fingers, like a depth camera
-    # on a bracket; the fingertips are in the lower part of the image.  The
-    # field of view is that of the depth image of a RealSense D435 (87° x 58°,
-    # https://www.intelrealsense.com/depth-camera-d435/), whose picture is wider.
-    wrist = Camera(
-        name="wrist",
-        link=model.flanges[0],
-        pose=looking((-0.075, 0.0, 0.05), (0.0, 0.0, 0.25), up=(-1.0, 0.0, 0.0)),
-        field_of_view=math.radians(58.0),
-        far=5.0,
-    )
-    return (wrist, scene)
+    return (*cameras, scene)
+
+
+def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
+    """Return where a camera sees all arms from, and what it looks at [m]."""
+    poses = link_poses(model)
+    views = []
+    for arm in find_arms(model).values():
+        length = sum(math.hypot(*joint.origin.xyz) for joint in arm.joints)
+        scale = round(length / _ARM_LENGTH, 2)
+        T_root_base = poses[arm.joints[0].parent]
+        x, y, z = (value * scale for value in _WORKSPACE)
+        views.append((T_root_base.apply((x, y, z)), scale))
+    if not views:
+        views = [(_WORKSPACE, 1.0)]
+    points = [point for point, _ in views]
+    x, y, z = (sum(values) / len(points) for values in zip(*points, strict=True))
+    spread = max(math.dist(point, (x, y, z)) for point in points)
+    # Further back by what a row of that width needs in the upright angle of view.
+    back = max(scale for _, scale in views)
+    back += spread / math.tan(_SCENE_VIEW / 2.0) / math.hypot(*_VIEWPOINT)
+    dx, dy, dz = (value * back for value in _VIEWPOINT)
+    return (x + dx, y + dy, z + dz), (x, y, z)
 
 
 def merged(*groups: Iterable[Camera]) -> dict[str, Camera]:

@@ -1,4 +1,4 @@
-"""Which robot to simulate.
+"""Which robot, or which cell of robots, to simulate.
 
 ``DescriptionConfig`` is the only declaration of these options: ``tool0.bringup``, the
 command line and ``ur_robotiq.urdf.xacro`` all take its fields.
@@ -6,14 +6,16 @@ command line and ``ur_robotiq.urdf.xacro`` all take its fields.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from enum import Enum
 from pathlib import Path
 from typing import Final, Literal, final
 
+from tool0.description.scene import Scene
 from tool0.description.units import Metres, Radians
-from tool0.errors import ConfigError
+from tool0.errors import ConfigError, SourceLocation
 
 Argument = str | bool | int | float | Path | Sequence[float] | None
 """The value of a xacro argument; None leaves the argument at its default."""
@@ -35,19 +37,26 @@ outstretched arm must clear the ground."""
 UNSET: Final = Unset.UNSET
 """A value that was not given, where None means something else."""
 
+_OF_SEVERAL: Final = ("robot", "cell", "robots")
+"""The options that name robots in another way than by an arm and a gripper."""
+_OF_ALL: Final = ("prefix", "tf_prefix", *_OF_SEVERAL)
+"""The options that a robot of a cell does not have."""
+_ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DescriptionConfig:
-    """The robot: an arm and a gripper of the catalogue, or your own file.
+    """The robot: an arm and a gripper of the catalogue, a cell of them, or your file.
 
-    Each field except ``robot`` and ``args`` is the argument of the same name in
-    ``tool0_description/urdf/ur_robotiq.urdf.xacro``.  A field that is not given (None)
-    leaves the argument at its default.  Relative paths count from the working
-    directory.
+    Each field except ``robot``, ``cell``, ``robots`` and ``args`` is the argument of
+    the same name in ``tool0_description/urdf/ur_robotiq.urdf.xacro``.  A field that is
+    not given (None) leaves the argument at its default.  Relative paths count from the
+    working directory.
 
     Raises:
-        ConfigError: If ``robot`` is given together with a field of the catalogue.
+        ConfigError: If two of ``robot``, ``cell`` and ``robots`` are given, or one of
+            them together with a field of the catalogue.
     """
 
     arm: str | None = None
@@ -61,6 +70,11 @@ class DescriptionConfig:
     """Prefix of all link and joint names, such as `left_`."""
     robot: File | None = None
     """Your own URDF or xacro file, instead of an arm and a gripper."""
+    cell: Cell | File | None = None
+    """Several robots and a scene: a YAML file (docs/cells.md)."""
+    robots: Sequence[str] | None = None
+    """Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0: name, arm,
+    gripper if any, position of the base and, if given, roll, pitch, yaw [m, rad]."""
     args: Mapping[str, Argument] | None = None
     """Arguments of the xacro file; they override the other options."""
     mount_xyz: Sequence[Metres] | None = None
@@ -105,10 +119,19 @@ class DescriptionConfig:
 
     def __post_init__(self) -> None:
         given = self._given()
+        several = [name for name in _OF_SEVERAL if getattr(self, name) is not None]
+        if len(several) > 1:
+            raise ConfigError(f"give only one of {', '.join(several)}")
         if self.robot is not None and given:
             raise ConfigError(
                 f"{', '.join(given)}: only for robots of the catalogue; '{self.robot}' "
                 "takes the arguments that it declares with <xacro:arg>, through args"
+            )
+        if several and several != ["robot"] and (given or self.args):
+            names = ", ".join((*given, *(["args"] if self.args else [])))
+            raise ConfigError(
+                f"{names}: only for a single robot; give them for each robot of the "
+                "cell, in its file"
             )
 
     def xacro_arguments(self) -> dict[str, Argument]:
@@ -122,6 +145,78 @@ class DescriptionConfig:
             if item.name == "gripper" and value is None:
                 value = "none"
             is_given = value is not None and value is not UNSET and value is not False
-            if is_given and item.name not in ("robot", "args"):
+            if is_given and item.name not in (*_OF_SEVERAL, "args"):
                 given[item.name] = value
         return given
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellRobot:
+    """One robot of a cell."""
+
+    name: str
+    """Such as ``left``; its links, joints and controllers start with ``left_``."""
+    description: DescriptionConfig
+    """Its arm, gripper, base and mount."""
+    initial_pose: str | Mapping[str, float] | None = None
+    """A named pose, or positions by joint without the prefix [rad | m]; ``home`` if not
+    given."""
+    controllers_file: File | None = None
+    """ros_control YAML instead of its built-in controllers.  It is written for the
+    robot alone: the names of joints and controllers get the prefix."""
+    location: SourceLocation | None = None
+    """Where it was read from, for messages."""
+
+    def __post_init__(self) -> None:
+        if not _ROBOT_NAME.fullmatch(self.name):
+            raise ConfigError(
+                f"'{self.name}' cannot name a robot; use letters, digits and '_', a "
+                "letter first and no '_' at the end, such as left",
+                self.location,
+            )
+        for option in _OF_ALL:
+            if getattr(self.description, option) is not None:
+                raise ConfigError(
+                    f"robot '{self.name}' of a cell cannot have '{option}'",
+                    self.location,
+                )
+
+    @property
+    def prefix(self) -> str:
+        """Prefix of the names of its links, joints and controllers."""
+        return f"{self.name}_"
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """Several robots in one world, and the objects around them.
+
+    Raises:
+        ConfigError: If there is no robot, or two have one name.
+    """
+
+    name: str = ""
+    """Name of the whole model; made of the robots if empty."""
+    robots: tuple[CellRobot, ...]
+    scene: Scene | File | None = None
+    """The objects around them; ``SimulationConfig.scene`` replaces them."""
+    namespaces: bool = False
+    """Whether each robot has a namespace and a controller manager of its own in ROS."""
+    location: SourceLocation | None = None
+    """Its file, for messages."""
+
+    def __post_init__(self) -> None:
+        if not self.robots:
+            raise ConfigError(
+                "the cell has no robot; give it at least one under 'robots'",
+                self.location,
+            )
+        names: set[str] = set()
+        for robot in self.robots:
+            if robot.name in names:
+                raise ConfigError(
+                    f"two robots are called '{robot.name}'; rename one", robot.location
+                )
+            names.add(robot.name)

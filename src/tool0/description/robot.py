@@ -19,7 +19,14 @@ from tool0.description.catalogue import (
     find_part,
     grippers,
 )
-from tool0.description.config import SPAWN_Z, Argument, DescriptionConfig
+from tool0.description.cell import check_bases, merge_robots
+from tool0.description.cell_file import load_cell, parse_robots
+from tool0.description.config import (
+    SPAWN_Z,
+    Argument,
+    Cell,
+    DescriptionConfig,
+)
 from tool0.description.expansion import expand
 from tool0.description.model import RobotModel
 from tool0.description.packages import find_package
@@ -72,8 +79,9 @@ class CatalogueRobot:
 
     @property
     def title(self) -> str:
-        """Such as ``ur5 + 2f85``."""
-        return " + ".join(part.name for part in self.parts)
+        """Such as ``ur5 + 2f85``, in a cell ``left: ur5 + 2f85``."""
+        parts = " + ".join(part.name for part in self.parts)
+        return f"{self.name}: {parts}" if self.name else parts
 
 
 @final
@@ -87,6 +95,8 @@ class RobotDescription:
     """The xacro or URDF file that it was read from."""
     robots: tuple[CatalogueRobot, ...] = ()
     """Its arms and grippers of the catalogue; none for your own file."""
+    cell: Cell | None = None
+    """The cell of its ``robots``; None for a single one, or in another process."""
     tf_prefix: str = ""
     """Prefix of its frames in ROS."""
     _document: Document = field(repr=False, compare=False)
@@ -110,22 +120,78 @@ class RobotDescription:
 def load_description(
     config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
 ) -> RobotDescription:
-    """Return the robot that ``config`` describes; a catalogue arm stands in ``world``.
+    """Return what ``config`` describes; a catalogue arm stands in ``world``.
 
     Its pedestal reaches to the ground, ``spawn_z`` [m] below ``world``.
 
     Raises:
         DescriptionError: If a name, an argument or a file is missing or wrong.
         ModelError: If the parameters are physically impossible.
+        ConfigError: If a cell is wrong.
     """
     if config.robot is not None:
         return load_robot(config.robot, config.args)
-    defaults = {"arm": DEFAULT_ARM, "gripper": DEFAULT_GRIPPER, "prefix": ""}
+    cell = _cell_of(config)
+    if cell is not None:
+        return _load_cell(cell, spawn_z)
+    robot, document = _expand_robot(config, spawn_z)
+    return RobotDescription(
+        model=read_model(document),
+        source=_catalogue_file(),
+        robots=(robot,),
+        tf_prefix=_to_texts(config.xacro_arguments()).get("tf_prefix", ""),
+        _document=document,
+    )
+
+
+def _cell_of(config: DescriptionConfig) -> Cell | None:
+    if config.robots is not None:
+        return parse_robots(config.robots)
+    cell = config.cell
+    return cell if cell is None or isinstance(cell, Cell) else load_cell(cell)
+
+
+def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:
+    """Return the robots of a cell as one model."""
+    robots, documents = [], []
+    for item in cell.robots:
+        try:
+            robot, document = _expand_robot(item.description, spawn_z, item.name)
+        except DescriptionError as error:
+            location = error.location or item.location
+            message = f"robot '{item.name}': {error.message}"
+            raise DescriptionError(message, location) from None
+        robots.append(robot)
+        documents.append(document)
+    name = "_".join([*(robot.prefix + robot.arm.name for robot in robots), "robot"])
+    document = merge_robots(cell, cell.name or name, documents)
+    model = read_model(document)
+    check_bases(cell, model)
+    file = cell.location.file if cell.location else None
+    return RobotDescription(
+        model=model,
+        source=file or _catalogue_file(),
+        robots=tuple(robots),
+        cell=cell,
+        _document=document,
+    )
+
+
+def _expand_robot(
+    config: DescriptionConfig, spawn_z: float, name: str = ""
+) -> tuple[CatalogueRobot, Document]:
+    """Return an arm of the catalogue with its gripper, and its URDF.
+
+    With a ``name``, it is a robot of a cell.
+    """
+    prefix = f"{name}_" if name else ""
+    defaults = {"arm": DEFAULT_ARM, "gripper": DEFAULT_GRIPPER, "prefix": prefix}
     given = {**defaults, **_to_texts(config.xacro_arguments())}
     given.setdefault("pedestal_height", _pedestal_height(given, spawn_z))
     gripper, prefix = given["gripper"], given["prefix"]
     gripper_model = given.get("gripper_model", GRIPPER_MODELS[0])
     robot = CatalogueRobot(
+        name=name,
         arm=find_part("arm", given["arm"]),
         gripper=None if gripper == NO_GRIPPER else find_part("gripper", gripper),
         prefix=prefix,
@@ -142,21 +208,17 @@ def load_description(
             f"gripper_model {gripper_model} needs a gripper "
             f"({', '.join(grippers())}), but the robot has none"
         )
-    check_arm_files(_own_files(robot.arm, given))
     if robot.gripper is not None and gripper_model == "linkage":
         _check_linkage(robot.gripper)
+    check_arm_files(_own_files(robot.arm, given))
     given["arm"] = str(robot.arm.folder)
     if robot.gripper is not None:
         given["gripper"] = str(robot.gripper.folder)
-    path = find_package("tool0_description") / "urdf" / "ur_robotiq.urdf.xacro"
-    document = expand(path, given)
-    return RobotDescription(
-        model=read_model(document),
-        source=path,
-        robots=(robot,),
-        tf_prefix=given.get("tf_prefix", ""),
-        _document=document,
-    )
+    return robot, expand(_catalogue_file(), given)
+
+
+def _catalogue_file() -> Path:
+    return find_package("tool0_description") / "urdf" / "ur_robotiq.urdf.xacro"
 
 
 def assemble(
@@ -218,19 +280,6 @@ def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
     }
 
 
-def _own_files(arm: Part, given: Mapping[str, str]) -> Mapping[str, Path]:
-    """Return the arm's YAML files that are not built-in ones, by name."""
-    files = {}
-    if not arm.is_built_in:
-        files = {name: arm.folder / f"{name}.yaml" for name in ARM_FILES}
-    instead = {
-        name: Path(given[argument])
-        for name, argument in _FILE_ARGUMENTS.items()
-        if given.get(argument)
-    }
-    return {**files, **instead}
-
-
 def _check_linkage(gripper: Part) -> None:
     """Raise DescriptionError unless the gripper's fingers are linkages."""
     if not gripper.file(_LINKAGE_FILE).is_file():
@@ -243,6 +292,19 @@ def _check_linkage(gripper: Part) -> None:
             f"gripper_model linkage: the fingers of '{gripper.name}' are no linkages; "
             f"grippers with this model: {', '.join(having)}"
         )
+
+
+def _own_files(arm: Part, given: Mapping[str, str]) -> Mapping[str, Path]:
+    """Return the arm's YAML files that are not built-in ones, by name."""
+    files = {}
+    if not arm.is_built_in:
+        files = {name: arm.folder / f"{name}.yaml" for name in ARM_FILES}
+    instead = {
+        name: Path(given[argument])
+        for name, argument in _FILE_ARGUMENTS.items()
+        if given.get(argument)
+    }
+    return {**files, **instead}
 
 
 def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:

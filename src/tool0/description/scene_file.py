@@ -109,7 +109,12 @@ def load_scene(path: Path | str) -> Scene:
     """
     tree = read_files([scene_path(path)])
     tree.require_unique_keys()
-    root = Namespace(tree.root)
+    return read_scene(tree.root)
+
+
+def read_scene(entry: YamlEntry) -> Scene:
+    """Return the objects and cameras of a mapping, or raise ConfigError."""
+    root = Namespace(entry)
     root.only("objects", "cameras")
     colors = itertools.cycle(PALETTE)
     objects, locations = _read_list(root, "objects", lambda e: _objects(e, colors))

@@ -8,13 +8,12 @@ from typing import NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from tool0.description.model import FLANGE, Joint, JointType, RobotModel
+from tool0.description.model import FLANGE, Joint, RobotModel
+from tool0.description.parts import ARM_JOINTS, find_arms
 from tool0.description.transform import Transform, to_transform
 from tool0.errors import ControlError
 
 Array = NDArray[np.float64]
-
-N_JOINTS = 6
 
 
 class Posture(NamedTuple):
@@ -61,7 +60,7 @@ class ArmChain:
     def forward(self, q: Array) -> Posture:
         """Return the pose of the flange at positions ``q`` [rad], shape (n, 6)."""
         turns = rodrigues(self._crosses, self._squares, q)
-        axes = np.empty((len(q), N_JOINTS, 3))
+        axes = np.empty((len(q), ARM_JOINTS, 3))
         points = np.empty_like(axes)
         R = np.broadcast_to(np.eye(3), (len(q), 3, 3))
         p = np.zeros((len(q), 3))
@@ -95,26 +94,18 @@ def rodrigues(K: Array, K_squared: Array, angle: Array) -> Array:
 
 
 def find_chains(model: RobotModel) -> dict[str, ArmChain]:
-    """Return the arms of a robot by name: the prefix of ``tool0``, or ``arm``.
-
-    An arm is six turning joints in a row, and a link below them with a name that ends
-    in ``tool0``; fixed joints may be between them.
-    """
-    chains: dict[str, ArmChain] = {}
-    for flange in model.flanges:
-        joints = _joints_above(model, flange)
-        if joints is not None:
-            name = flange.removesuffix(FLANGE).rstrip("_-/") or "arm"
-            key = flange if name in chains else name
-            chains[key] = ArmChain(model, flange, joints)
-    return chains
+    """Return the arms of a robot by name."""
+    return {
+        name: ArmChain(model, arm.flange, arm.joints)
+        for name, arm in find_arms(model).items()
+    }
 
 
 def why_no_arm(model: RobotModel) -> str:
     """Return the reason why a robot has no arm."""
     if not model.flanges:
         return f"no link is called {FLANGE}, with or without a prefix"
-    return f"above '{model.flanges[0]}' are not {N_JOINTS} turning joints in a row"
+    return f"above '{model.flanges[0]}' are not {ARM_JOINTS} turning joints in a row"
 
 
 def fixed_transform(model: RobotModel, first: str, second: str) -> Transform:
@@ -142,16 +133,3 @@ def _rigid_root(model: RobotModel, link: str) -> tuple[str, Transform]:
         pose = to_transform(joint.origin) @ pose
         name = joint.parent
     return name, pose
-
-
-def _joints_above(model: RobotModel, link: str) -> list[Joint] | None:
-    """Return the six nearest joints above ``link``, from base to tip, if they turn."""
-    found: list[Joint] = []
-    while len(found) < N_JOINTS and (joint := model.parent_joint.get(link)):
-        if joint.is_movable:
-            turns = joint.type in {JointType.REVOLUTE, JointType.CONTINUOUS}
-            if not turns or joint.mimic is not None:
-                return None
-            found.append(joint)
-        link = joint.parent
-    return found[::-1] if len(found) == N_JOINTS else None

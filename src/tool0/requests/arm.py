@@ -39,7 +39,7 @@ class ArmInfo(Struct, frozen=True, kw_only=True):
     """An arm: six revolute joints that end at a link ``…tool0``."""
 
     name: str
-    """The prefix of its links."""
+    """The prefix of its links, ``arm`` without one; in a cell, the robot's name."""
     base: str
     """The link that carries it."""
     tip: str

@@ -84,9 +84,7 @@ handles(ReadGripper)(
 )
 
 
-def _opening(
-    simulation: Simulation, gripper: ParallelGripper, request: Grip
-) -> float:
+def _opening(simulation: Simulation, gripper: ParallelGripper, request: Grip) -> float:
     """Return the requested opening [m]."""
     unit = next(iter(gripper.quantity.units))
     if (request.opening is None) == (request.position is None):

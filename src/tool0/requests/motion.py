@@ -16,6 +16,7 @@ from tool0.control.trajectory import (
     TrajectoryPoint,
     TrajectoryState,
 )
+from tool0.description.parts import joints_of_robot
 from tool0.errors import ControlError
 from tool0.hardware.limits import DriveLimits
 from tool0.requests.table import (
@@ -232,6 +233,8 @@ class SavePose(Request[None], frozen=True):
     """Save the measured positions of the driven joints on the simulation's machine."""
 
     name: Name
+    robot: Name | None = None
+    """Only the joints of this robot; those of all, if left out."""
 
 
 class DeletePose(Request[None], frozen=True):
@@ -244,6 +247,8 @@ class GoToPose(Request[tuple[GoalStarted, ...]], frozen=True):
     """Move every joint of a named pose there, as ``MoveJoints`` does."""
 
     name: Name
+    robot: Name | None = None
+    """Only the joints of this robot; all joints of the pose, if left out."""
     speed: SpeedScale = 0.5
 
 
@@ -253,12 +258,12 @@ handles(ListPoses)(lambda sim, _: dict(sim.poses.all()))
 @handles(SavePose)
 def _save_pose(simulation: Simulation, request: SavePose) -> None:
     model, position = simulation.description.model, simulation.snapshot.positions
-    driven = [item.joint for item in model.transmissions]
     joints = model.joint_by_name
-    simulation.poses.save(
-        request.name,
-        {joint: joints[joint].limits.clamp(position[joint]) for joint in driven},
-    )
+    driven = {
+        item.joint: joints[item.joint].limits.clamp(position[item.joint])
+        for item in model.transmissions
+    }
+    simulation.poses.save(request.name, joints_of_robot(model, driven, request.robot))
 
 
 handles(DeletePose)(lambda sim, request: sim.poses.delete(request.name))
@@ -266,7 +271,10 @@ handles(DeletePose)(lambda sim, request: sim.poses.delete(request.name))
 
 @handles(GoToPose)
 def _go(simulation: Simulation, request: GoToPose) -> tuple[GoalStarted, ...]:
-    positions = dict(simulation.poses.find(request.name).positions)
+    pose = simulation.poses.find(request.name)
+    positions = joints_of_robot(
+        simulation.description.model, pose.positions, request.robot
+    )
     return answer(simulation, MoveJoints(positions=positions, speed=request.speed))
 
 

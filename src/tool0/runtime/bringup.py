@@ -9,13 +9,15 @@ from tool0.control.config import ControllerConfig
 from tool0.control.lint import lint
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.camera import default_cameras, merged
+from tool0.description.config import CellRobot
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
+from tool0.description.parts import joints_of_robot
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
 from tool0.engines.registry import make_engine
-from tool0.errors import ConfigError, ControlError
+from tool0.errors import ConfigError, ControlError, ModelError
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.bus import Bus
@@ -38,7 +40,8 @@ def start_simulation(
         Tool0Error: If an option or a file is wrong.
     """
     model = description.model
-    scene = simulation.scene or Scene()
+    cell = description.cell
+    scene = simulation.scene or (cell and cell.scene) or Scene()
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     scene.check_beside(model)
@@ -47,7 +50,7 @@ def start_simulation(
         camera.check_on(model)
     config, started, stopped, findings = choose_controllers(description, control)
     poses = PoseBook(description)
-    position = _initial_position(model, poses, control.initial_pose)
+    position = _initial_position(description, poses, control.initial_pose)
     engine = make_engine(
         simulation.engine,
         description,
@@ -100,24 +103,43 @@ def start_simulation(
 
 
 def _initial_position(
-    model: RobotModel, poses: PoseBook, pose: str | Mapping[str, float] | None
+    description: RobotDescription,
+    poses: PoseBook,
+    pose: str | Mapping[str, float] | None,
 ) -> list[float]:
     """Return every movable joint's position, in the order of the model."""
-    nearest_to_zero = {
+    model = description.model
+    positions = {
         joint.name: joint.limits.clamp(0.0)
         for joint in model.movable_joints
         if joint.mimic is None
     }
-    default = poses.own.get(DEFAULT_POSE)
+    if DEFAULT_POSE in poses.own:
+        positions |= poses.own[DEFAULT_POSE].positions
+    for robot in description.cell.robots if description.cell else ():
+        try:
+            own = _own_pose(model, poses, robot)
+            joint_positions(model, own, [0.0] * len(model.movable_joints))
+        except (ControlError, ModelError) as error:
+            raise ConfigError(
+                f"initial_pose of robot '{robot.name}': {error}", robot.location
+            ) from None
+        positions |= own
     try:
-        given = poses.find(pose).positions if isinstance(pose, str) else (pose or {})
+        positions |= poses.find(pose).positions if isinstance(pose, str) else pose or {}
     except ControlError as error:
         raise ConfigError(str(error)) from None
-    return joint_positions(
-        model,
-        {**nearest_to_zero, **(default.positions if default else {}), **given},
-        [0.0] * len(model.movable_joints),
-    )
+    return joint_positions(model, positions, [0.0] * len(model.movable_joints))
+
+
+def _own_pose(
+    model: RobotModel, poses: PoseBook, robot: CellRobot
+) -> Mapping[str, float]:
+    """Return the positions that a robot of a cell starts at, instead of the default."""
+    pose = robot.initial_pose
+    if isinstance(pose, str):
+        return joints_of_robot(model, poses.find(pose).positions, robot.name)
+    return {robot.prefix + joint: q for joint, q in (pose or {}).items()}
 
 
 def _hardware(

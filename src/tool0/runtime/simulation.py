@@ -12,6 +12,7 @@ from tool0.control.goal import Goal
 from tool0.description.camera import Camera
 from tool0.description.finding import Finding
 from tool0.description.model import JointLimits, ParallelGripper, RobotModel
+from tool0.description.parts import find_grippers
 from tool0.description.robot import RobotDescription
 from tool0.errors import ControlError, did_you_mean
 from tool0.runtime.bus import Bus, Subscription
@@ -127,7 +128,7 @@ class Simulation:
 
     def gripper(self, name: str | None) -> ParallelGripper:
         """Return a gripper by name, or the only one; raise ControlError otherwise."""
-        grippers = {item.name: item for item in self.description.model.grippers}
+        grippers = find_grippers(self.description.model)
         if name is None:
             return only_part(grippers, "gripper", self.description.model)
         if name not in grippers:

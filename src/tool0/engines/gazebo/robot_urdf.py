@@ -4,11 +4,13 @@ Gazebo's own libsdformat converts the URDF, as for any Gazebo user.  tool0 chang
 things before: mesh paths, the joint that fixes the robot to the world, the constraints
 and the stops of mimic joints, and colours.
 
-ODE's gearbox joint constrains a mimic joint where that is exact, otherwise gear teeth
-in the bridge.  The gearbox holds w_child + ratio · w_parent = 0 between the angular
+ODE's gearbox joint constrains a mimic joint where that is exact, otherwise teeth in the
+bridge.  The gearbox holds w_child + ratio · w_parent = 0 between the angular
 velocities of two bodies, without the carrier of both.  It is therefore exact only for
 ratio -1 and parallel axes, where the carrier's velocity cancels.  With any other ratio
 it resists the carrier's rotation, with no reaction on the carrier.
+
+Two sliding joints of one carrier mesh, as racks, with a pinion of the bridge.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ WORLD = "world"
 """The link that libsdformat fixes to the world if it is the URDF's root."""
 _PARALLEL = 1e-6  # [rad]
 STOP_SLACK = 0.02
-"""Offset of the stops of mimic joints [rad | m].
+"""Offset of the stops of mimic joints [rad | m], beyond those of the URDF.
 
 A master's stop also stops its mimics: ODE's direct solver fails on redundant rows, and
 undamped fingers then oscillate at 6 rad/s.
@@ -210,13 +212,19 @@ def _constraint(
     why, gear = "no joint of its mechanism is next to it", None
     for j in _neighbours(bodies, i, mimic):
         other = bodies[j].joint
-        if JointType.PRISMATIC in (bodies[i].joint.type, other.type):
-            why = f"it or '{other.name}' is prismatic"
+        types = {bodies[i].joint.type, other.type}
+        if JointType.PRISMATIC in types and len(types) > 1:
+            why = f"only one of it and '{other.name}' is prismatic"
             continue
         multiplier = mimic.multiplier / _mimic_multiplier(other)
         along = axes[i] @ axes[j]
         if abs(along) < 1.0 - _PARALLEL:
             why = f"its axis is not parallel to that of '{other.name}'"
+            continue
+        if JointType.PRISMATIC in types:
+            if bodies[i].parent != j:  # on one carrier
+                return MimicConstraint(i, j, multiplier, is_gearbox=False)
+            why = f"it slides on what '{other.name}' moves"
             continue
         if bodies[i].parent == j:
             # Carried by the other, it keeps its orientation seen from the body below.

@@ -62,6 +62,19 @@ class GripperInfo(Struct, frozen=True, kw_only=True):
     """At each pad [N]."""
 
 
+class RobotPartsInfo(Struct, frozen=True, kw_only=True):
+    """One of several robots: an arm with what it carries."""
+
+    name: str
+    """As requests call the arm: its name in a cell, or ``arm``."""
+    joints: list[str]
+    """Its movable joints, those of its gripper included."""
+    gripper: str | None
+    """The name of its gripper; null without one."""
+    tip: str
+    """The link at the end of the arm."""
+
+
 class RobotInfo(Struct, frozen=True, kw_only=True):
     name: str
     title: str
@@ -75,6 +88,8 @@ class RobotInfo(Struct, frozen=True, kw_only=True):
     joints: list[JointInfo]
     """In the order of every array of a ``frame``."""
     grippers: list[GripperInfo]
+    robots: list[RobotPartsInfo]
+    """The arms; one, unless it is a cell."""
     part_names: dict[str, DisplayName]
     """Link or joint → its name in English and Chinese, where it has one."""
 

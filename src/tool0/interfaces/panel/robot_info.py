@@ -10,6 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast, final
 
 from tool0.description.model import Joint, JointLimits, JointType, RobotModel
+from tool0.description.parts import (
+    find_arms,
+    find_grippers,
+    gripper_of,
+    joints_of,
+)
 from tool0.description.robot import RobotDescription, part_names
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import (
@@ -30,6 +36,7 @@ from tool0.interfaces.panel.protocol import (
     PartInfo,
     PoseInfo,
     RobotInfo,
+    RobotPartsInfo,
     ShapeInfo,
     ViewObject,
 )
@@ -126,7 +133,7 @@ def robot_info(
         ],
         grippers=[
             GripperInfo(
-                name=gripper.name,
+                name=name,
                 joint=gripper.joint,
                 max_opening=gripper.max_opening,
                 min_speed=gripper.speed[0],
@@ -134,7 +141,16 @@ def robot_info(
                 min_force=gripper.force[0],
                 max_force=gripper.force[1],
             )
-            for gripper in model.grippers
+            for name, gripper in find_grippers(model).items()
+        ],
+        robots=[
+            RobotPartsInfo(
+                name=name,
+                joints=list(joints_of(model, name)),
+                gripper=gripper_of(model, name),
+                tip=arm.flange,
+            )
+            for name, arm in find_arms(model).items()
         ],
         part_names=dict(part_names(description)),
     )

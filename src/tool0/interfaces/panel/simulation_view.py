@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal, cast, final
 
 from tool0.control.manager import ControllerStatus
 from tool0.description.model import Joint, JointType
+from tool0.description.parts import find_grippers
 from tool0.interfaces.panel.notices import EventWatcher, Notification
 from tool0.interfaces.panel.protocol import (
     ControllerInfo,
@@ -64,8 +65,8 @@ class SimulationView:
         self._frame = _frame_of(first, self._scene.number)
         self._watcher = EventWatcher(simulation)
         self._grasps = {
-            gripper.name: GraspDetector(gripper)
-            for gripper in description.model.grippers
+            name: GraspDetector(gripper)
+            for name, gripper in find_grippers(description.model).items()
         }
         self._grippers: list[GripperState] = []
 

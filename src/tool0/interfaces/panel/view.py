@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Final, final
 
 from tool0.description.model import Joint, JointType, RobotModel
+from tool0.description.parts import find_grippers, joints_of_robot
 from tool0.description.robot import RobotDescription
 from tool0.errors import ControlError, ModelError
 from tool0.interfaces.panel.notices import Notification
@@ -49,6 +50,7 @@ class RobotView:
         self, description: RobotDescription, ground: float | None = None
     ) -> None:
         self._model = description.model
+        self._grippers = find_grippers(description.model)
         self._book = PoseBook(description)
         self._lock = threading.Lock()
         self._names = [
@@ -95,7 +97,7 @@ class RobotView:
             controllers=[],
             grippers=[
                 GripperState(
-                    name=gripper.name,
+                    name=name,
                     opening=round(
                         max(0.0, gripper.opening(position[gripper.joint])), 4
                     ),
@@ -103,7 +105,7 @@ class RobotView:
                     gobj=0,
                     width=None,
                 )
-                for gripper in self._model.grippers
+                for name, gripper in self._grippers.items()
             ],
             poses=pose_infos(self._book, self._report),
             stalls=[],
@@ -126,12 +128,14 @@ class RobotView:
         match request:
             case PoseJoints(positions=positions):
                 self._put(self._checked(positions))
-            case GoToPose(name=name):
-                self._put(self._book.find(name).positions)
+            case GoToPose(name=name, robot=robot):
+                pose = self._book.find(name)
+                self._put(joints_of_robot(self._model, pose.positions, robot))
             case Reset():
                 self._put(self._start)
-            case SavePose(name=name):
-                self._book.save(name, self._driven())
+            case SavePose(name=name, robot=robot):
+                driven = joints_of_robot(self._model, self._driven(), robot)
+                self._book.save(name, driven)
             case DeletePose(name=name):
                 self._book.delete(name)
             case Grip(gripper=name, opening=float(opening)):
@@ -149,11 +153,11 @@ class RobotView:
             self._frame = self._frame_now()
 
     def _grip(self, name: str | None, opening: float) -> None:
-        for gripper in self._model.grippers:
-            if name in (None, gripper.name):
+        for known, gripper in self._grippers.items():
+            if name in (None, known):
                 self._put({gripper.joint: gripper.position(opening)})
                 return
-        names = ", ".join(gripper.name for gripper in self._model.grippers) or "none"
+        names = ", ".join(self._grippers) or "none"
         raise ControlError(f"unknown gripper '{name}'; there are: {names}")
 
     def _driven(self) -> Mapping[str, float]:

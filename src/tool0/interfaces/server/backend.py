@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import TYPE_CHECKING, Any, Final, Protocol, final
 
+from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, did_you_mean
 from tool0.requests.arm import MoveLinear, MoveTo
 from tool0.requests.gripper import Grip
@@ -80,9 +81,9 @@ class SimulationBackend:
             case SwitchControllers(stop=names):
                 return names
             case Grip():
-                grippers = simulation.description.model.grippers
-                named = {item.name: item.joint for item in grippers}
-                joint = named.get(request.gripper or next(iter(named), ""))
+                named = find_grippers(simulation.description.model)
+                gripper = named.get(request.gripper or next(iter(named), ""))
+                joint = None if gripper is None else gripper.joint
                 return [
                     status.name
                     for status in simulation.snapshot.controllers

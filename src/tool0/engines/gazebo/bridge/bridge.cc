@@ -296,6 +296,96 @@ struct Gear {
 
 Vector3d From(const dReal* v) { return Vector3d(v[0], v[1], v[2]); }
 
+/// Two joints that slide along parallel axes on one body, the carrier: the second moves as
+/// far as the multiplier times the first.
+///
+/// Each carries a rack, and both racks mesh with a pinion that turns on the carrier.  The
+/// teeth are those of Gear.  Gazebo does not know the pinion; it is so light that it only
+/// hands on forces.
+class Rack {
+ public:
+  Rack(const Drive* first, const Drive* second, double multiplier, dWorldID world)
+      : first_(first), second_(second), multiplier_(multiplier),
+        carrier_(first->joint->GetParent()), pinion_(dBodyCreate(world)),
+        pivot_(dJointCreateHinge(world, 0)) {
+    dMass mass;
+    dMassSetSphereTotal(&mass, kMass, kRadius);
+    dBodySetMass(pinion_, &mass);
+    dBodySetGravityMode(pinion_, 0);
+    dBodySetAutoDisableFlag(pinion_, 0);
+    const auto along = first->joint->GlobalAxis(0);
+    const auto other = second->joint->GlobalAxis(0);
+    side_ = along.Dot(other) < 0.0 ? -1.0 : 1.0;
+    const auto carrier = Carrier();
+    along_ = carrier.Rot().RotateVectorReverse(along);
+    axis_ = along_.Perpendicular().Normalized();
+    center_ = carrier.Inverse().CoordPositionAdd(
+        (first->child->WorldPose().Pos() + second->child->WorldPose().Pos()) / 2.0);
+    Place();
+    dJointAttach(pivot_, pinion_, carrier_ ? BodyOf(carrier_) : nullptr);
+    const auto at = From(dBodyGetPosition(pinion_));
+    const auto turns = carrier.Rot() * axis_;
+    dJointSetHingeAnchor(pivot_, at.X(), at.Y(), at.Z());
+    dJointSetHingeAxis(pivot_, turns.X(), turns.Y(), turns.Z());
+  }
+
+  /// Puts the pinion where it belongs, at rest.
+  void Place() const {
+    const auto carrier = Carrier();
+    const auto at = carrier.CoordPositionAdd(center_);
+    dBodySetPosition(pinion_, at.X(), at.Y(), at.Z());
+    const dQuaternion q = {carrier.Rot().W(), carrier.Rot().X(), carrier.Rot().Y(),
+                           carrier.Rot().Z()};
+    dBodySetQuaternion(pinion_, q);
+    dBodySetLinearVel(pinion_, 0.0, 0.0, 0.0);
+    dBodySetAngularVel(pinion_, 0.0, 0.0, 0.0);
+  }
+
+  void AddConstraint(dWorldID world, dJointGroupID group, double dt) const {
+    const double error = second_->position - multiplier_ * first_->position;
+    const auto along = first_->joint->GlobalAxis(0);
+    AddTeeth(world, group, *first_, along, kRadius, 0.0);
+    AddTeeth(world, group, *second_, along, side_ * multiplier_ * kRadius,
+             -kGearErp * error / dt * side_);
+  }
+
+ private:
+  static constexpr double kRadius = 0.01;  // [m]
+  static constexpr double kMass = 0.005;   // [kg]
+  const Drive* first_;
+  const Drive* second_;
+  double multiplier_, side_;
+  gazebo::physics::LinkPtr carrier_;  // none: the world
+  dBodyID pinion_;
+  dJointID pivot_;
+  Vector3d along_, axis_, center_;  // in the carrier
+
+  ignition::math::Pose3d Carrier() const {
+    return carrier_ ? carrier_->WorldPose() : Pose3d::Zero;
+  }
+
+  /// Holds a rack against the pinion at a radius, so that it moves by `speed` [m/s] along
+  /// `along` past the pinion's teeth.
+  void AddTeeth(dWorldID world, dJointGroupID group, const Drive& rack,
+                const Vector3d& along, double radius, double speed) const {
+    const auto turns = Carrier().Rot() * axis_;
+    const auto out = along.Cross(turns);  // where a turn moves the pinion's teeth along
+    const auto at = From(dBodyGetPosition(pinion_)) + out * radius;
+    dContact contact{};
+    for (int i : {0, 1, 2}) {
+      contact.geom.pos[i] = at[i];
+      contact.geom.normal[i] = out[i];
+      contact.fdir1[i] = along[i];
+    }
+    contact.surface.mode = dContactMu2 | dContactFDir1 | dContactMotion1 | dContactMotionN;
+    contact.surface.mu = dInfinity;
+    contact.surface.mu2 = 0.0;
+    contact.surface.motionN = -10.0;  // [m/s], so that the normal row never acts
+    contact.surface.motion1 = speed;
+    dJointAttach(dJointCreateContact(world, group, &contact), BodyOf(rack.child), pinion_);
+  }
+};
+
 /// An object that is fixed to a link, and what holds it.
 struct Attached {
   dJointID joint;
@@ -531,9 +621,10 @@ class Bridge : public gazebo::SystemPlugin {
   }
 
   void UpdateGears() {
-    if (gears_.empty()) return;
+    if (gears_.empty() && racks_.empty()) return;
     dJointGroupEmpty(gear_joints_);
     for (const Gear& gear : gears_) gear.AddConstraint(Ode(), gear_joints_, dt_);
+    for (const Rack& rack : racks_) rack.AddConstraint(Ode(), gear_joints_, dt_);
   }
 
   dWorldID Ode() const {
@@ -590,6 +681,7 @@ class Bridge : public gazebo::SystemPlugin {
     for (const Drive& drive : drives_) drive.joint->Position(0);
     for (Drive& drive : drives_) drive.position = packet_.Take<double>();
     for (const Drive& drive : drives_) Place(drive.child, packet_.TakePose());
+    for (const Rack& rack : racks_) rack.Place();
     for (const auto& object : objects_) {
       const auto pose = packet_.TakePose();
       if (Exists(object)) Place(object, pose);
@@ -609,8 +701,8 @@ class Bridge : public gazebo::SystemPlugin {
   }
 
   /// In: name of the robot, with all joints at zero; n; of each joint its name and
-  /// armature [kg·m²]; g; of each gear the numbers of its second and first joint, and
-  /// its multiplier.  Out: the world's gravity [m/s²].
+  /// armature [kg·m²]; g; of each gear or rack the numbers of its second and first
+  /// joint, and its multiplier.  Out: the world's gravity [m/s²].
   void Bind() {
     const auto robot = Model(packet_.TakeText());
     std::vector<Drive> drives;
@@ -628,10 +720,13 @@ class Bridge : public gazebo::SystemPlugin {
       }
     }
     std::vector<Gear> gears;
+    std::vector<Rack> racks;
     for (auto g = packet_.Take<std::uint32_t>(); g > 0; --g) {
       const Drive* second = &drives.at(packet_.Take<std::uint32_t>());
       const Drive* first = &drives.at(packet_.Take<std::uint32_t>());
-      gears.push_back({first, second, packet_.Take<double>()});
+      const double multiplier = packet_.Take<double>();
+      if (first->turns) gears.push_back({first, second, multiplier});
+      else racks.emplace_back(first, second, multiplier, Ode());
     }
     const auto physics = world_->Physics();
     physics->SetMaxStepSize(dt_);
@@ -647,6 +742,7 @@ class Bridge : public gazebo::SystemPlugin {
       poses_at_zero_.emplace_back(link, link->WorldPose());
     drives_.swap(drives);
     gears_.swap(gears);
+    racks_.swap(racks);
     robot_ = robot;
     BeginAnswer();
     packet_.Put(world_->Gravity());
@@ -986,6 +1082,7 @@ class Bridge : public gazebo::SystemPlugin {
   bool stepping_ = false;
   std::vector<Drive> drives_;
   std::vector<Gear> gears_;
+  std::vector<Rack> racks_;
   std::vector<std::pair<gazebo::physics::LinkPtr, Pose3d>> poses_at_zero_;  // of the robot
   std::string diverged_;  // what was not finite after the last step, or empty
   const dJointGroupID gear_joints_ = dJointGroupCreate(0);

@@ -1,0 +1,144 @@
+"""An arm with its gripper that does a task step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, final
+
+from tool0.cli.demos.grasps import Grasp
+from tool0.cli.demos.monitor import GraspMonitor
+from tool0.control.goal import GoalStatus
+from tool0.description.transform import Transform, Vector3
+from tool0.errors import ModelError, Tool0Error
+from tool0.hardware.limits import DriveLimits
+from tool0.runtime.joint_motion import require_speed
+from tool0.sensing.grasp import grasp_frame
+
+if TYPE_CHECKING:
+    from tool0.api.controller import GoalHandle
+    from tool0.api.robot import Robot
+
+MOTION_TIMEOUT = 20.0
+"""Longest duration of a motion, simulated [s]."""
+RELEASE = 0.04
+"""By how much the pads open beyond the width of what they release [m]."""
+
+
+@final
+class TaskFailure(Exception):  # noqa: N818  # of the task, not of a program
+    """Why a task ended early.  It ends up in the report."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PickOptions:
+    """The parameters of a pick."""
+
+    force: float = 60.0
+    """At each pad [N]."""
+    speed: float = 0.7
+    """Of joints between two poses, part of the fastest."""
+    linear_speed: float = 0.25
+    """On the straight lines down and up [m/s]."""
+    pad_speed: float = 0.15
+    """Of the pads towards each other [m/s]."""
+    lift: float = 0.15
+    """Height at which the object is carried, above its pick and place position [m]."""
+
+    def __post_init__(self) -> None:
+        require_speed(self.speed)
+
+
+@final
+class Hand:
+    """An arm with its gripper; a step that fails raises TaskFailure."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        options: PickOptions,
+        monitor: GraspMonitor,
+        name: str | None = None,
+    ) -> None:
+        """Take the arm and the gripper called ``name``, or the robot's only ones.
+
+        Raises:
+            ControlError: If there are none, or the gripper has no such force or speed.
+        """
+        self.arm = robot.arm if name is None else robot.arms[name]
+        self.gripper = robot.gripper if name is None else robot.grippers[name]
+        self._model = robot.description.model
+        self._options = options
+        self._monitor = monitor
+        DriveLimits(
+            gripper=self.gripper.geometry,
+            speed=options.pad_speed,
+            force=options.force,
+        )
+
+    def open(self, width: float | None = None) -> GoalHandle:
+        """Open the pads: fully, or to release an object of ``width`` [m]."""
+        widest = self.gripper.geometry.max_opening
+        return self.gripper.move(
+            opening=widest if width is None else min(widest, width + RELEASE)
+        )
+
+    def grip(self) -> None:
+        """Close the pads until they hold something."""
+        options = self._options
+        self.gripper.move(opening=0.0, speed=options.pad_speed, force=options.force)
+        self._monitor.until(
+            lambda: self.gripper.state.motion != "moving", MOTION_TIMEOUT
+        )
+        self.check_hold()
+
+    def check_hold(self) -> None:
+        """Raise TaskFailure unless the gripper holds something."""
+        state = self.gripper.state
+        if state.motion != "holding_inside":
+            raise TaskFailure(
+                f"the gripper holds nothing: {state.motion}, "
+                f"open {1000 * state.opening:.1f} mm"
+            )
+
+    def move_to(self, pose: Transform, tool: Transform) -> None:
+        """Move ``tool``, fixed in the flange, to a pose in the root."""
+        self.finish(self.arm.move_to(pose, tool=tool, speed=self._options.speed))
+
+    def move_linear(self, pose: Transform, tool: Transform) -> None:
+        """Move ``tool`` to a pose along a straight line."""
+        speed = self._options.linear_speed
+        self.finish(self.arm.move_linear(pose, tool=tool, speed=speed))
+
+    def finish(self, goal: GoalHandle) -> None:
+        """Wait until a goal has succeeded."""
+        if not self._monitor.until(lambda: goal.result is not None, MOTION_TIMEOUT):
+            goal.cancel()
+            raise TaskFailure(f"the motion is not done after {MOTION_TIMEOUT:g} s")
+        result = goal.result
+        if result is not None and result.status is not GoalStatus.SUCCEEDED:
+            raise TaskFailure(f"the goal was {result.status.name}")
+
+    def nearest(self, position: Vector3, grasps: Sequence[Grasp]) -> Grasp:
+        """Return the grasp, moved to ``position``, that moves the joints least."""
+        best: tuple[float, Grasp] | None = None
+        refused: Tool0Error | None = None
+        for grasp in grasps:
+            pose = replace(grasp.pose, position=position)
+            try:
+                solutions = self.arm.inverse_kinematics(
+                    pose, tool=self.tool_for(grasp.width)
+                )
+            except ModelError as error:
+                refused = error
+                continue
+            if best is None or solutions[0].distance < best[0]:
+                best = solutions[0].distance, replace(grasp, pose=pose)
+        if best is None:
+            raise TaskFailure(f"it cannot be reached: {refused}")
+        return best[1]
+
+    def tool_for(self, width: float) -> Transform:
+        """Return the frame between the pads at an opening [m], in the flange."""
+        return grasp_frame(self._model, self.gripper.geometry, width, self.arm.tip)

@@ -1,0 +1,126 @@
+"""The arms and grippers of any robot, by the names that an API calls them.
+
+A part is named by the prefix of its links: ``left`` for an arm that ends at
+``left_tool0`` and a gripper ``left_gripper``.  Without a prefix they are ``arm`` and
+``gripper``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple, TypeVar
+
+from tool0.description.model import (
+    FLANGE,
+    Joint,
+    JointType,
+    ParallelGripper,
+    RobotModel,
+)
+from tool0.errors import ControlError, did_you_mean
+
+Item = TypeVar("Item")
+
+ARM_JOINTS = 6
+_GRIPPER = "gripper"
+
+
+class ArmParts(NamedTuple):
+    """An arm: six turning joints in a row that end at a link ``…tool0``."""
+
+    flange: str
+    """The link at its end."""
+    joints: tuple[Joint, ...]
+    """The six joints, from base to flange."""
+
+
+def find_arms(model: RobotModel) -> dict[str, ArmParts]:
+    """Return the arms of a robot by name.
+
+    An arm is six turning joints in a row, and a link below them with a name that ends
+    in ``tool0``; fixed joints may be between them.
+    """
+    found = []
+    for flange in model.flanges:
+        joints = _joints_above(model, flange)
+        if joints is not None:
+            found.append((flange, ArmParts(flange, joints)))
+    return _named(found, FLANGE, "arm")
+
+
+def find_grippers(model: RobotModel) -> dict[str, ParallelGripper]:
+    """Return the parallel grippers of a robot by name."""
+    return _named(((item.name, item) for item in model.grippers), _GRIPPER, _GRIPPER)
+
+
+def flange_names(model: RobotModel) -> dict[str, str]:
+    """Return the links ``…tool0``, whether or not an arm ends there, by name."""
+    return _named(((flange, flange) for flange in model.flanges), FLANGE, "arm")
+
+
+def joints_of(model: RobotModel, robot: str) -> tuple[str, ...]:
+    """Return the movable joints of an arm and of all that it carries, base first.
+
+    Raises:
+        ControlError: If there is no arm of this name.
+    """
+    arms = find_arms(model)
+    if robot not in arms:
+        raise ControlError(f"no robot '{robot}'{did_you_mean(robot, set(arms))}")
+    links = set(model.links_from(arms[robot].joints[0].child))
+    return tuple(joint.name for joint in model.movable_joints if joint.child in links)
+
+
+def gripper_of(model: RobotModel, robot: str) -> str | None:
+    """Return the name of the gripper that an arm carries, or None.
+
+    Raises:
+        ControlError: If there is no arm of this name.
+    """
+    joints = joints_of(model, robot)
+    grippers = find_grippers(model).items()
+    return next((name for name, item in grippers if item.joint in joints), None)
+
+
+def joints_of_robot(
+    model: RobotModel, positions: Mapping[str, float], robot: str | None
+) -> dict[str, float]:
+    """Return the positions of one robot's joints; without a name, all.
+
+    Raises:
+        ControlError: If there is no such robot, or it has none of the joints.
+    """
+    if robot is None:
+        return dict(positions)
+    joints = joints_of(model, robot)
+    found = {name: positions[name] for name in joints if name in positions}
+    if not found:
+        raise ControlError(f"the pose has no joint of robot '{robot}'")
+    return found
+
+
+def _named(
+    items: Iterable[tuple[str, Item]], ending: str, alone: str
+) -> dict[str, Item]:
+    """Return items by the prefix before ``ending``, ``alone`` if there is none.
+
+    An item whose name is taken keeps its full one.
+    """
+    named: dict[str, Item] = {}
+    for full, item in items:
+        name = full.removesuffix(ending).rstrip("_-/") or alone
+        named[full if name in named else name] = item
+    return named
+
+
+def _joints_above(model: RobotModel, link: str) -> tuple[Joint, ...] | None:
+    """Return the six nearest joints above ``link``, from base to tip, if they turn."""
+    found: list[Joint] = []
+    while len(found) < ARM_JOINTS and (joint := model.parent_joint.get(link)):
+        if joint.is_movable:
+            turns = joint.type in {JointType.REVOLUTE, JointType.CONTINUOUS}
+            if not turns or joint.mimic is not None:
+                return None
+            found.append(joint)
+        link = joint.parent
+    return tuple(found[::-1]) if len(found) == ARM_JOINTS else None

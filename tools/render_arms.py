@@ -1,0 +1,160 @@
+"""Render all built-in arms side by side, at one scale: the picture of docs/robots.md.
+
+python tools/render_arms.py OUTPUT.png; MUJOCO_GL=egl or osmesa without a display.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any  # MuJoCo's objects
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.description.catalogue import arms
+from tool0.description.robot import load_robot
+from tool0.engines.mujoco.gl import make_context
+from tool0.engines.mujoco.model import build_spec
+from tool0.sensing.cameras import encode_png
+
+ROWS = (("ur3", "ur5", "ur10", "ur3e", "ur5e", "ur7e", "ur10e"),)
+POSE = {
+    "shoulder_lift_joint": -1.85,
+    "elbow_joint": 1.95,
+    "wrist_1_joint": -1.67,
+    "wrist_2_joint": -1.5708,
+}
+PIXELS_PER_METRE = 290
+SAMPLES = 3
+"""Rendered pixels for each of the picture's, in both directions."""
+WIDTH = 1720
+YAW = 0.55
+"""By which every arm turns towards the camera [rad]."""
+ELEVATION = 14.0
+"""Of the camera above the horizon [deg]."""
+INK = (0.20, 0.24, 0.28)
+"""Colour of the labels."""
+
+Image = NDArray[np.uint8]
+
+
+def rows() -> list[list[str]]:
+    """Return the arms in two rows, by generation and size."""
+    series = sorted(arms(), key=_order)
+    half = (len(series) + 1) // 2
+    return [series[:half], series[half:]]
+
+
+def _order(name: str) -> tuple[int, int]:
+    size = int(re.sub(r"\D", "", name))
+    is_e_series = name.endswith("e")
+    return (1 if is_e_series else 0 if size <= 10 else 2, size)
+
+
+def scene(names: Sequence[str], places: Sequence[float]) -> Any:
+    """Return the MuJoCo model of arms at ``places`` [m] along y, and its data."""
+    macros = "\n".join(
+        f'<xacro:ur_arm prefix="{name}_" parent="world" model="{name}">'
+        f'<origin xyz="0 {y} 0" rpy="0 0 {YAW - 1.5708}"/></xacro:ur_arm>'
+        for name, y in zip(names, places, strict=True)
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "arms.urdf.xacro")
+        file.write_text(
+            '<robot name="arms" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+            '<xacro:include filename="$(find tool0_description)/urdf/ur_macro.xacro"/>'
+            f'<link name="world"/>{macros}</robot>',
+            encoding="utf-8",
+        )
+        spec = build_spec(load_robot(file).model, dt=0.001, visuals=True, ground=None)
+    _furnish(spec)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    for name in names:
+        for joint, position in POSE.items():
+            data.joint(f"{name}_{joint}").qpos[0] = position
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def _furnish(spec: Any) -> None:
+    """Add a white floor, a white sky and light from above."""
+    spec.visual.global_.offwidth = WIDTH * SAMPLES
+    spec.visual.global_.offheight = 2000
+    spec.visual.global_.orthographic = 1
+    spec.visual.quality.shadowsize = 8192
+    spec.visual.headlight.ambient = [0.42, 0.42, 0.42]
+    spec.visual.headlight.diffuse = [0.38, 0.38, 0.38]
+    spec.visual.headlight.specular = [0.08, 0.08, 0.08]
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
+        rgb1=[1, 1, 1],
+        rgb2=[1, 1, 1],
+        width=64,
+        height=64 * 6,
+    )
+    spec.worldbody.add_light(
+        pos=[3.0, 1.0, 6.0],
+        dir=[-0.35, -0.15, -1.0],
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        diffuse=[0.45, 0.45, 0.45],
+        specular=[0.15, 0.15, 0.15],
+    )
+
+
+def render(names: Sequence[str]) -> Image:
+    """Return one row with its labels."""
+    widths = [_width(name) for name in names]
+    gap = (WIDTH / PIXELS_PER_METRE - sum(widths)) / len(names)
+    starts = np.cumsum([0.0, *widths[:-1]]) + gap * (np.arange(len(names)) + 0.5)
+    places = [float(start) + 0.16 for start in starts]
+    model, data = scene(names, places)
+    top = max(float(data.xpos[:, 2].max()) for _ in [0]) + 0.14
+    height = int((top + 0.30) * PIXELS_PER_METRE)
+    model.vis.global_.fovy = height / PIXELS_PER_METRE
+    context = make_context(WIDTH * SAMPLES, height * SAMPLES)
+    context.make_current()
+    drawing = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_300.value)
+    mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, drawing)
+    visible = mujoco.MjvScene(model, maxgeom=10_000)
+    camera = mujoco.MjvCamera()
+    camera.orthographic = 1
+    camera.azimuth, camera.elevation, camera.distance = 180.0, -ELEVATION, 4.0
+    middle = WIDTH / PIXELS_PER_METRE / 2
+    camera.lookat[:] = (0.0, middle, (top - 0.30) / 2 + 0.05)
+    options = mujoco.MjvOption()
+    options.geomgroup[:] = [1, 1, 1, 0, 0, 0]
+    options.sitegroup[:] = 0
+    mujoco.mjv_updateScene(
+        model, data, options, None, camera, mujoco.mjtCatBit.mjCAT_ALL.value, visible
+    )
+    view = mujoco.MjrRect(0, 0, WIDTH * SAMPLES, height * SAMPLES)
+    mujoco.mjr_render(view, visible, drawing)
+    for name, place in zip(names, places, strict=True):
+        x = (place + 0.02) * PIXELS_PER_METRE / WIDTH - 0.01
+        mujoco.mjr_text(
+            mujoco.mjtFont.mjFONT_BIG.value, name.upper(), drawing, x, 0.03, *INK
+        )
+    pixels = np.empty((height * SAMPLES, WIDTH * SAMPLES, 3), np.uint8)
+    mujoco.mjr_readPixels(pixels, None, view, drawing)
+    drawing.free()
+    context.free()
+    blocks = pixels[::-1].reshape(height, SAMPLES, WIDTH, SAMPLES, 3)
+    return np.asarray(blocks.mean(axis=(1, 3)).round(), np.uint8)
+
+
+def _width(name: str) -> float:
+    size = int(re.sub(r"\D", "", name))
+    return 0.45 + 0.02 * size
+
+
+if __name__ == "__main__":
+    picture = np.concatenate([render(row) for row in rows()])
+    Path(sys.argv[1]).write_bytes(encode_png(picture))
