@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import shlex
 import time
+from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Annotated, Final
 
 from tool0.cli.parameters import Option
-from tool0.description.config import DescriptionConfig
-from tool0.description.robot import DEFAULT_ARM, DEFAULT_GRIPPER
+from tool0.description.config import UNSET, Cell, DescriptionConfig, File, Unset
+from tool0.errors import ConfigError
+from tool0.installation.moveit.package import MOVEIT_SUFFIX
 from tool0.installation.workspace import (
     FileAction,
     WorkspaceChanges,
@@ -26,8 +28,10 @@ _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 def workspace(
     folder: Annotated[Path, Option(is_positional=True, metavar="DIR")],
     *,
-    arm: str = DEFAULT_ARM,
-    gripper: str = DEFAULT_GRIPPER,
+    arm: str | None = None,
+    gripper: str | Unset | None = UNSET,
+    cell: Cell | File | None = None,
+    robots: Sequence[str] | None = None,
     moveit: bool = False,
     upstream_meshes: bool = False,
     force: bool = False,
@@ -39,8 +43,12 @@ def workspace(
 
     Args:
         folder: The workspace; it is created if it does not exist.
-        arm: The arm that the launch files bring up: its name, or a folder of your own.
-        gripper: The gripper, or none.
+        arm: The arm that the launch files bring up: its name, or a folder of your own;
+            ur5 if not given.
+        gripper: The gripper, or none; 2f85 if not given.
+        cell: Several robots, a YAML file (docs/cells.md); only with --moveit.
+        robots: Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0; only
+            with --moveit.
         moveit: Also write a configuration package for MoveIt 1.
         upstream_meshes: Use the meshes of ur_description and
             robotiq_2f_85_gripper_visualization, and depend on those packages.
@@ -51,27 +59,44 @@ def workspace(
     from tool0.description.robot import load_description
     from tool0.installation.robot_packages import robot_packages
 
-    description = load_description(DescriptionConfig(arm=arm, gripper=gripper))
-    (robot,) = description.robots
+    description = load_description(
+        DescriptionConfig(arm=arm, gripper=gripper, cell=cell, robots=robots)
+    )
+    if description.cell is not None:
+        _check_cell(description.cell, moveit=moveit)
     controllers = controllers_yaml(description)
     action_controllers = controllers_yaml(description, gripper_action=True)
     files = robot_packages(
-        robot,
+        description.robots,
         controllers=controllers,
         action_controllers=action_controllers,
         upstream_meshes=upstream_meshes,
     )
     if moveit:
-        name = "_".join(part.name for part in robot.parts)
-        files |= _moveit_package(name, description, controllers, action_controllers)
+        files |= _moveit_package(description, controllers, action_controllers)
     changes = write_workspace(folder, files, force=force)
     _print_changes(changes)
     print()
     _print_next_steps(changes, upstream_meshes=upstream_meshes)
 
 
+def _check_cell(cell: Cell, *, moveit: bool) -> None:
+    """Raise ConfigError if there is no package for a cell."""
+    if not moveit:
+        raise ConfigError(
+            "the launch files of tool0_gazebo are for one robot; add --moveit to write "
+            "the MoveIt package of a cell"
+        )
+    if cell.namespaces:
+        raise ConfigError(
+            "the MoveIt package is for one controller manager; write the cell without "
+            "'namespaces: true'",
+            cell.location,
+        )
+
+
 def _moveit_package(
-    name: str, description: RobotDescription, controllers: str, action_controllers: str
+    description: RobotDescription, controllers: str, action_controllers: str
 ) -> dict[PurePosixPath, bytes]:
     """Return the files of the MoveIt package, and print what they rest on."""
     import yaml
@@ -87,7 +112,6 @@ def _moveit_package(
     home = named_poses(description).get("home", {})
     disabled = disabled_collisions(description.model, home)
     files = moveit_package(
-        name,
         description,
         disabled=disabled,
         controllers=yaml.safe_load(controllers),
@@ -130,8 +154,9 @@ def _print_next_steps(changes: WorkspaceChanges, *, upstream_meshes: bool) -> No
     print(f"  rosdep install --from-paths {name} --ignore-src --rosdistro noetic -y")
     print(f"  catkin_make{option}")
     print("  source devel/setup.bash")
-    print("  roslaunch tool0_gazebo bringup.launch")
+    if "tool0_gazebo" in changes.packages:
+        print("  roslaunch tool0_gazebo bringup.launch")
     print("  roslaunch tool0_description view.launch   # RViz alone")
     for package in changes.packages:
-        if package.endswith("_moveit_config"):
-            print(f"  roslaunch {package} demo_gazebo.launch")
+        if package.endswith(MOVEIT_SUFFIX):
+            print(f"  roslaunch {package} demo.launch   # MoveIt without a robot")

@@ -7,7 +7,7 @@ arguments.  Only the controllers are written for one robot: their gains depend o
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Final
 
@@ -32,17 +32,18 @@ Files = dict[PurePosixPath, bytes]
 
 
 def robot_packages(
-    robot: CatalogueRobot,
+    robots: Sequence[CatalogueRobot],
     *,
     controllers: str,
     action_controllers: str,
     upstream_meshes: bool = False,
 ) -> Files:
-    """Return the files of tool0_description and tool0_gazebo.
+    """Return the files of tool0_description and, for a single robot, tool0_gazebo.
 
     Args:
-        robot: The robot that launch files bring up by default, without prefix.
-        controllers: Its ros_control YAML.
+        robots: The robot that launch files bring up by default, without prefix, or
+            those of a cell.
+        controllers: Their ros_control YAML.
         action_controllers: The same with the gripper driven by an action.
         upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default,
             and those packages are dependencies.
@@ -50,7 +51,9 @@ def robot_packages(
     Raises:
         ConfigError: If a folder of your own cannot be put among the built-in ones.
     """
-    own = [_own_part(part) for part in robot.parts]
+    own = [_own_part(part) for robot in robots for part in robot.parts]
+    robot = robots[0]
+    packages = PACKAGES[:1] if robot.name else PACKAGES
     gripper = NO_GRIPPER if robot.gripper is None else robot.gripper.name
     defaults = {
         "arm": robot.arm.name,
@@ -63,17 +66,18 @@ def robot_packages(
     }
     files = {
         PurePosixPath(path.relative_to(BUNDLED).as_posix()): path.read_bytes()
-        for package in PACKAGES
+        for package in packages
         for path in _files_in(BUNDLED / package)
     }
     files = {path: _with_defaults(data, defaults) for path, data in files.items()}
     for part_files in own:
         files |= part_files
     config = PurePosixPath("tool0_gazebo/config")
-    for kind, text in (
-        ("controllers", controllers),
-        ("controllers_gripper_action", action_controllers),
-    ):
+    texts = {
+        "controllers": controllers,
+        "controllers_gripper_action": action_controllers,
+    }
+    for kind, text in texts.items() if "tool0_gazebo" in packages else ():
         name = f"{robot.arm.name}_{gripper}_{kind}.yaml"
         files[config / name] = _for_gazebo(text, robot.gripper, kind).encode()
     if upstream_meshes:

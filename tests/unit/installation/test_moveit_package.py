@@ -24,10 +24,9 @@ OWN = Path(__file__).parents[2] / "data/description/two_robots.urdf.xacro"
 class Package:
     """A MoveIt package, read back."""
 
-    def __init__(self, name: str, description: RobotDescription) -> None:
+    def __init__(self, description: RobotDescription) -> None:
         home = named_poses(description)["home"]
         self.files = moveit_package(
-            name,
             description,
             disabled=disabled_collisions(description.model, home, n_samples=500),
             controllers=yaml.safe_load(controllers_yaml(description)),
@@ -35,7 +34,9 @@ class Package:
                 controllers_yaml(description, gripper_action=True)
             ),
         )
-        self.folder = PurePosixPath(f"{name}_moveit_config")
+        (folder,) = {path.parts[0] for path in self.files}
+        name = folder.removesuffix("_moveit_config")
+        self.folder = PurePosixPath(folder)
         self.description = description
         self.srdf = ET.fromstring(self.text(f"config/{name}.srdf"))
         self.model: RobotModel = read_model(
@@ -71,12 +72,12 @@ class Package:
 
 @pytest.fixture(scope="module", params=["2f85", "2f140", None])
 def package(request: pytest.FixtureRequest) -> Package:
-    return Package("robot", assemble("ur5", request.param))
+    return Package(assemble("ur5", request.param))
 
 
 @pytest.fixture(scope="module")
 def ur5() -> Package:
-    return Package("ur5", assemble("ur5", None))
+    return Package(assemble("ur5", None))
 
 
 def test_the_urdf_is_the_robot(package: Package) -> None:
@@ -267,5 +268,5 @@ def test_no_word_of_the_template_is_left(package: Package) -> None:
 def test_your_own_file_names_no_arms() -> None:
     with pytest.raises(DescriptionError, match="which of its links are an arm"):
         moveit_package(
-            "own", load_robot(OWN), disabled={}, controllers={}, action_controllers={}
+            load_robot(OWN), disabled={}, controllers={}, action_controllers={}
         )

@@ -25,9 +25,8 @@ def packages(
     description: RobotDescription | None = None, *, upstream_meshes: bool = False
 ) -> Files:
     description = description or assemble()
-    (robot,) = description.robots
     return robot_packages(
-        robot,
+        description.robots,
         controllers=controllers_yaml(description),
         action_controllers=controllers_yaml(description, gripper_action=True),
         upstream_meshes=upstream_meshes,

@@ -7,6 +7,7 @@ for every robot (``template``); those in ``config`` are written from its descrip
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
@@ -23,6 +24,11 @@ from tool0.installation.moveit.semantics import (
     to_srdf,
 )
 
+MOVEIT_SUFFIX: Final = "_moveit_config"
+"""The end of the package's name."""
+_WITH_GAZEBO: Final = "demo_gazebo.launch"
+"""The launch file with tool0_gazebo, which is for one robot."""
+_DEPENDS_ON_GAZEBO: Final = "  <exec_depend>tool0_gazebo</exec_depend>\n"
 _TEMPLATE: Final = Path(__file__).parent / "template"
 _PLANNERS: Final = ("RRTConnect", "RRT", "RRTstar", "PRM", "LBKPIECE", "BiTRRT")
 """Planners of OMPL; the first is the default."""
@@ -38,7 +44,6 @@ Controllers = Mapping[str, Mapping[str, Any]]
 
 
 def moveit_package(
-    name: str,
     description: RobotDescription,
     *,
     disabled: Mapping[tuple[str, str], str],
@@ -47,8 +52,10 @@ def moveit_package(
 ) -> dict[PurePosixPath, bytes]:
     """Return the files of the package ``NAME_moveit_config`` by path, below ``src``.
 
+    NAME is that of the cell, or else consists of the names of robots, or of arm and
+    gripper.
+
     Args:
-        name: The robot's name; it names the SRDF and the URDF.
         description: One robot of the catalogue, or several.
         disabled: Pairs of links not to check for collisions → reason.
         controllers: The ros_control YAML of the robot.
@@ -59,6 +66,7 @@ def moveit_package(
     """
     groups = planning_groups(description)
     arms = arm_groups(groups)
+    name = _name(description)
     config = {
         f"{name}.urdf": description.urdf,
         f"{name}.srdf": to_srdf(description, disabled),
@@ -88,16 +96,29 @@ def moveit_package(
             },
         ),
     }
-    package = PurePosixPath(f"{name}_moveit_config")
+    package = PurePosixPath(name + MOVEIT_SUFFIX)
     words = {"@robot@": name, "@group@": ALL_ARMS if len(arms) > 1 else arms[0].name}
     files = {package / "config" / file: text for file, text in config.items()}
     for path in sorted(_TEMPLATE.rglob("*")):
-        if path.is_file():
+        if path.is_file() and (description.cell is None or path.name != _WITH_GAZEBO):
             text = path.read_text(encoding="utf-8")
             for word, meaning in words.items():
                 text = text.replace(word, meaning)
+            if description.cell is not None:
+                text = text.replace(_DEPENDS_ON_GAZEBO, "")
             files[package / path.relative_to(_TEMPLATE).as_posix()] = text
     return {path: text.encode() for path, text in files.items()}
+
+
+def _name(description: RobotDescription) -> str:
+    """Return the name of a robot or cell, in the letters that catkin allows."""
+    cell, (first, *_) = description.cell, description.robots
+    if cell is None:
+        words = [part.name for part in first.parts]
+    else:
+        words = [cell.name] if cell.name else [r.name for r in description.robots]
+    name = re.sub(r"[^a-z0-9]+", "_", "_".join(words).lower()).strip("_")
+    return name if name[:1].isalpha() else f"robot_{name}"
 
 
 def _joint_limits(model: RobotModel, controllers: Controllers) -> str:
