@@ -10,8 +10,15 @@ import pytest
 import yaml
 
 from tool0.control.default_controllers import controllers_yaml
+from tool0.description.config import DescriptionConfig
 from tool0.description.model import RobotModel
-from tool0.description.robot import RobotDescription, assemble, load_robot, named_poses
+from tool0.description.robot import (
+    RobotDescription,
+    assemble,
+    load_description,
+    load_robot,
+    named_poses,
+)
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.engines.mujoco.link_collisions import disabled_collisions
@@ -70,9 +77,26 @@ class Package:
         return {j.name for j in self.model.movable_joints if j.child in links}
 
 
-@pytest.fixture(scope="module", params=["2f85", "2f140", None])
+CELL = ("left=ur5e+2f85@0,0.4,0", "right=ur10e+hande@0,-0.4,0", "third=ur3@2,0,0")
+
+
+@pytest.fixture(
+    scope="module",
+    params=[
+        DescriptionConfig(),
+        DescriptionConfig(arm="ur3e", gripper="hande"),
+        DescriptionConfig(arm="ur30", gripper=None),
+        DescriptionConfig(robots=CELL),
+    ],
+    ids=lambda config: " ".join(config.robots or [str(config.arm)]),
+)
 def package(request: pytest.FixtureRequest) -> Package:
-    return Package(assemble("ur5", request.param))
+    return Package(load_description(request.param))
+
+
+@pytest.fixture(scope="module")
+def cell() -> Package:
+    return Package(load_description(DescriptionConfig(robots=CELL)))
 
 
 @pytest.fixture(scope="module")
@@ -113,15 +137,39 @@ def test_every_name_in_the_srdf_is_in_the_urdf(package: Package) -> None:
     assert {element.tag for element in package.srdf.iter()} <= known
 
 
-def test_the_arm_is_a_chain_of_its_six_joints(package: Package) -> None:
+def arms(package: Package) -> list[str]:
+    """Return the groups of single arms."""
+    names = (robot.name for robot in package.description.robots)
+    return [f"{name}_manipulator" if name else "manipulator" for name in names]
+
+
+def test_an_arm_is_a_chain_of_its_six_joints(package: Package) -> None:
     drives = package.model.transmission_by_joint.keys()
-    assert len(package.joints_of("manipulator") & drives) == 6
+    found = [package.joints_of(arm) & drives for arm in arms(package)]
+    assert [len(joints) for joints in found] == [6] * len(found)
+    assert len(set().union(*found)) == 6 * len(found)
+
+
+def test_a_cell_has_a_group_of_all_arms(cell: Package) -> None:
+    groups = [group.get("name") for group in cell.srdf.findall("group")]
+    assert groups == [
+        *("left_manipulator", "left_gripper"),
+        *("right_manipulator", "right_gripper"),
+        *("third_manipulator", "arms"),
+    ]
+    alone = [cell.links_of(arm) for arm in arms(cell)]
+    assert cell.links_of("arms") == set().union(*alone)
+    homes = cell.srdf.findall("group_state[@name='home'][@group='arms']/joint")
+    assert len(homes) == 18
+    assert "demo_gazebo.launch" not in {path.name for path in cell.files}
+    assert "tool0_gazebo" not in cell.text("package.xml")
 
 
 def test_the_end_effector_is_what_moveit_accepts(package: Package) -> None:
     """Its parent is in the arm's group, and no link is in both groups."""
     found = package.srdf.findall("end_effector")
-    assert len(found) == len(package.model.grippers)
+    robots = package.description.robots
+    assert len(found) == sum(robot.gripper is not None for robot in robots)
     for element in found:
         arm = package.links_of(str(element.get("parent_group")))
         hand = package.links_of(str(element.get("group")))
@@ -144,6 +192,7 @@ def test_the_states_are_the_named_poses_within_the_limits(package: Package) -> N
             limits = package.model.joint(joint).limits
             assert limits.lower <= value <= limits.upper
         found.setdefault(name, {}).update(values)
+        assert all(poses[name][joint] == value for joint, value in values.items())
     assert found == poses
 
 
@@ -204,7 +253,7 @@ def test_every_driven_joint_has_limits(package: Package) -> None:
 
 def test_solvers_and_planners_are_of_groups(package: Package) -> None:
     groups = {str(group.get("name")) for group in package.srdf.findall("group")}
-    assert package.config("kinematics").keys() == {"manipulator"}
+    assert [*package.config("kinematics")] == arms(package)
     ompl = package.config("ompl_planning")
     planners = ompl.pop("planner_configs")
     assert ompl.keys() == groups

@@ -62,6 +62,7 @@ def test_another_robot_changes_defaults_and_controllers_alone(default: Files) ->
         "tool0_description/launch/view.launch",
         "tool0_description/urdf/ur_robotiq.urdf.xacro",
         "tool0_gazebo/launch/bringup.launch",
+        "tool0_gazebo/launch/inc/load_robot.launch.xml",
         "tool0_gazebo/urdf/robot_gazebo.urdf.xacro",
         DEFAULT_CONTROLLERS,
         DEFAULT_CONTROLLERS.replace(".yaml", "_gripper_action.yaml"),
