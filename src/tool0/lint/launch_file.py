@@ -50,7 +50,8 @@ class ParsedLaunch:
 def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
     """Return what a launch file loads, and its own faults."""
     launch = read_launch(file, {}, PackageIndex(packages))
-    yamls, values = [], []
+    yamls: list[YamlText] = []
+    values: list[YamlText] = []  # of single parameters: need not be mappings
     for rosparam in launch.rosparams():
         if rosparam.command == "load" and rosparam.yaml is not None:
             text = rosparam.yaml.resolved or rosparam.yaml.raw
