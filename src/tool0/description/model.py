@@ -76,9 +76,7 @@ def check_mass(mass: float, link: str, location: SourceLocation | None) -> None:
     """Raise ModelError unless the mass [kg] of a link is above zero."""
     if not mass > 0:
         raise ModelError(
-            f"link '{link}' has mass {mass:g} kg; give a mass above zero, "
-            "or omit <inertial> for a frame without mass",
-            location,
+            f"link '{link}' has mass {mass:g} kg; give a mass above zero", location
         )
 
 
