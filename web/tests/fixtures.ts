@@ -49,6 +49,7 @@ export function view(changes: Partial<ViewInfo> = {}): ViewInfo {
       ground: 0,
       joints: [joint("pan"), joint("lift")],
       grippers: [],
+      robots: [],
       part_names: { pan: { en: "Base joint", zh: "底座关节" } },
     },
     notices: [],

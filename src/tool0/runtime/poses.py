@@ -88,8 +88,10 @@ class PoseBook:
             raise ControlError(f"unknown pose '{name}'{did_you_mean(name, set(poses))}")
         return poses[name]
 
-    def save(self, name: str, positions: Positions) -> None:
+    def save(self, name: str, positions: Positions, *, update: bool = False) -> None:
         """Save a pose, and replace a saved one of that name.
+
+        With ``update``, that one's positions of other joints stay.
 
         Raises:
             ControlError: If the name is a built-in pose's, or not printable.
@@ -103,7 +105,7 @@ class PoseBook:
                 "characters, with no space at either end"
             )
         with self._changing() as poses:
-            poses[name] = dict(positions)
+            poses[name] = {**(poses.get(name, {}) if update else {}), **positions}
 
     def delete(self, name: str) -> None:
         """Delete a saved pose.
