@@ -1,5 +1,5 @@
 /** Driving: whether this page may move the robot, the controller of the sliders, and the targets. */
-import { computed, effect, signal } from "@preact/signals";
+import { batch, computed, effect, signal } from "@preact/signals";
 import type { Signal } from "@preact/signals";
 import { connection, refusals } from "./connection";
 import { frames } from "./frames";
@@ -82,17 +82,26 @@ export function disable(reason: EndReason | null = null): void {
 
 /** Drive another controller. */
 export function choose(controller: string): void {
-  release();
-  remember(controller);
-  review(status.value, performance.now());
+  retake(() => {
+    remember(controller);
+  });
 }
 
 /** Drive another robot. */
 export function selectRobot(name: string): void {
   if (name === selected.value?.name) return;
-  release();
-  chosenRobot.value = name;
-  review(status.value, performance.now());
+  retake(() => {
+    chosenRobot.value = name;
+  });
+}
+
+/** Let go, change what is driven, and take that, before anything else reviews. */
+function retake(change: () => void): void {
+  batch(() => {
+    release();
+    change();
+    review(status.value, performance.now());
+  });
 }
 
 function remember(controller: string): void {

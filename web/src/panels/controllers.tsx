@@ -48,7 +48,7 @@ export function ControllersPanel() {
       {all.length === 0 && <p class="muted">{t("controllers.none")}</p>}
       {groups(all).map(({ title, controllers }) => (
         <Fragment key={title}>
-          {title !== null && <h3>{title}</h3>}
+          {title !== null && <h3 class="controllers-robot">{title}</h3>}
           <ul class="controllers">
             {controllers.map((controller) => (
               <ControllerRow key={controller.name} controller={controller} all={all} />
