@@ -66,7 +66,7 @@ def test_two_arms_in_one_scene_hold_both(bring_up: BringUp) -> None:
         },
     )
     assert len(robot.joint_state.position) == 24
-    assert set(robot.grippers) == {"left_gripper", "right_gripper"}
+    assert set(robot.grippers) == {"left", "right"}
     assert worst_departure(robot, A_WHILE) <= ALLOWED
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -24,6 +25,7 @@ from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.description.yaml_tree import Tree, YamlEntry, read_verbatim
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, DescriptionError, SourceLocation
+from tool0.user_data import expanded
 
 if TYPE_CHECKING:
     from tool0.control.gains import DerivedGains
@@ -32,6 +34,10 @@ PERIOD: Final = 0.001
 """Time between updates of the controllers for which the gains are [s]."""
 _FILE: Final = "controllers.yaml"
 _ACTION_FILE: Final = "controllers_gripper_action.yaml"
+_JOINT_STATE_CONTROLLER: Final = "joint_state_controller"
+"""There is one for all robots."""
+_KEPT_NAMES: Final = ("joint_limits",)
+"""Entries at the top that are no controllers."""
 _GAINS: Final = "$gains"
 _ROTARY: Final = {"$tolerance": "0.002", "$standstill": "0.001"}
 """Of a gripper whose driven joint turns [rad, rad/s]."""
@@ -183,6 +189,11 @@ class _Composer:
     def pieces(self) -> Iterator[_Piece]:
         """Yield the parts of arm and gripper; none if your file lacks the joints."""
         model, robot = self.description.model, self.robot
+        own = self._own_file()
+        if own is not None:
+            text = self._renamed(_without(_read(own), _JOINT_STATE_CONTROLLER))
+            yield _Piece(text=text, location=SourceLocation(own, 1))
+            return
         path = _part_file("arm", robot.arm if robot else None, _FILE)
         text = self._renamed(_read(path))
         arm = _joints_of(text, path)
@@ -194,6 +205,14 @@ class _Composer:
         hand = _joints_beyond(model, arm[-1])
         if (len(hand) == 1) if robot is None else (robot.gripper and hand):
             yield self._gripper(hand)
+
+    def _own_file(self) -> Path | None:
+        """Return the controllers that a cell names for this robot."""
+        cell, robot = self.description.cell, self.robot
+        for item in cell.robots if cell else ():
+            if robot is not None and item.name == robot.name and item.controllers_file:
+                return expanded(item.controllers_file)
+        return None
 
     def _arm_rows(self, joints: Sequence[str]) -> tuple[list[_Row], list[_Row]]:
         """Return the gains of an arm, and its limits where gains are derived."""
@@ -299,7 +318,7 @@ class _Composer:
             start = token.start_mark.index + (token.style is not None)
             if token.value in joints:
                 text = text[:start] + robot.prefix + text[start:]
-            elif token.start_mark.column == 0:
+            elif token.start_mark.column == 0 and token.value not in _KEPT_NAMES:
                 text = text[:start] + _prefix(robot) + text[start:]
         return text
 
@@ -309,8 +328,18 @@ def _read(path: Path) -> str:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError(
-            f"cannot read the built-in controllers: {error}", SourceLocation(path)
+            f"cannot read the controllers of a robot: {error}", SourceLocation(path)
         ) from None
+
+
+def _without(text: str, name: str) -> str:
+    """Return YAML ``text`` with blank lines instead of its entry ``name``."""
+    kept, is_in_entry = [], False
+    for line in text.splitlines(keepends=True):
+        if line[:1].strip() and line[0] not in "#-]}":
+            is_in_entry = re.match(rf"['\"]?{name}['\"]?\s*:", line) is not None
+        kept.append("\n" if is_in_entry else line)
+    return "".join(kept)
 
 
 def _part_file(kind: PartKind, part: Part | None, name: str) -> Path:

@@ -196,9 +196,9 @@ def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
     points = [point for point, _ in views]
     x, y, z = (sum(values) / len(points) for values in zip(*points, strict=True))
     spread = max(math.dist(point, (x, y, z)) for point in points)
-    # Further back by what a row of that width needs in the upright angle of view.
+    # Further back by what a row of that width needs in a picture of 4 : 3.
     back = max(scale for _, scale in views)
-    back += spread / math.tan(_SCENE_VIEW / 2.0) / math.hypot(*_VIEWPOINT)
+    back += 0.75 * spread / math.tan(_SCENE_VIEW / 2.0) / math.hypot(*_VIEWPOINT)
     dx, dy, dz = (value * back for value in _VIEWPOINT)
     return (x + dx, y + dy, z + dz), (x, y, z)
 

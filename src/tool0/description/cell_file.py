@@ -18,6 +18,7 @@ folder of the cell's file.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -28,7 +29,7 @@ from tool0.description.scene_file import read_scene, scene_path
 from tool0.description.units import ANGLE, LENGTH, Quantity, read_number
 from tool0.description.yaml_tree import YamlEntry, read_files
 from tool0.description.yaml_values import Namespace
-from tool0.errors import ConfigError
+from tool0.errors import ConfigError, SourceLocation
 from tool0.user_data import expanded
 
 _TEXTS: Final = ("gripper_model", "meshes", "transmission_hw_interface")
@@ -68,12 +69,13 @@ def load_cell(path: Path | str) -> Cell:
     tree.require_unique_keys()
     root = Namespace(tree.root)
     root.only("robots", "scene", "namespaces")
+    listed = root.find("robots")
     return Cell(
-        name=path.stem,
+        name=re.sub(r"\W", "_", path.stem),
         robots=tuple(_robot(entry, path.parent) for entry in root.items("robots")),
         scene=_scene(root, path.parent),
         namespaces=root.boolean("namespaces", False),
-        location=(root.find("robots") or root.entry).location,
+        location=SourceLocation(path, 1) if listed is None else listed.location,
     )
 
 

@@ -132,7 +132,7 @@ def test_a_goal_that_fails_exits_with_1(robot: tool0.Robot, capsys: Capture) -> 
         ("move --joints a=1 --linear", "--linear"),
         ("move --joints a=1 --tip b", "--tip"),
         ("move --pose 0 0 0 0 0 0 --duration 2", "--duration"),
-        ("move --pose 0 0 0 0 0 0 --arm left", "'left'"),
+        ("move --pose 0 0 0 0 0 0 --robot left", "'left'"),
         ("grip", "--opening"),
         ("grip --opening 0.1", "0.085"),
         ("grip --position 3", "3.0"),
