@@ -85,10 +85,14 @@ class CatalogueRobot:
         return (self.arm,) if self.gripper is None else (self.arm, self.gripper)
 
     @property
+    def parts_title(self) -> str:
+        """Such as ``ur5 + 2f85``."""
+        return " + ".join(part.name for part in self.parts)
+
+    @property
     def title(self) -> str:
         """Such as ``ur5 + 2f85``, in a cell ``left: ur5 + 2f85``."""
-        parts = " + ".join(part.name for part in self.parts)
-        return f"{self.name}: {parts}" if self.name else parts
+        return f"{self.name}: {self.parts_title}" if self.name else self.parts_title
 
 
 @final
