@@ -80,34 +80,31 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
             stack.enter_context(running_master(master, start=options.roscore))
             self.node = node = RosNode(options, master)
             stack.callback(node.close)
-            self._namespaces = namespaces_of(node, robot)
+            namespaces = namespaces_of(node, robot)
+            defined = robot.info.defined_controllers
+            self._managed = [ros for ros in namespaces if ros.has_controllers(defined)]
             self._upload_parameters()
-            managers = [
-                ControllerManagerBridge(ros, robot)
-                for ros in self._namespaces
-                if ros.has_robot or any(map(ros.owns, robot.info.defined_controllers))
-            ]
+            managers = [ControllerManagerBridge(ros, robot) for ros in self._managed]
             # After the action servers: actionlib's timers, which they stop, fail if
             # time moves back, as it may before another robot's clock is known.
             node.clock.advance(robot.snapshot.time)
-            root = self._namespaces[0]
+            root = namespaces[0]
             static = StaticFrames(root)
             stack.callback(static.close)
-            for ros in self._namespaces:
+            for ros in namespaces:
                 static.add(fixed_frames(ros, robot))
             self._transforms = [
                 RobotStatePublisher(ros, robot, static)
-                for ros in self._namespaces
+                for ros in namespaces
                 if ros.has_robot
             ]
             renderer = WorkerThread("tool0 ros1 cameras")  # one for all
-            stack.callback(renderer.close)
             self._publishers: list[SnapshotPublisher] = [
                 *managers,
                 offer_gazebo_services(root, robot),
                 *(
                     publisher
-                    for ros in self._namespaces
+                    for ros in namespaces
                     for publisher in sensor_publishers(ros, robot, renderer)
                 ),
                 *self._transforms,
@@ -172,7 +169,7 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         """Set use_sim_time, robot_description and the controllers' YAML."""
         call = self.node.master.call
         call("setParam", "/use_sim_time", True)
-        for ros in self._namespaces:
+        for ros in self._managed:
             if ros.urdf is not None:
                 urdf = with_mesh_files(ros.urdf)
                 call("setParam", ros.name("robot_description"), urdf)

@@ -77,6 +77,10 @@ class RosNamespace:
         """Whether there is a robot in it."""
         return self.urdf is not None
 
+    def has_controllers(self, names: Iterable[str]) -> bool:
+        """Return whether there is a robot, or one of these controllers by full name."""
+        return self.has_robot or any(map(self.owns, names))
+
     @property
     def is_of_cell(self) -> bool:
         """Whether it has one robot of a cell, whose names are translated."""
