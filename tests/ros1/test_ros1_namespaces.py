@@ -43,6 +43,8 @@ namespaces: true
 SIDES = ("left", "right")
 FINGERS = {"left": "finger_joint", "right": "hande_left_finger_joint"}
 LOADED = ["joint_state_controller", ARM, GRIPPER, "joint_group_eff_controller"]
+AT_THE_ROOT = ("/robot_description", "/joint_limits")
+"""Parameters of a robot without a namespace."""
 OWN = "own_controller"
 OWN_YAML = f"""
 {OWN}:
@@ -64,6 +66,8 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def bringup(ros: Ros, cell: Path) -> Iterator[Bringup]:
+    for name in AT_THE_ROOT:  # of other bring-ups
+        ros.call_master("deleteParam", name)
     bringup = ros.bring_up("--cell", str(cell))
     yield bringup
     bringup.close()
@@ -100,8 +104,7 @@ def test_everything_of_a_robot_is_in_its_namespace(ros: Ros, bringup: Bringup) -
     assert firsts == {*SIDES, *shared}
     assert not [name for name in topics if name.startswith(("/left/left", "/left_"))]
     assert "/left/wrist_camera/color/image_raw" in topics
-    assert ros.parameter("/robot_description") is None
-    assert ros.parameter("/joint_limits") is None
+    assert [name for name in AT_THE_ROOT if ros.parameter(name) is not None] == []
     services = ros.services()
     assert "/left/controller_manager/list_controllers" in services
     assert "/controller_manager/list_controllers" not in services
