@@ -16,13 +16,17 @@ ROUNDS = 15
 TARGET = (0.5, -1.1708, 1.0708, -0.9708, -1.0708, 1.0)
 
 
-def speed_ratio(*, moving: bool) -> float:
-    """Return simulated steps/s of the default bring-up ÷ raw ``mj_step``.
+def speed_ratio(
+    *,
+    moving: bool,
+    description: tool0.DescriptionConfig = tool0.DescriptionConfig(),
+) -> float:
+    """Return simulated steps/s of a bring-up, the default one, ÷ raw ``mj_step``.
 
     Blocks alternate, on one compiled model, from one state, so that both meet the same
     contacts and the same neighbours on the machine; the median of all rounds.
     """
-    with tool0.bringup(realtime=False) as robot:
+    with tool0.bringup(description=description, realtime=False) as robot:
         robot.run(1.0)
         if moving:
             duration = 2.0 * ROUNDS * BLOCK * 1e-3

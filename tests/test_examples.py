@@ -94,6 +94,16 @@ PRINTED = {
         r"\d+ samples, 0 missed: \(\d+, 12\)",
         r"largest error: 1\d\.\d mrad, with p = 500: 5\d\.\d mrad",
     ],
+    "16_cell": [
+        r"robots: left: ur5e \+ 2f85, right: ur3e",
+        "cameras: left_wrist, right_wrist, scene",
+        r"left_eff_joint_traj_controller (GoalStatus\.)?SUCCEEDED",
+        r"right_eff_joint_traj_controller (GoalStatus\.)?SUCCEEDED",
+        "left gripper: (29|30|31) mm",
+        r"left wrist: [89]\.\d N",
+        r"tools apart: \d\.\d\d m",
+        "stopped: True",
+    ],
     "14_pick": [r"holding_inside, gOBJ 2", r"the cube weighs (9\d|10\d) g, .*"],
 }
 """Example → what some of its lines are, in this order."""

@@ -24,6 +24,21 @@ def test_every_robot_holds(cell: tool0.Robot) -> None:
     assert cell.info.warnings == ()
 
 
+def test_robots_of_different_families_hold_and_grip(bring_up: BringUp) -> None:
+    mixed = ("a=ur3e+hande@0,0.6,0", "b=ur10e+2f140@0,-0.6,0", "c=ur5@1.6,0,0")
+    robot = bring_up(robots=mixed)
+    assert worst_departure(robot, 3.0) <= CLOSE
+    goals = {
+        name: gripper.move(opening=gripper.geometry.max_opening / 2.0)
+        for name, gripper in robot.grippers.items()
+    }
+    for name, goal in goals.items():
+        assert goal.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
+        half = robot.grippers[name].geometry.max_opening / 2.0
+        assert robot.grippers[name].opening == pytest.approx(half, abs=2e-3)
+    assert robot.summary()["max_drift"] <= CLOSE
+
+
 def test_both_move_at_once_to_their_own_goals(cell: tool0.Robot) -> None:
     targets = {
         "left_shoulder_pan_joint": 0.4,

@@ -17,7 +17,7 @@ from tool0.cli.connection import (
     wait_for_goal,
 )
 from tool0.cli.parameters import Option, joint_values
-from tool0.description.model import JointType
+from tool0.description.model import FLANGE, JointType
 from tool0.description.transform import Pose
 from tool0.description.units import (
     ANGLE,
@@ -74,7 +74,8 @@ def move(
             0.01 to 1; with --linear, the speed of the tool [m/s].
         tip: Link that moves to --pose; tool0 if not given.
         relative_to: Link in whose frame --pose is given; the root if not given.
-        robot: Which robot of a cell moves to --pose.
+        robot: Which robot of a cell moves to --pose; with --joints, whose joints they
+            are, so that you leave out their prefix.
         timeout: Cancel the motion after this wall time [s].
     """
     of_pose: dict[str, Any] = {  # values of two types
@@ -85,9 +86,16 @@ def move(
     if (pose is None) == (not joints):
         raise ConfigError("give either --joints or --pose")
     if pose is None:
-        _refuse("--pose", {**of_pose, "robot": robot, "linear": linear or None})
+        _refuse("--pose", {**of_pose, "linear": linear or None})
         duration = 2.0 if duration is None else duration
-        return _move_joints(joints, duration, controller, timeout, bringup)
+        return _move_joints(
+            joints,
+            duration,
+            controller=controller,
+            robot=robot,
+            timeout=timeout,
+            bringup=bringup,
+        )
     _refuse("--joints", {"duration": duration, "controller": controller})
     given = {name: value for name, value in of_pose.items() if value is not None}
     x, y, z, roll, pitch, yaw = pose
@@ -108,23 +116,30 @@ def _refuse(other: str, options: Mapping[str, object]) -> None:
 def _move_joints(
     joints: tuple[str, ...],
     duration: float,
+    *,
     controller: str | None,
+    robot: str | None,
     timeout: float | None,
     bringup: Bringup,
 ) -> int:
-    positions, units = joint_values(joints)
+    given, given_units = joint_values(joints)
     if not 0.0 < duration < math.inf:
         raise ConfigError(f"--duration must be above 0 s, got {duration}")
-    with bringup.connect() as robot:
-        _check_units(units, robot)
+    with bringup.connect() as connected:
+        prefix = ""
+        if robot is not None:
+            prefix = chosen_robot(connected, robot).tip.removesuffix(FLANGE)
+        positions = {prefix + name: value for name, value in given.items()}
+        units = {prefix + name: unit for name, unit in given_units.items()}
+        _check_units(units, connected)
 
         def start() -> GoalHandle:
             if controller is not None:
-                handle = robot.controller(controller)
+                handle = connected.controller(controller)
                 return handle.move(positions, duration=duration)
-            return robot.move_joints(positions, duration=duration)[0]
+            return connected.move_joints(positions, duration=duration)[0]
 
-        return wait_for_goal(robot, start, timeout)
+        return wait_for_goal(connected, start, timeout)
 
 
 def _check_units(units: Mapping[str, Quantity], robot: Robot) -> None:

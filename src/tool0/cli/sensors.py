@@ -180,6 +180,7 @@ def camera(
     out: Path | None = None,
     depth: Path | None = None,
     as_list: Annotated[bool, Option(name="list")] = False,
+    robot: str | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
     """Take a picture, or list the cameras.
@@ -190,6 +191,7 @@ def camera(
         depth: Write the depth image to this file: a 16-bit PNG in millimetres, 0 where
             nothing is seen; or a .npy array in metres, with infinity there.
         as_list: List the cameras.
+        robot: Which robot of a cell has the camera: --robot left wrist is left_wrist.
     """
     if as_list == (name is not None):
         raise ConfigError("give the name of a camera, or --list")
@@ -198,11 +200,13 @@ def camera(
     for path, suffixes in ((out, (".png",)), (depth, (".png", ".npy"))):
         if path is not None and path.suffix.lower() not in suffixes:
             raise ConfigError(f"{path}: the name must end in {' or '.join(suffixes)}")
-    with bringup.connect() as robot:
+    with bringup.connect() as connected:
         if name is None:
-            print(_camera_table(robot.cameras), end="")
+            print(_camera_table(connected.cameras), end="")
             return
-        image = robot.camera(name).image()
+        if robot is not None:
+            name = f"{chosen_robot(connected, robot).name}_{name}"
+        image = connected.camera(name).image()
     _write(image, out, depth)
 
 

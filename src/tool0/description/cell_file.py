@@ -18,6 +18,7 @@ folder of the cell's file.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -70,7 +71,7 @@ def load_cell(path: Path | str) -> Cell:
     root.only("robots", "scene", "namespaces")
     listed = root.find("robots")
     return Cell(
-        name=path.stem,
+        name=re.sub(r"\W", "_", path.stem),
         robots=tuple(_robot(entry, path.parent) for entry in root.items("robots")),
         scene=_scene(root, path.parent),
         namespaces=root.boolean("namespaces", False),

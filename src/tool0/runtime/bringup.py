@@ -9,15 +9,13 @@ from tool0.control.config import ControllerConfig
 from tool0.control.lint import lint
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.camera import default_cameras, merged
-from tool0.description.config import CellRobot
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
-from tool0.description.parts import joints_of_robot
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
 from tool0.engines.registry import make_engine
-from tool0.errors import ConfigError, ControlError, ModelError
+from tool0.errors import ConfigError, ControlError
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.bus import Bus
@@ -27,8 +25,6 @@ from tool0.runtime.core import Core
 from tool0.runtime.loop import Loop
 from tool0.runtime.poses import PoseBook
 from tool0.runtime.simulation import Simulation
-
-DEFAULT_POSE = "home"
 
 
 def start_simulation(
@@ -50,7 +46,7 @@ def start_simulation(
         camera.check_on(model)
     config, started, stopped, findings = choose_controllers(description, control)
     poses = PoseBook(description)
-    position = _initial_position(description, poses, control.initial_pose)
+    position = _initial_position(model, poses, control.initial_pose)
     engine = make_engine(
         simulation.engine,
         description,
@@ -103,43 +99,15 @@ def start_simulation(
 
 
 def _initial_position(
-    description: RobotDescription,
-    poses: PoseBook,
-    pose: str | Mapping[str, float] | None,
+    model: RobotModel, poses: PoseBook, pose: str | Mapping[str, float] | None
 ) -> list[float]:
     """Return every movable joint's position, in the order of the model."""
-    model = description.model
-    positions = {
-        joint.name: joint.limits.clamp(0.0)
-        for joint in model.movable_joints
-        if joint.mimic is None
-    }
-    if DEFAULT_POSE in poses.own:
-        positions |= poses.own[DEFAULT_POSE].positions
-    for robot in description.cell.robots if description.cell else ():
-        try:
-            own = _own_pose(model, poses, robot)
-            joint_positions(model, own, [0.0] * len(model.movable_joints))
-        except (ControlError, ModelError) as error:
-            raise ConfigError(
-                f"initial_pose of robot '{robot.name}': {error}", robot.location
-            ) from None
-        positions |= own
     try:
-        positions |= poses.find(pose).positions if isinstance(pose, str) else pose or {}
+        given = poses.find(pose).positions if isinstance(pose, str) else pose or {}
     except ControlError as error:
         raise ConfigError(str(error)) from None
-    return joint_positions(model, positions, [0.0] * len(model.movable_joints))
-
-
-def _own_pose(
-    model: RobotModel, poses: PoseBook, robot: CellRobot
-) -> Mapping[str, float]:
-    """Return the positions that a robot of a cell starts at, instead of the default."""
-    pose = robot.initial_pose
-    if isinstance(pose, str):
-        return joints_of_robot(model, poses.find(pose).positions, robot.name)
-    return {robot.prefix + joint: q for joint, q in (pose or {}).items()}
+    zeros = [0.0] * len(model.movable_joints)
+    return joint_positions(model, {**poses.start(), **given}, zeros)
 
 
 def _hardware(

@@ -12,11 +12,21 @@ from pathlib import Path
 from typing import final
 from urllib.parse import quote
 
+from tool0.description.config import CellRobot
+from tool0.description.forward_kinematics import joint_positions
+from tool0.description.parts import joints_of_robot
 from tool0.description.robot import RobotDescription, named_poses
 from tool0.description.yaml_tree import YamlEntry, read_verbatim
-from tool0.errors import ConfigError, ControlError, SourceLocation, did_you_mean
+from tool0.errors import (
+    ConfigError,
+    ControlError,
+    ModelError,
+    SourceLocation,
+    did_you_mean,
+)
 from tool0.user_data import data_folder, locked
 
+DEFAULT_POSE = "home"
 LONGEST_NAME = 60
 """Characters of a pose's name that fit on a button."""
 _HEADER = "# Poses saved with tool0: joint positions [rad | m].\n"
@@ -52,6 +62,7 @@ class PoseBook:
     """
 
     def __init__(self, description: RobotDescription) -> None:
+        self._description = description
         self.file = poses_file(description.model.name)
         self.own: Mapping[str, NamedPose] = {
             name: NamedPose(name=name, positions=positions, saved=False)
@@ -87,6 +98,41 @@ class PoseBook:
         if name not in poses:
             raise ControlError(f"unknown pose '{name}'{did_you_mean(name, set(poses))}")
         return poses[name]
+
+    def start(self) -> dict[str, float]:
+        """Return where joints start [rad | m], unless options say otherwise.
+
+        That is the pose ``home``, or as near to zero as the limits allow; in a cell,
+        the initial pose of each robot.
+
+        Raises:
+            ConfigError: If an initial pose of a cell's robot is wrong.
+        """
+        model, cell = self._description.model, self._description.cell
+        positions = {
+            joint.name: joint.limits.clamp(0.0)
+            for joint in model.movable_joints
+            if joint.mimic is None
+        }
+        if DEFAULT_POSE in self.own:
+            positions |= self.own[DEFAULT_POSE].positions
+        for robot in cell.robots if cell else ():
+            try:
+                own = self._initial(robot)
+                joint_positions(model, own, [0.0] * len(model.movable_joints))
+            except (ControlError, ModelError) as error:
+                raise ConfigError(
+                    f"initial_pose of robot '{robot.name}': {error}", robot.location
+                ) from None
+            positions |= own
+        return positions
+
+    def _initial(self, robot: CellRobot) -> Positions:
+        pose = robot.initial_pose
+        if isinstance(pose, str):
+            positions = self.find(pose).positions
+            return joints_of_robot(self._description.model, positions, robot.name)
+        return {robot.prefix + joint: q for joint, q in (pose or {}).items()}
 
     def save(self, name: str, positions: Positions) -> None:
         """Save a pose, and replace a saved one of that name.

@@ -167,6 +167,23 @@ def test_every_pedestal_reaches_the_ground() -> None:
         assert ends == pytest.approx([-height] * 2)
 
 
+def test_a_pedestal_is_as_wide_as_the_base_on_it() -> None:
+    model = described("small=ur3", "large=ur20@1,0,0").model
+    for name in ("small", "large"):
+        base = model.link(f"{name}_base_link_inertia").collisions
+        widest = max(
+            shape.geometry.radius
+            for shape in base
+            if isinstance(shape.geometry, Cylinder)
+        )
+        column, foot = (
+            shape.geometry.radius
+            for shape in model.link(f"{name}_pedestal").collisions
+            if isinstance(shape.geometry, Cylinder)
+        )
+        assert column == widest < foot
+
+
 def test_every_flange_has_a_camera_and_one_sees_all_bases() -> None:
     left, right, scene = default_cameras(described(*TWO).model)
     assert (left.name, left.link) == ("left_wrist", "left_tool0")

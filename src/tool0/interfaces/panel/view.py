@@ -30,7 +30,6 @@ from tool0.requests.state import Reset
 from tool0.requests.table import Request, method_name
 from tool0.runtime.poses import PoseBook
 
-FIRST_POSE: Final = "home"
 _ROUNDING: Final = 1e-6
 """Distance beyond a limit that still counts as the limit [rad | m]."""
 _NO_OBJECTS: Final = ViewScene(number=0, objects=[])
@@ -61,9 +60,8 @@ class RobotView:
         self._start = {
             name: self._model.joint(name).limits.clamp(0.0) for name in self._names
         }
-        first = self._book.own.get(FIRST_POSE)
-        if first is not None:
-            self._start.update(first.positions)
+        start = self._book.start()
+        self._start |= {name: start[name] for name in self._names if name in start}
         self._position = _with_mimics(self._model, self._start)
         self._frame = self._frame_now()
         self._problem: str | None = None
