@@ -14,10 +14,12 @@ from raises_naming import raises_naming
 from tool0.control.default_controllers import controllers_yaml, default_controllers
 from tool0.control.parameters import RobotJoints
 from tool0.description.catalogue import find_part
+from tool0.description.config import DescriptionConfig
 from tool0.description.robot import (
     CatalogueRobot,
     RobotDescription,
     assemble,
+    load_description,
     load_robot,
 )
 from tool0.errors import ConfigError, DescriptionError
@@ -110,6 +112,26 @@ def test_robots_of_a_cell_have_controllers_of_their_own() -> None:
     assert set(content["joint_limits"]) == {
         joint for joint in joints_named_in(str(content)) if joint.startswith("right_")
     } - {"right_finger_joint"}
+
+
+def test_each_robot_with_a_namespace_has_a_joint_state_controller() -> None:
+    robots = ("left=ur5+2f85@0,0.5,0", "right=ur5@0,-0.5,0")
+    config = DescriptionConfig(robots=robots, namespaces=True)
+    description = load_description(config)
+    content = parsed(description)
+    assert "joint_state_controller" not in content
+    for name, gripper in (("left", ["finger_joint"]), ("right", [])):
+        published = content.pop(f"{name}_joint_state_controller")["joints"]
+        arm = content[f"{name}_eff_joint_traj_controller"]["joints"]
+        assert published == sorted([*arm, *(f"{name}_{joint}" for joint in gripper)])
+    alike = load_description(DescriptionConfig(robots=robots))
+    assert content == {
+        name: value
+        for name, value in parsed(alike).items()
+        if name != "joint_state_controller"
+    }
+    config_alike = default_controllers(description)
+    assert config_alike.parameters() == parsed(description)
 
 
 @pytest.mark.parametrize("gripper_action", [False, True])
