@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from benchmarks import (
-    cells,
+    drives,
     gazebo,
     golden,
     grasping,
@@ -57,9 +57,6 @@ def figures() -> Iterator[Figure]:
     yield Figure(
         "steps/s ÷ raw mj_step, moving", tick.speed_ratio(moving=True), 0.45, 0.75
     )
-    eight = f"{cells.N_ROBOTS} robots"
-    yield Figure(f"{eight}: steps/s ÷ raw mj_step", cells.speed_ratio(), 0.4, 0.6)
-    yield Figure(f"{eight}: start-up ÷ that of one", cells.start_ratio(), 5.0, 2.5)
     for name in golden.SCENARIOS:
         worst = golden.compare(name, "mujoco").worst
         yield Figure(f"difference from {name} [mrad]", 1e3 * worst, 10.0, 3.0)
@@ -73,6 +70,7 @@ def figures() -> Iterator[Figure]:
     yield from _grasp_figures("mujoco", n_picks=100)
     held = grasping.two_kilograms()
     yield Figure("mujoco: slip of 2 kg held at 235 N, linkage [mm]", held, 0.1, 0.05)
+    yield from _drive_figures()
     yield from _panel_figures()
     for readers, rate in ((1, 125.0), (5, 125.0), (1, 500.0), (5, 500.0)):
         ratio = streams.tick_cost_ratio(readers, rate)
@@ -106,6 +104,21 @@ def _grasp_figures(engine: str, n_picks: int) -> Iterator[Figure]:
     bound = math.floor(0.98 * n_picks) if n_picks >= 100 else 0.9 * n_picks
     name = f"{engine}: picks of {n_picks} from random poses that succeed"
     yield Figure(name, report.n_succeeded, bound, n_picks)
+
+
+def _drive_figures() -> Iterator[Figure]:
+    rows = list(drives.rows())
+    for row in rows:
+        print(row)
+    radius = max(max(row.free, row.loaded) for row in rows)
+    yield Figure(f"spectral radius of {len(rows)} robots", radius, 1.0, 0.999)
+    drift = max(row.drift for row in rows)
+    yield Figure("their drift from home in 10 s [mrad]", 1e3 * drift, 20.0, 10.0)
+    moved = [row.motions for row in rows if row.has_derived_gains]
+    path = max(motions.path for motions in moved)
+    yield Figure("derived gains, rated payload: path [mrad]", 1e3 * path, 50.0, 20.0)
+    final = max(motions.final for motions in moved)
+    yield Figure("derived gains, rated payload: final [mrad]", 1e3 * final, 10.0, 2.0)
 
 
 def _gazebo_figures() -> Iterator[Figure]:
