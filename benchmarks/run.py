@@ -11,6 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from benchmarks import (
+    cells,
     drives,
     gazebo,
     golden,
@@ -57,6 +58,9 @@ def figures() -> Iterator[Figure]:
     yield Figure(
         "steps/s ÷ raw mj_step, moving", tick.speed_ratio(moving=True), 0.45, 0.75
     )
+    eight = f"{cells.N_ROBOTS} robots"
+    yield Figure(f"{eight}: steps/s ÷ raw mj_step", cells.speed_ratio(), 0.4, 0.6)
+    yield Figure(f"{eight}: start-up ÷ that of one", cells.start_ratio(), 5.0, 2.5)
     for name in golden.SCENARIOS:
         worst = golden.compare(name, "mujoco").worst
         yield Figure(f"difference from {name} [mrad]", 1e3 * worst, 10.0, 3.0)
