@@ -20,6 +20,7 @@ from tool0.control.parameters import joint_entries
 from tool0.description.catalogue import Part, PartKind, shared_folder
 from tool0.description.model import Interface, JointType, RobotModel
 from tool0.description.packages import find_package
+from tool0.description.parts import joints_of
 from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.description.yaml_tree import Tree, YamlEntry, read_verbatim
 from tool0.description.yaml_values import Namespace
@@ -35,6 +36,7 @@ _FILE: Final = "controllers.yaml"
 _ACTION_FILE: Final = "controllers_gripper_action.yaml"
 _GAINS: Final = "$gains"
 _STATE_CONTROLLER: Final = "joint_state_controller"
+"""There is one for all robots, or one for each robot with a namespace."""
 _LIMITS: Final = "joint_limits"
 _ROTARY: Final = {"$tolerance": "0.002", "$standstill": "0.001"}
 """Of a gripper whose driven joint turns [rad, rad/s]."""
@@ -177,7 +179,14 @@ def _pieces(
     if not parts:
         return []
     path = find_package("tool0_description") / "config" / _FILE
-    return [_Piece(text=_read(path), location=SourceLocation(path, 1)), *parts]
+    texts = [_read(path)]
+    if description.cell is not None and description.cell.namespaces:
+        texts = [
+            _Composer(description, robot, gripper_action, period).joint_states(texts[0])
+            for robot in description.robots
+        ]
+    location = SourceLocation(path, 1)
+    return [*(_Piece(text=text, location=location) for text in texts), *parts]
 
 
 @final
@@ -209,6 +218,14 @@ class _Composer:
         hand = _joints_beyond(model, arm[-1])
         if (len(hand) == 1) if robot is None else (robot.gripper and hand):
             yield self._gripper(hand)
+
+    def joint_states(self, text: str) -> str:
+        """Return the YAML of a joint_state_controller for the joints of one robot."""
+        assert self.robot is not None
+        model = self.description.model
+        driven = model.transmission_by_joint
+        joints = [j for j in joints_of(model, self.robot.name) if j in driven]
+        return f"{self._renamed(text)}  joints: [{', '.join(sorted(joints))}]\n"
 
     def _own_file(self) -> Path | None:
         """Return the controllers that the cell's file gives this robot."""

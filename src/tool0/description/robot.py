@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, final
@@ -157,9 +157,14 @@ def load_description(
 
 def _cell_of(config: DescriptionConfig) -> Cell | None:
     if config.robots is not None:
-        return parse_robots(config.robots)
-    cell = config.cell
-    return cell if cell is None or isinstance(cell, Cell) else load_cell(cell)
+        cell = parse_robots(config.robots)
+    elif isinstance(config.cell, Cell):
+        cell = config.cell
+    elif config.cell is not None:
+        cell = load_cell(config.cell)
+    else:
+        return None
+    return replace(cell, namespaces=True) if config.namespaces else cell
 
 
 def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:

@@ -142,6 +142,26 @@ def test_a_robot_of_a_cell_may_have_its_own_controllers(tmp_path: Path) -> None:
         config.spec("right_my_arm", robot_joints(description))
 
 
+def test_each_robot_with_a_namespace_has_a_joint_state_controller() -> None:
+    robots = ("left=ur5+2f85@0,0.5,0", "right=ur5@0,-0.5,0")
+    config = DescriptionConfig(robots=robots, namespaces=True)
+    description = load_description(config)
+    content = parsed(description)
+    assert "joint_state_controller" not in content
+    for name, gripper in (("left", ["finger_joint"]), ("right", [])):
+        published = content.pop(f"{name}_joint_state_controller")["joints"]
+        arm = content[f"{name}_eff_joint_traj_controller"]["joints"]
+        assert published == sorted([*arm, *(f"{name}_{joint}" for joint in gripper)])
+    alike = load_description(DescriptionConfig(robots=robots))
+    assert content == {
+        name: value
+        for name, value in parsed(alike).items()
+        if name != "joint_state_controller"
+    }
+    config_alike = default_controllers(description)
+    assert config_alike.parameters() == parsed(description)
+
+
 @pytest.mark.parametrize("gripper_action", [False, True])
 def test_what_is_printed_is_what_runs(gripper_action: bool) -> None:
     for description in (assemble(), assemble(DERIVED), cell()):

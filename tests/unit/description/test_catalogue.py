@@ -396,7 +396,8 @@ def test_the_fields_are_the_arguments_of_the_xacro_file() -> None:
     declared = re.findall(r'<xacro:arg name="(\w+)"', text)
     names = {item.name for item in fields(DescriptionConfig)}
     without_tool0 = {"gripper_damping", "gripper_knuckle_inertia"}  # workspace.md
-    assert names == {*declared, "robot", "cell", "robots", "args"} - without_tool0
+    own = {"robot", "cell", "robots", "namespaces", "args"}
+    assert names == {*declared, *own} - without_tool0
 
 
 def test_args_override_fields_and_no_field_given_is_a_default() -> None:
