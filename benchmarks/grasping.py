@@ -13,8 +13,8 @@ import tool0
 from tool0.cli.demos.grasps import find_bin
 from tool0.cli.demos.hand import PickOptions, TaskFailure
 from tool0.cli.demos.monitor import GraspMonitor
-from tool0.cli.demos.picker import Picker
-from tool0.cli.demos.table import pick_table
+from tool0.cli.demos.picker import Picker, pick_and_place
+from tool0.cli.demos.table import PickTable
 from tool0.cli.demos.trials import DemoReport, run_trials
 from tool0.description.forward_kinematics import link_poses
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
@@ -142,11 +142,12 @@ def picks(engine: str, n_picks: int, seed: int) -> DemoReport:
         realtime=False,
     ) as robot:
         height = robot.scene["cube"].geometry.size[2]
+        into = find_bin(robot.scene.objects, "bin")
         return run_trials(
             robot,
             "cube",
-            find_bin(robot.scene.objects, "bin"),
-            pick_table(robot.description.model).random_poses(robot, height, seed),
+            lambda: pick_and_place(robot, "cube", into),
+            PickTable(scale=1.0).random_poses(robot, height, seed),
             n_picks,
         )
 

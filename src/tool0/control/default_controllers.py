@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -24,6 +24,7 @@ from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.description.yaml_tree import Tree, YamlEntry, read_verbatim
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, DescriptionError, SourceLocation
+from tool0.user_data import expanded
 
 if TYPE_CHECKING:
     from tool0.control.gains import DerivedGains
@@ -33,6 +34,8 @@ PERIOD: Final = 0.001
 _FILE: Final = "controllers.yaml"
 _ACTION_FILE: Final = "controllers_gripper_action.yaml"
 _GAINS: Final = "$gains"
+_STATE_CONTROLLER: Final = "joint_state_controller"
+_LIMITS: Final = "joint_limits"
 _ROTARY: Final = {"$tolerance": "0.002", "$standstill": "0.001"}
 """Of a gripper whose driven joint turns [rad, rad/s]."""
 _LINEAR: Final = {"$tolerance": "0.0001", "$standstill": "0.0001"}
@@ -69,7 +72,7 @@ def controllers_yaml(
     if limits:
         texts.append(
             "# What the motions of tool0 keep to; ros_control does not enforce it.\n"
-            "joint_limits:\n" + _lines(limits, indent="  ")
+            f"{_LIMITS}:\n" + _lines(limits, indent="  ")
         )
     return "\n".join(texts)
 
@@ -136,12 +139,20 @@ class _Piece:
             gains = controller.find("gains")
             if gains is not None and gains.scalar == _GAINS:
                 gains.value = {}
-                for row in self.gains:
-                    text = f"{name}: {{gains: {{{row.joint}: {row.values}}}}}"
-                    tree.load(text, row.location)
-        for row in self.limits:
-            text = f"joint_limits: {{{row.joint}: {row.values}}}"
-            tree.load(text, row.location)
+                _load_rows(tree, f"{name}: {{gains: {{", self.gains, "}}")
+        _load_rows(tree, f"{_LIMITS}: {{", self.limits, "}")
+
+
+def _load_rows(tree: Tree, start: str, rows: Sequence[_Row], end: str) -> None:
+    """Add the rows as one text for each file, in which they keep their lines."""
+    for file in dict.fromkeys(row.location.file for row in rows):
+        text, line = start, 1
+        for row in rows:
+            if row.location.file == file:
+                gap = max((row.location.line or 1) - line, 0)
+                text += "\n" * gap + f" {row.joint}: {row.values},"
+                line += gap
+        tree.load(text + end, SourceLocation(file, 1))
 
 
 def _lines(rows: Sequence[_Row], indent: str) -> str:
@@ -183,6 +194,10 @@ class _Composer:
     def pieces(self) -> Iterator[_Piece]:
         """Yield the parts of arm and gripper; none if your file lacks the joints."""
         model, robot = self.description.model, self.robot
+        own = self._own_file()
+        if own is not None:
+            yield self._own_piece(own)
+            return
         path = _part_file("arm", robot.arm if robot else None, _FILE)
         text = self._renamed(_read(path))
         arm = _joints_of(text, path)
@@ -194,6 +209,34 @@ class _Composer:
         hand = _joints_beyond(model, arm[-1])
         if (len(hand) == 1) if robot is None else (robot.gripper and hand):
             yield self._gripper(hand)
+
+    def _own_file(self) -> Path | None:
+        """Return the controllers that the cell's file gives this robot."""
+        cell, robot = self.description.cell, self.robot
+        for item in cell.robots if cell and robot else ():
+            if robot and item.name == robot.name and item.controllers_file:
+                return expanded(item.controllers_file)
+        return None
+
+    def _own_piece(self, path: Path) -> _Piece:
+        """Return a file of controllers; what a cell has once is not among them."""
+        text = _read(path)
+        tree = Tree()
+        tree.load(text, SourceLocation(path, 1))
+        prefix = self.robot.prefix if self.robot else ""
+        limits = [
+            _Row(
+                joint=prefix + name,
+                values=_flow(entry),
+                comment=f"{path.name}:{entry.location.line}",
+                location=entry.location,
+            )
+            for name, entry in _children(tree, _LIMITS).items()
+        ]
+        for key in (_STATE_CONTROLLER, _LIMITS):
+            text = _without(text, tree, key)
+        location = SourceLocation(path, 1)
+        return _Piece(text=self._renamed(text), location=location, limits=limits)
 
     def _arm_rows(self, joints: Sequence[str]) -> tuple[list[_Row], list[_Row]]:
         """Return the gains of an arm, and its limits where gains are derived."""
@@ -211,12 +254,16 @@ class _Composer:
                 gains.append(stated[joint])
                 continue
             gains.append(self._derived(joint, found))
-            limit = f"max_acceleration: {_number(found.acceleration)}"
+            values = (
+                f"has_acceleration_limits: true, "
+                f"max_acceleration: {_number(found.acceleration)}, "
+                f"has_jerk_limits: true, max_jerk: {_number(found.jerk)}"
+            )
             limits.append(
                 _Row(
                     joint=joint,
-                    values=f"{{has_acceleration_limits: true, {limit}}}",
-                    comment=found.acceleration_derivation,
+                    values=f"{{{values}}}",
+                    comment=found.limits_derivation,
                     location=SourceLocation(self.description.source),
                 )
             )
@@ -250,11 +297,12 @@ class _Composer:
         return _Piece(text=text, location=SourceLocation(path, 1), gains=rows)
 
     def _derived(self, joint: str, gains: DerivedGains) -> _Row:
-        values = {"p": gains.p, "i": gains.i, "d": gains.d, "i_clamp": gains.i_clamp}
-        texts = [f"{name}: {_number(value)}" for name, value in values.items()]
+        values = f"p: {_number(gains.p)}, i: {_number(gains.i)}, d: {_number(gains.d)}"
+        if gains.i:
+            values += f", i_clamp: {_number(gains.i_clamp)}, antiwindup: true"
         return _Row(
             joint=joint,
-            values=f"{{{', '.join(texts)}, antiwindup: true}}",
+            values=f"{{{values}}}",
             comment=gains.derivation,
             location=SourceLocation(self.description.source),
         )
@@ -304,12 +352,30 @@ class _Composer:
         return text
 
 
+def _children(tree: Tree, key: str) -> Mapping[str, YamlEntry]:
+    entry = tree.root.children.get(key)
+    return {} if entry is None else entry.children
+
+
+def _without(text: str, tree: Tree, key: str) -> str:
+    """Return the YAML text with empty lines instead of a ``key`` at its top."""
+    starts = [entry.location.line or 1 for entry in tree.root.children.values()]
+    entry = tree.root.children.get(key)
+    if entry is None:
+        return text
+    lines = text.splitlines(keepends=True)
+    first = entry.location.line or 1
+    end = min((line for line in starts if line > first), default=len(lines) + 1)
+    lines[first - 1 : end - 1] = ["\n"] * (end - first)
+    return "".join(lines)
+
+
 def _read(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError(
-            f"cannot read the built-in controllers: {error}", SourceLocation(path)
+            f"cannot read the controllers: {error}", SourceLocation(path)
         ) from None
 
 

@@ -76,9 +76,7 @@ def check_mass(mass: float, link: str, location: SourceLocation | None) -> None:
     """Raise ModelError unless the mass [kg] of a link is above zero."""
     if not mass > 0:
         raise ModelError(
-            f"link '{link}' has mass {mass:g} kg; give a mass above zero, "
-            "or omit <inertial> for a frame without mass",
-            location,
+            f"link '{link}' has mass {mass:g} kg; give a mass above zero", location
         )
 
 
@@ -164,17 +162,23 @@ class JointLimits:
     """Largest effort in either direction."""
     acceleration: float = math.inf
     """Largest acceleration of planned motions, per second squared."""
+    jerk: float = math.inf
+    """Largest jerk of planned motions, per second cubed."""
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper:
             raise LimitsError(
                 f"lower limit {self.lower} is above upper limit {self.upper}"
             )
-        if not (self.velocity > 0 and self.effort >= 0 and self.acceleration > 0):
+        if not (self.velocity > 0 and self.effort >= 0):
             raise LimitsError(
-                f"need velocity > 0, effort >= 0 and acceleration > 0, got velocity "
-                f"{self.velocity}, effort {self.effort}, "
-                f"acceleration {self.acceleration}"
+                f"need velocity > 0 and effort >= 0, "
+                f"got velocity {self.velocity}, effort {self.effort}"
+            )
+        if not (self.acceleration > 0 and self.jerk > 0):
+            raise LimitsError(
+                f"need acceleration > 0 and jerk > 0, "
+                f"got acceleration {self.acceleration}, jerk {self.jerk}"
             )
 
     def clamp(self, position: float) -> float:

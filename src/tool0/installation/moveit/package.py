@@ -172,7 +172,9 @@ def _simple_controllers(controllers: Controllers) -> str:
                 }
             )
     if not found:
-        raise ConfigError("the robot has no controllers with an action that MoveIt uses")
+        raise ConfigError(
+            "the robot has no controllers with an action that MoveIt uses"
+        )
     return _yaml(
         "Controllers whose actions execute plans; they are loaded elsewhere.",
         {"controller_list": found},
