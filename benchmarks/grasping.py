@@ -27,7 +27,7 @@ CUBES = {"2f85": (20, 45, 60, 80), "2f140": (20, 60, 90, 120), "hande": (10, 20,
 CYLINDER = Cylinder(radius=0.0215, length=0.08)
 MASSES = (0.05, 0.5)  # [kg]
 FORCE = 60.0
-"""At each pad [N]: of those of the Hand-E the weakest, a quarter of what a 2F-85 can."""
+"""At each pad [N]: the weakest of a Hand-E, a quarter of what a 2F-85 can."""
 LIFT = 0.2
 HOLD, SHAKE = 5.0, 3.0  # [s]
 SHAKEN = 2.0 * 9.81  # [m/s²]

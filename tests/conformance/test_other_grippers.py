@@ -140,7 +140,9 @@ def test_positions_of_the_joint_have_its_unit(bring_up: BringUp, gripper: str) -
         robot.gripper.move(position=1.1 * joint.limits.upper)
 
 
-def test_an_action_takes_positions_of_the_joint(bring_up: BringUp, gripper: str) -> None:
+def test_an_action_takes_positions_of_the_joint(
+    bring_up: BringUp, gripper: str
+) -> None:
     robot = bring_up(gripper=gripper, initial_pose="ready", gripper_action=True)
     geometry = robot.gripper.geometry
     half = geometry.position(geometry.max_opening / 2.0)

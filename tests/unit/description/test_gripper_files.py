@@ -124,7 +124,7 @@ MISTAKES: dict[str, tuple[str, str, str, type[Tool0Error], str]] = {
         DescriptionError, "unknown key 'inertia_parameters.finger.tensor.ix'",
     ),
     "no reduction": (
-        "physical_parameters", "drive:\n  mechanical_reduction: ", "drive:\n  reduction: ",
+        "physical_parameters", "drive:\n  mechanical_", "drive:\n  ",
         DescriptionError,
         "'drive' has no key 'mechanical_reduction'; did you mean 'reduction'?",
     ),
