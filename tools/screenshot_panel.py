@@ -2,7 +2,7 @@
 
 usage: python tools/screenshot_panel.py docs/images/panel.png [--width 1440] …
 
-It brings the example's scene up, or a cell (``--robots``), moves the arms with the plots
+It brings the example's scene up, or a cell (``--robots``), moves the arms with the plots  # noqa
 open, and waits until the page has drawn it.  Needs Chromium (tools/setup-browser).
 """
 

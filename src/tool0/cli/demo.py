@@ -172,7 +172,12 @@ def _handover_demo(arguments: DemoArguments, giver: str, taker: str) -> _Demo:
             robot, arguments.size, arguments.seed or 0
         ),
         task=lambda robot, into, on_snapshot: hand_over(
-            robot, ITEM, into, places.meeting, options, on_snapshot
+            robot,
+            ITEM,
+            into,
+            places.meeting,
+            options=options,
+            on_snapshot=on_snapshot,
         ),
     )
 

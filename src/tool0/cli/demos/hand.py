@@ -131,7 +131,8 @@ class Hand:
             raise TaskFailure(f"the motion is not done after {MOTION_TIMEOUT:g} s")
         result = goal.result
         if result is not None and result.status is not GoalStatus.SUCCEEDED:
-            raise TaskFailure(f"{result.status.name}: {result.error_string}")
+            why = getattr(result, "error_string", "")  # a gripper's result has none
+            raise TaskFailure(f"the goal was {result.status.name} {why}".rstrip())
 
     def put(self, into: Bin, grasps: Sequence[Grasp], height: float) -> None:
         """Carry the object to a bin, release it there, and leave.

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple, final
 from tool0.cli.demos.grasps import Bin, finger_reach, grasps_from_above, half_height
 from tool0.cli.demos.hand import Hand, PickOptions, TaskFailure
 from tool0.cli.demos.monitor import GraspMonitor
-from tool0.cli.demos.picker import DROP, Picker
-from tool0.cli.demos.report import PickReport, measured
+from tool0.cli.demos.picker import DROP, Picker, measured
+from tool0.cli.demos.report import PickReport
 from tool0.cli.demos.table import BIN, TABLE, PickTable
 from tool0.description.config import Cell, CellRobot, DescriptionConfig
 from tool0.description.scene import Scene
@@ -121,6 +121,7 @@ def hand_over(
     item: str,
     into: Bin,
     meeting: Vector3,
+    *,
     options: PickOptions | None = None,
     on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
 ) -> PickReport:

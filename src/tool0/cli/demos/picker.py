@@ -14,9 +14,10 @@ from tool0.cli.demos.grasps import (
     finger_reach,
     half_height,
 )
-from tool0.cli.demos.hand import Hand, PickOptions
+from tool0.cli.demos.hand import Hand, PickOptions, TaskFailure
 from tool0.cli.demos.monitor import GraspMonitor
-from tool0.cli.demos.report import PickReport, measured
+from tool0.cli.demos.report import PickReport
+from tool0.errors import ControlError, ModelError
 from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
@@ -134,3 +135,36 @@ def pick_and_place(
             picker.put(into)
 
         return measured(robot, picker, monitor, task)
+
+
+def measured(
+    robot: Robot, picker: Picker, monitor: GraspMonitor, task: Callable[[], None]
+) -> PickReport:
+    """Do a task with an object, and return what ``monitor`` measured.
+
+    Args:
+        robot: The robot.
+        picker: Picks the object up, in the course of the task.
+        monitor: Measures how the object is held.
+        task: Raises TaskFailure, ControlError or ModelError if it fails.
+    """
+    start, begun, failure = monitor.pose().position, robot.time, None
+    try:
+        task()
+    except (TaskFailure, ControlError, ModelError) as error:
+        failure = f"while {monitor.phase}: {error}"
+    monitor.begin("")
+    return PickReport(
+        success=failure is None,
+        failure=failure,
+        item=monitor.item,
+        start=start,
+        end=monitor.pose().position if monitor.item in robot.scene else None,
+        force=picker.hand.options.force,
+        grip_force=picker.force,
+        peak_force=monitor.peak_force,
+        width=picker.width,
+        slip=monitor.slip,
+        duration=robot.time - begun,
+        phases=monitor.phases,
+    )

@@ -2,17 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, final
-
-from tool0.cli.demos.hand import TaskFailure
-from tool0.errors import ControlError, ModelError
-
-if TYPE_CHECKING:
-    from tool0.api.robot import Robot
-    from tool0.cli.demos.monitor import GraspMonitor
-    from tool0.cli.demos.picker import Picker
+from typing import final
 
 
 @final
@@ -61,36 +53,3 @@ class PickReport:
             words.append(f"gripped with {self.grip_force:.0f} N")
         words.append(f"peak {self.peak_force:.0f} N")
         return ", ".join(words)
-
-
-def measured(
-    robot: Robot, picker: Picker, monitor: GraspMonitor, task: Callable[[], None]
-) -> PickReport:
-    """Do a task with an object, and return what ``monitor`` measured.
-
-    Args:
-        robot: The robot.
-        picker: Picks the object up, in the course of the task.
-        monitor: Measures how the object is held.
-        task: Raises TaskFailure, ControlError or ModelError if it fails.
-    """
-    start, begun, failure = monitor.pose().position, robot.time, None
-    try:
-        task()
-    except (TaskFailure, ControlError, ModelError) as error:
-        failure = f"while {monitor.phase}: {error}"
-    monitor.begin("")
-    return PickReport(
-        success=failure is None,
-        failure=failure,
-        item=monitor.item,
-        start=start,
-        end=monitor.pose().position if monitor.item in robot.scene else None,
-        force=picker.hand.options.force,
-        grip_force=picker.force,
-        peak_force=monitor.peak_force,
-        width=picker.width,
-        slip=monitor.slip,
-        duration=robot.time - begun,
-        phases=monitor.phases,
-    )
