@@ -2,8 +2,9 @@
 
 usage: python tools/screenshot_panel.py docs/images/panel.png [--width 1440] …
 
-It brings the example's scene up, or a cell (``--robots``), moves the arms with the plots
-open, and waits until the page has drawn it.  Needs Chromium (tools/setup-browser).
+It brings the example's scene up, or a cell (``--robots``), moves the arms with the
+plots open, and waits until the page has drawn it.  Needs Chromium
+(tools/setup-browser).
 """
 
 from __future__ import annotations
