@@ -12,10 +12,12 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from benchmarks import (
     cells,
+    drives,
     gazebo,
     golden,
     grasping,
     grip,
+    kinematics,
     panel,
     process,
     rest,
@@ -23,6 +25,7 @@ from benchmarks import (
     streams,
     tick,
 )
+from tool0.description.catalogue import arms
 from tool0.installation.gazebo.status import gazebo_status
 from tool0.installation.ros1.packages import ros1_status
 
@@ -67,12 +70,19 @@ def figures() -> Iterator[Figure]:
         "start to end of a bring-up ÷ import mujoco", process.start_ratio(), 3.0, 2.0
     )
     yield Figure("resident memory, headless [MB]", process.memory(), 220.0, 150.0)
+    trips = [kinematics.round_trip(arm) for arm in arms()]
+    name = f"inverse kinematics, {len(trips)} arms x {kinematics.N_POSES} poses"
+    n_missed = sum(trip.n_missed for trip in trips)
+    yield Figure(f"{name}: missed", n_missed, 0.5, 0.0)
+    worst = max(trip.worst for trip in trips)
+    yield Figure(f"{name}: error [m]", worst, 1e-9, 1e-13)
     for name, opening in rest.OPENINGS.items():
         velocity = rest.rms_velocity(opening, "mujoco")
         yield Figure(f"gripper at rest, {name}: rms [rad/s]", velocity, 1e-4, 1e-6)
     yield from _grasp_figures("mujoco", n_picks=100)
     held = grasping.two_kilograms()
     yield Figure("mujoco: slip of 2 kg held at 235 N, linkage [mm]", held, 0.1, 0.05)
+    yield from _drive_figures()
     yield from _panel_figures()
     for readers, rate in ((1, 125.0), (5, 125.0), (1, 500.0), (5, 500.0)):
         ratio = streams.tick_cost_ratio(readers, rate)
@@ -106,6 +116,21 @@ def _grasp_figures(engine: str, n_picks: int) -> Iterator[Figure]:
     bound = math.floor(0.98 * n_picks) if n_picks >= 100 else 0.9 * n_picks
     name = f"{engine}: picks of {n_picks} from random poses that succeed"
     yield Figure(name, report.n_succeeded, bound, n_picks)
+
+
+def _drive_figures() -> Iterator[Figure]:
+    rows = list(drives.rows())
+    for row in rows:
+        print(row)
+    radius = max(max(row.free, row.loaded) for row in rows)
+    yield Figure(f"spectral radius of {len(rows)} robots", radius, 1.0, 0.999)
+    drift = max(row.drift for row in rows)
+    yield Figure("their drift from home in 10 s [mrad]", 1e3 * drift, 20.0, 10.0)
+    moved = [row.motions for row in rows if row.has_derived_gains]
+    path = max(motions.path for motions in moved)
+    yield Figure("derived gains, rated payload: path [mrad]", 1e3 * path, 50.0, 20.0)
+    final = max(motions.final for motions in moved)
+    yield Figure("derived gains, rated payload: final [mrad]", 1e3 * final, 10.0, 2.0)
 
 
 def _gazebo_figures() -> Iterator[Figure]:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import importlib
 import json
-import os
-import signal
-import subprocess
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
 import yaml
-from ros import TIMEOUT, Bringup, Ros, system_python, until
+from ros import Bringup, Ros, until
 from ros_client import (
     arm_client,
     call,
@@ -23,6 +20,7 @@ from ros_client import (
     publishing,
     trajectory,
 )
+from ros_spawner import spawned
 from ur5_rig import ARM, GRIPPER
 
 MANAGER = "/controller_manager"
@@ -188,59 +186,14 @@ def test_a_controller_of_the_parameter_server_is_loaded_and_runs(
     ros.run("rosparam", "delete", f"/{OWN}")
 
 
-SPAWNER = """
-import sys
-import rospy
-from controller_manager_msgs.srv import *
-
-def manager(name, kind):
-    rospy.wait_for_service("controller_manager/" + name, timeout=30)
-    return rospy.ServiceProxy("controller_manager/" + name, kind)
-
-def shut_down():
-    switch([], names, SwitchControllerRequest.STRICT, False, 0.0)
-    for name in reversed(names):
-        unload(name)
-
-rospy.init_node("spawner", anonymous=True)
-load = manager("load_controller", LoadController)
-switch = manager("switch_controller", SwitchController)
-unload = manager("unload_controller", UnloadController)
-rospy.on_shutdown(shut_down)
-names = [name for name in sys.argv[1:] if load(name).ok]
-if switch(names, [], SwitchControllerRequest.STRICT, False, 0.0).ok:
-    rospy.loginfo("Started controllers: %s", ", ".join(names))
-rospy.spin()
-"""
-"""For machines without the package controller_manager: the calls that its makes."""
-
-
 def test_the_spawner_starts_controllers_and_stops_them_at_ctrl_c(
-    ros: Ros, rospy: ModuleType, bringup: Bringup, tmp_path: Path
+    ros: Ros, rospy: ModuleType, bringup: Bringup
 ) -> None:
-    prefixes = os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
-    found = (Path(prefix, "lib/controller_manager/spawner") for prefix in prefixes)
-    real = next((str(path) for path in found if path.is_file()), None)
-    command = [real] if real else [system_python(), "-c", SPAWNER]
     assert switch([], [GRIPPER])
     assert unload(GRIPPER)
     before = states()
-    with subprocess.Popen(
-        [*command, GRIPPER],
-        env=dict(ros.tools),
-        stdout=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    ) as spawner:
-        try:
-            assert spawner.stdout is not None
-            assert any("Started controllers" in line for line in spawner.stdout)
-            assert states()[GRIPPER] == "running"
-            spawner.send_signal(signal.SIGINT)
-            spawner.communicate(timeout=TIMEOUT)
-        finally:
-            spawner.kill()
-    assert spawner.returncode == 0
+    with spawned(ros, GRIPPER):
+        assert states()[GRIPPER] == "running"
     assert states() == before
     assert load(GRIPPER)
     assert switch([GRIPPER], [])

@@ -169,12 +169,11 @@ def readers_of(parameter: str) -> tuple[str, ...]:
     return tuple(sorted({name.partition("/")[2] for name in readers}))
 
 
-NOT_ENFORCED = ("max_jerk",)
-"""Limits that ROS knows and that tool0 does not keep to."""
 _SAMPLE_LIMITS = """
 {has_position_limits: true, min_position: 0, max_position: 0,
  has_velocity_limits: true, max_velocity: 1, has_effort_limits: true, max_effort: 1,
- has_acceleration_limits: true, max_acceleration: 1}
+ has_acceleration_limits: true, max_acceleration: 1,
+ has_jerk_limits: true, max_jerk: 1}
 """
 """A joint with every limit, for ``joint_limit_parameters``."""
 
@@ -271,7 +270,6 @@ def joint_limit_parameters() -> frozenset[str]:
 
 def _limits(limits: Namespace) -> dict[str, float]:
     """Read one joint's limits: each applies only with ``has_…: true``, as in ROS."""
-    limits.accept(*NOT_ENFORCED, "has_jerk_limits")
     limits.accept("angle_wraparound")
 
     def has_limit(kind: str) -> bool | None:
@@ -290,7 +288,7 @@ def _limits(limits: Namespace) -> dict[str, float]:
                 limits.location,
             )
         found = {"lower": lower, "upper": upper}
-    for kind in ("velocity", "acceleration", "effort"):
+    for kind in ("velocity", "acceleration", "jerk", "effort"):
         has = has_limit(kind)
         if has is not None:
             found[kind] = limits.not_negative(f"max_{kind}") if has else math.inf

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -21,6 +20,7 @@ from tool0.control.parameters import joint_entries
 from tool0.description.catalogue import Part, PartKind, shared_folder
 from tool0.description.model import Interface, JointType, RobotModel
 from tool0.description.packages import find_package
+from tool0.description.parts import joints_of
 from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.description.yaml_tree import Tree, YamlEntry, read_verbatim
 from tool0.description.yaml_values import Namespace
@@ -34,11 +34,10 @@ PERIOD: Final = 0.001
 """Time between updates of the controllers for which the gains are [s]."""
 _FILE: Final = "controllers.yaml"
 _ACTION_FILE: Final = "controllers_gripper_action.yaml"
-_JOINT_STATE_CONTROLLER: Final = "joint_state_controller"
-"""There is one for all robots."""
-_KEPT_NAMES: Final = ("joint_limits",)
-"""Entries at the top that are no controllers."""
 _GAINS: Final = "$gains"
+_STATE_CONTROLLER: Final = "joint_state_controller"
+"""There is one for all robots, or one for each robot with a namespace."""
+_LIMITS: Final = "joint_limits"
 _ROTARY: Final = {"$tolerance": "0.002", "$standstill": "0.001"}
 """Of a gripper whose driven joint turns [rad, rad/s]."""
 _LINEAR: Final = {"$tolerance": "0.0001", "$standstill": "0.0001"}
@@ -75,7 +74,7 @@ def controllers_yaml(
     if limits:
         texts.append(
             "# What the motions of tool0 keep to; ros_control does not enforce it.\n"
-            "joint_limits:\n" + _lines(limits, indent="  ")
+            f"{_LIMITS}:\n" + _lines(limits, indent="  ")
         )
     return "\n".join(texts)
 
@@ -142,12 +141,20 @@ class _Piece:
             gains = controller.find("gains")
             if gains is not None and gains.scalar == _GAINS:
                 gains.value = {}
-                for row in self.gains:
-                    text = f"{name}: {{gains: {{{row.joint}: {row.values}}}}}"
-                    tree.load(text, row.location)
-        for row in self.limits:
-            text = f"joint_limits: {{{row.joint}: {row.values}}}"
-            tree.load(text, row.location)
+                _load_rows(tree, f"{name}: {{gains: {{", self.gains, "}}")
+        _load_rows(tree, f"{_LIMITS}: {{", self.limits, "}")
+
+
+def _load_rows(tree: Tree, start: str, rows: Sequence[_Row], end: str) -> None:
+    """Add the rows as one text for each file, in which they keep their lines."""
+    for file in dict.fromkeys(row.location.file for row in rows):
+        text, line = start, 1
+        for row in rows:
+            if row.location.file == file:
+                gap = max((row.location.line or 1) - line, 0)
+                text += "\n" * gap + f" {row.joint}: {row.values},"
+                line += gap
+        tree.load(text + end, SourceLocation(file, 1))
 
 
 def _lines(rows: Sequence[_Row], indent: str) -> str:
@@ -172,7 +179,14 @@ def _pieces(
     if not parts:
         return []
     path = find_package("tool0_description") / "config" / _FILE
-    return [_Piece(text=_read(path), location=SourceLocation(path, 1)), *parts]
+    texts = [_read(path)]
+    if description.cell is not None and description.cell.namespaces:
+        texts = [
+            _Composer(description, robot, gripper_action, period).joint_states(texts[0])
+            for robot in description.robots
+        ]
+    location = SourceLocation(path, 1)
+    return [*(_Piece(text=text, location=location) for text in texts), *parts]
 
 
 @final
@@ -191,8 +205,7 @@ class _Composer:
         model, robot = self.description.model, self.robot
         own = self._own_file()
         if own is not None:
-            text = self._renamed(_without(_read(own), _JOINT_STATE_CONTROLLER))
-            yield _Piece(text=text, location=SourceLocation(own, 1))
+            yield self._own_piece(own)
             return
         path = _part_file("arm", robot.arm if robot else None, _FILE)
         text = self._renamed(_read(path))
@@ -206,13 +219,41 @@ class _Composer:
         if (len(hand) == 1) if robot is None else (robot.gripper and hand):
             yield self._gripper(hand)
 
+    def joint_states(self, text: str) -> str:
+        """Return the YAML of a joint_state_controller for the joints of one robot."""
+        assert self.robot is not None
+        model = self.description.model
+        driven = model.transmission_by_joint
+        joints = [j for j in joints_of(model, self.robot.name) if j in driven]
+        return f"{self._renamed(text)}  joints: [{', '.join(sorted(joints))}]\n"
+
     def _own_file(self) -> Path | None:
-        """Return the controllers that a cell names for this robot."""
+        """Return the controllers that the cell's file gives this robot."""
         cell, robot = self.description.cell, self.robot
-        for item in cell.robots if cell else ():
-            if robot is not None and item.name == robot.name and item.controllers_file:
+        for item in cell.robots if cell and robot else ():
+            if robot and item.name == robot.name and item.controllers_file:
                 return expanded(item.controllers_file)
         return None
+
+    def _own_piece(self, path: Path) -> _Piece:
+        """Return a file of controllers; what a cell has once is not among them."""
+        text = _read(path)
+        tree = Tree()
+        tree.load(text, SourceLocation(path, 1))
+        prefix = self.robot.prefix if self.robot else ""
+        limits = [
+            _Row(
+                joint=prefix + name,
+                values=_flow(entry),
+                comment=f"{path.name}:{entry.location.line}",
+                location=entry.location,
+            )
+            for name, entry in _children(tree, _LIMITS).items()
+        ]
+        for key in (_STATE_CONTROLLER, _LIMITS):
+            text = _without(text, tree, key)
+        location = SourceLocation(path, 1)
+        return _Piece(text=self._renamed(text), location=location, limits=limits)
 
     def _arm_rows(self, joints: Sequence[str]) -> tuple[list[_Row], list[_Row]]:
         """Return the gains of an arm, and its limits where gains are derived."""
@@ -230,12 +271,16 @@ class _Composer:
                 gains.append(stated[joint])
                 continue
             gains.append(self._derived(joint, found))
-            limit = f"max_acceleration: {_number(found.acceleration)}"
+            values = (
+                f"has_acceleration_limits: true, "
+                f"max_acceleration: {_number(found.acceleration)}, "
+                f"has_jerk_limits: true, max_jerk: {_number(found.jerk)}"
+            )
             limits.append(
                 _Row(
                     joint=joint,
-                    values=f"{{has_acceleration_limits: true, {limit}}}",
-                    comment=found.acceleration_derivation,
+                    values=f"{{{values}}}",
+                    comment=found.limits_derivation,
                     location=SourceLocation(self.description.source),
                 )
             )
@@ -269,11 +314,12 @@ class _Composer:
         return _Piece(text=text, location=SourceLocation(path, 1), gains=rows)
 
     def _derived(self, joint: str, gains: DerivedGains) -> _Row:
-        values = {"p": gains.p, "i": gains.i, "d": gains.d, "i_clamp": gains.i_clamp}
-        texts = [f"{name}: {_number(value)}" for name, value in values.items()]
+        values = f"p: {_number(gains.p)}, i: {_number(gains.i)}, d: {_number(gains.d)}"
+        if gains.i:
+            values += f", i_clamp: {_number(gains.i_clamp)}, antiwindup: true"
         return _Row(
             joint=joint,
-            values=f"{{{', '.join(texts)}, antiwindup: true}}",
+            values=f"{{{values}}}",
             comment=gains.derivation,
             location=SourceLocation(self.description.source),
         )
@@ -318,9 +364,27 @@ class _Composer:
             start = token.start_mark.index + (token.style is not None)
             if token.value in joints:
                 text = text[:start] + robot.prefix + text[start:]
-            elif token.start_mark.column == 0 and token.value not in _KEPT_NAMES:
+            elif token.start_mark.column == 0:
                 text = text[:start] + _prefix(robot) + text[start:]
         return text
+
+
+def _children(tree: Tree, key: str) -> Mapping[str, YamlEntry]:
+    entry = tree.root.children.get(key)
+    return {} if entry is None else entry.children
+
+
+def _without(text: str, tree: Tree, key: str) -> str:
+    """Return the YAML text with empty lines instead of a ``key`` at its top."""
+    starts = [entry.location.line or 1 for entry in tree.root.children.values()]
+    entry = tree.root.children.get(key)
+    if entry is None:
+        return text
+    lines = text.splitlines(keepends=True)
+    first = entry.location.line or 1
+    end = min((line for line in starts if line > first), default=len(lines) + 1)
+    lines[first - 1 : end - 1] = ["\n"] * (end - first)
+    return "".join(lines)
 
 
 def _read(path: Path) -> str:
@@ -328,18 +392,8 @@ def _read(path: Path) -> str:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError(
-            f"cannot read the controllers of a robot: {error}", SourceLocation(path)
+            f"cannot read the controllers: {error}", SourceLocation(path)
         ) from None
-
-
-def _without(text: str, name: str) -> str:
-    """Return YAML ``text`` with blank lines instead of its entry ``name``."""
-    kept, is_in_entry = [], False
-    for line in text.splitlines(keepends=True):
-        if line[:1].strip() and line[0] not in "#-]}":
-            is_in_entry = re.match(rf"['\"]?{name}['\"]?\s*:", line) is not None
-        kept.append("\n" if is_in_entry else line)
-    return "".join(kept)
 
 
 def _part_file(kind: PartKind, part: Part | None, name: str) -> Path:

@@ -36,19 +36,20 @@ from tool0.hardware.bodies import (
 )
 from tool0.hardware.sampled_dynamics import SampledDynamics, sample_dynamics
 
-SAMPLING = 1.5
+SAMPLING = 1.7
 """Largest eigenvalue of M⁻¹ D · period in any posture.  From 2 on, damping by sampled
 velocities is unstable."""
-DAMPING_RATIO = 0.15
+DAMPING_RATIO = 0.1
 """Smallest damping ratio, at the largest inertia.  Low, because the inertia of a pan
 joint varies by a factor of 100: more would cost stiffness."""
-BANDWIDTH = 50.0
-"""Largest natural frequency at the largest inertia [rad/s]: a cycle is 125 periods of
+BANDWIDTH = 60.0
+"""Largest natural frequency at the largest inertia [rad/s]: a cycle is 100 periods of
 1 ms.  Damping beyond a ratio of 1 there would only slow the joint."""
 INTEGRAL_RATE = 5.0
 """Largest i / p [1/s]: a load is compensated within half a second."""
-INTEGRAL_SHARE = 0.3
-"""Largest i / p as a fraction of d / inertia; at 1 the joint would oscillate."""
+INTEGRAL_SHARE = 0.6
+"""Largest i / p as a fraction of the smallest eigenvalue of D M⁻¹ in any posture, with
+payload; from 1 on, the arm may oscillate."""
 LOAD_MARGIN = 1.2
 """The integral's clamp in relation to the largest static load."""
 CLAMP_SHARE = 0.1
@@ -57,7 +58,7 @@ in the model."""
 DRIVE_SHARE = 0.9
 """Fraction of the effort left beside the static load that accelerations may use."""
 LAG = 0.015
-"""Largest error that an acceleration causes at rest in it [rad]; oscillation can double
+"""Error of a joint whose acceleration is its largest [rad]; oscillation can double
 it."""
 ALUMINIUM = 2700.0
 """Density of the payload, a cube around the flange [kg/m³]."""
@@ -81,7 +82,9 @@ class DerivedGains:
     """In one line."""
     acceleration: float = math.inf
     """For planned motions [rad/s² | m/s²]."""
-    acceleration_derivation: str = ""
+    jerk: float = math.inf
+    """For planned motions [rad/s³ | m/s³]."""
+    limits_derivation: str = ""
 
 
 def derive_arm_gains(
@@ -107,22 +110,26 @@ def derive_arm_gains(
     base = model.joint(joints[0]).parent
     rotation = np.array(link_pose(model, {}, base).rotation)
     g_x, g_y, g_z = (rotation.T @ np.asarray(gravity)).tolist()
+    is_upright = math.hypot(g_x, g_y) < 0.01 * abs(g_z)
     bodies = moving_bodies(_part(model, base, joints))
     limits = [body.joint.limits for body in bodies]
-    postures = _postures(limits)
+    postures = _postures(limits, is_upright=is_upright)
     light = _with_rotors(model, bodies, sample_dynamics(bodies, postures))
     loaded = _loaded(model, bodies, payload or 0.0)
     heavy = _with_rotors(
         model, bodies, sample_dynamics(loaded, postures, (g_x, g_y, g_z))
     )
-    smallest = 1.0 / _diagonals(np.linalg.inv(light.masses)).max(axis=0)
+    inverses = np.linalg.inv(light.masses)
+    smallest = 1.0 / _diagonals(inverses).max(axis=0)
     largest = _diagonals(heavy.masses).max(axis=0)
     load = np.abs(heavy.loads).max(axis=0)
-    sampled = smallest * _sampling_factor(light.masses, smallest) / period
+    shares = np.sqrt(smallest * largest)
+    sampled = shares * SAMPLING / _largest_eigenvalue(inverses, shares) / period
     damping = _rounded(np.minimum(sampled, 2.0 * BANDWIDTH * largest))
     frequency = np.minimum(damping / (2.0 * DAMPING_RATIO * largest), BANDWIDTH)
     stiffness = _rounded(largest * frequency**2)
-    rate = np.minimum(INTEGRAL_SHARE * damping / largest, INTEGRAL_RATE)
+    slowest = 1.0 / _largest_eigenvalue(heavy.masses, 1.0 / damping)
+    rate = min(INTEGRAL_SHARE * slowest, INTEGRAL_RATE)
     effort = np.array([limit.effort for limit in limits])
     clamp = np.minimum(
         np.maximum(LOAD_MARGIN * load, CLAMP_SHARE * np.minimum(effort, 1e3)), effort
@@ -130,27 +137,33 @@ def derive_arm_gains(
     usual = np.array([body.joint.max_acceleration for body in bodies])
     by_lag = np.minimum(LAG * stiffness / largest, usual)
     acceleration = _rounded(_within_drives(heavy, effort, by_lag))
+    # A ramp of one period leaves no oscillation behind, and the joints arrive together.
+    ramp = 2.0 * math.pi / float(frequency.min())
     weight = "without payload (unknown)" if payload is None else f"with {payload:g} kg"
     ratio = damping / (2.0 * np.sqrt(stiffness * largest))
     return tuple(
         DerivedGains(
             p=float(stiffness[k]),
-            i=float(_rounded(rate[k] * stiffness[k])),
+            i=float(_rounded(rate * stiffness[k])),
             d=float(damping[k]),
             i_clamp=float(_rounded(clamp[k])),
             derivation=(
                 f"inertia {smallest[k]:.3g} … {largest[k]:.3g} kg·m² {weight}: "
                 f"{frequency[k]:.3g} rad/s, damping ratio {ratio[k]:.2g}, "
                 f"d·dt/inertia {damping[k] * period / smallest[k]:.2g}, "
-                f"load {load[k]:.3g} N·m"
+                f"load {load[k]:.1f} N·m"
             ),
             acceleration=float(acceleration[k]),
-            acceleration_derivation=(
-                "what the drives can give the loaded arm in every posture"
-                if acceleration[k] < by_lag[k] * 0.99
-                else f"its error is {LAG * 1e3:g} mrad"
-                if by_lag[k] < usual[k]
-                else "as for any joint"
+            jerk=float(_rounded(acceleration[k] / ramp)),
+            limits_derivation=(
+                (
+                    "what the drives give the loaded arm in every posture"
+                    if acceleration[k] < by_lag[k] * 0.99
+                    else f"its error is {LAG * 1e3:g} mrad"
+                    if by_lag[k] < usual[k]
+                    else "as for any joint"
+                )
+                + f"; reached in {ramp:.2g} s"
             ),
         )
         for k in range(len(joints))
@@ -214,14 +227,15 @@ def _part(model: RobotModel, root: str, movable: Sequence[str] = ()) -> RobotMod
     )
 
 
-def _postures(limits: Sequence[JointLimits]) -> Matrix:
+def _postures(limits: Sequence[JointLimits], *, is_upright: bool) -> Matrix:
     """Return postures with the extreme inertias and loads, shape (n, n_joints) [rad].
 
     They are at right angles: stretched out, folded, with aligned or crossed axes.  The
-    first joint matters to gravity alone, and the last one hardly.
+    first joint matters to gravity alone, if it is not upright, and the last one hardly.
     """
-    between = itertools.product(_RIGHT_ANGLES, repeat=len(limits) - 2)
-    turned = [(0.0, *angles, 0.0) for angles in between]
+    first = _RIGHT_ANGLES[: 1 if is_upright else 2]
+    between = [_RIGHT_ANGLES] * (len(limits) - 2)
+    turned = list(itertools.product(first, *between, (0.0,)))
     lower = [limit.lower for limit in limits]
     upper = [limit.upper for limit in limits]
     return np.clip(np.array(turned), lower, upper)
@@ -256,11 +270,10 @@ def _diagonals(matrices: Matrix) -> Matrix:
     return np.diagonal(matrices, axis1=1, axis2=2)
 
 
-def _sampling_factor(masses: Matrix, damping: Matrix) -> float:
-    """Return by what to multiply ``damping`` · dt for the eigenvalue SAMPLING."""
-    root = np.sqrt(damping)
-    eigenvalues = np.linalg.eigvalsh(root[:, None] * np.linalg.inv(masses) * root)
-    return float(SAMPLING / eigenvalues.max())
+def _largest_eigenvalue(matrices: Matrix, factors: Matrix) -> float:
+    """Return the largest one of any symmetric matrix times diag(``factors``)."""
+    root = np.sqrt(factors)
+    return float(np.linalg.eigvalsh(root[:, None] * matrices * root).max())
 
 
 def _within_drives(heavy: SampledDynamics, effort: Matrix, wanted: Matrix) -> Matrix:

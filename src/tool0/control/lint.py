@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import final
 
 from tool0.control.config import (
-    NOT_ENFORCED,
     TYPES,
     ControllerConfig,
     joint_limit_parameters,
@@ -135,12 +134,6 @@ def _lint_limits(limits: YamlEntry, known: Collection[str] | None) -> Iterator[F
                     "limit-without-flag",
                     f"ignored, as in ROS, without '{flag}: true'",
                     "write that beside it",
-                )
-            elif name in NOT_ENFORCED and joint.children[flag].scalar is not False:
-                yield entry.finding(
-                    "not-enforced",
-                    "tool0 does not keep to it",
-                    severity="warning",
                 )
 
 

@@ -39,6 +39,8 @@ UNSET: Final = Unset.UNSET
 
 _OF_SEVERAL: Final = ("robot", "cell", "robots")
 """The options that name robots in another way than by an arm and a gripper."""
+_NOT_XACRO: Final = (*_OF_SEVERAL, "namespaces", "args")
+"""The fields that are no arguments of the xacro file."""
 _OF_ALL: Final = ("prefix", "tf_prefix", *_OF_SEVERAL)
 """The options that a robot of a cell does not have."""
 _ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
@@ -49,18 +51,19 @@ _ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
 class DescriptionConfig:
     """The robot: an arm and a gripper of the catalogue, a cell of them, or your file.
 
-    Each field except ``robot``, ``cell``, ``robots`` and ``args`` is the argument of
-    the same name in ``tool0_description/urdf/ur_robotiq.urdf.xacro``.  A field that is
-    not given (None) leaves the argument at its default.  Relative paths count from the
-    working directory.
+    Each field except ``robot``, ``cell``, ``robots``, ``namespaces`` and ``args`` is
+    the argument of the same name in ``tool0_description/urdf/ur_robotiq.urdf.xacro``.
+    A field that is not given (None) leaves the argument at its default.  Relative paths
+    count from the working directory.
 
     Raises:
-        ConfigError: If two of ``robot``, ``cell`` and ``robots`` are given, or one of
-            them together with a field of the catalogue.
+        ConfigError: If two of ``robot``, ``cell`` and ``robots`` are given, one of
+            them together with a field of the catalogue, or ``namespaces`` without a
+            cell.
     """
 
     arm: str | None = None
-    """The arm; ur5 if not given."""
+    """The arm, such as ur10e, or the folder of your own; ur5 if not given."""
     gripper: str | Unset | None = UNSET
     """The gripper on the arm's tool0, or none; 2f85 if not given."""
     gripper_model: Literal["mimic", "linkage"] | None = None
@@ -75,6 +78,9 @@ class DescriptionConfig:
     robots: Sequence[str] | None = None
     """Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0: name, arm,
     gripper if any, position of the base and, if given, roll, pitch, yaw [m, rad]."""
+    namespaces: bool = False
+    """In ROS, give each robot of a cell a namespace and a controller manager of its
+    own; a cell's file can say so, too."""
     args: Mapping[str, Argument] | None = None
     """Arguments of the xacro file; they override the other options."""
     mount_xyz: Sequence[Metres] | None = None
@@ -122,6 +128,10 @@ class DescriptionConfig:
         several = [name for name in _OF_SEVERAL if getattr(self, name) is not None]
         if len(several) > 1:
             raise ConfigError(f"give only one of {', '.join(several)}")
+        if self.namespaces and self.cell is None and self.robots is None:
+            raise ConfigError(
+                "namespaces: only for several robots; give cell or robots, too"
+            )
         if self.robot is not None and given:
             raise ConfigError(
                 f"{', '.join(given)}: only for robots of the catalogue; '{self.robot}' "
@@ -145,7 +155,7 @@ class DescriptionConfig:
             if item.name == "gripper" and value is None:
                 value = "none"
             is_given = value is not None and value is not UNSET and value is not False
-            if is_given and item.name not in (*_OF_SEVERAL, "args"):
+            if is_given and item.name not in _NOT_XACRO:
                 given[item.name] = value
         return given
 

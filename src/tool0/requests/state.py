@@ -25,6 +25,8 @@ class LimitsInfo(Struct, frozen=True, kw_only=True):
     effort: float | None
     acceleration: float | None
     """Of planned motions."""
+    jerk: float | None
+    """Of planned motions."""
 
 
 class SimulationInfo(Struct, frozen=True, kw_only=True):
@@ -43,7 +45,7 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     grasp_assist: bool
     """Whether grasp assist attaches gripped objects."""
     joint_limits: dict[str, LimitsInfo]
-    """Limits of each driven joint [rad | m], [rad/s | m/s], [N·m | N]."""
+    """Limits of each driven joint [rad | m], [rad/s | m/s], [N·m | N], and so on."""
     defined_controllers: dict[str, str]
     """Controllers of the YAML, loaded or not: name → type."""
     parameters: dict[str, Any]

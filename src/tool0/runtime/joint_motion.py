@@ -231,8 +231,13 @@ def _solve(
         for factor, joint in zip(hardness, joints, strict=True)
     ]
     wanted.max_jerk = [
-        factor * acceleration / TIME_TO_FULL_ACCELERATION
-        for factor, acceleration in zip(hardness, wanted.max_acceleration, strict=True)
+        min(
+            factor * acceleration / TIME_TO_FULL_ACCELERATION,
+            factor * joint.limits.jerk,
+        )
+        for factor, acceleration, joint in zip(
+            hardness, wanted.max_acceleration, joints, strict=True
+        )
     ]
     motion = ruckig.Trajectory(len(joints))
     # A straight line in joint space where possible.  Synchronizing the joints fails

@@ -104,12 +104,6 @@ def test_a_key_that_nothing_reads_is_named_with_the_nearest(
             "",
         ),
         ("joint_limits: {hop: {}}", "joint_limits/hop", "unknown-joint", "'hip'"),
-        (
-            "joint_limits: {hip: {has_jerk_limits: true, max_jerk: 9}}",
-            "joint_limits/hip/max_jerk",
-            "not-enforced",
-            "",
-        ),
     ],
 )
 def test_what_is_no_controller_is_judged_by_its_key(
@@ -120,6 +114,6 @@ def test_what_is_no_controller_is_judged_by_its_key(
     assert named in remedy
 
 
-def test_what_need_not_be_enforced_and_cannot_be_judged_is_not_told() -> None:
-    assert found("joint_limits: {hip: {has_jerk_limits: false, max_jerk: 9}}") == {}
+def test_what_is_right_or_cannot_be_judged_is_not_told() -> None:
+    assert found("joint_limits: {hip: {has_jerk_limits: true, max_jerk: 9}}") == {}
     assert found("joint_limits: {hop: {}}", None) == {}

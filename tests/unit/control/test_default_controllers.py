@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +13,11 @@ from raises_naming import raises_naming
 from tool0.control.default_controllers import controllers_yaml, default_controllers
 from tool0.control.parameters import RobotJoints
 from tool0.description.catalogue import find_part
+from tool0.description.config import Cell, CellRobot, DescriptionConfig
 from tool0.description.robot import (
-    CatalogueRobot,
     RobotDescription,
     assemble,
+    load_description,
     load_robot,
 )
 from tool0.errors import ConfigError, DescriptionError
@@ -49,29 +49,26 @@ def joints_named_in(text: str) -> set[str]:
     }
 
 
+def robot_joints(description: RobotDescription) -> RobotJoints:
+    model = description.model
+    interfaces = {item.joint: item.interface for item in model.transmissions}
+    return RobotJoints(model.joint_by_name, interfaces)
+
+
 def parsed(description: RobotDescription, **options: Any) -> dict[str, Any]:
     content: dict[str, Any] = yaml.safe_load(controllers_yaml(description, **options))
     return content
 
 
-def cell() -> RobotDescription:
-    """Return the two arms of a file as if they were robots of the catalogue."""
-    two = load_robot(DATA / "description" / "two_robots.urdf.xacro")
-    robots = (
-        CatalogueRobot(
-            name="left",
-            arm=find_part("arm", "ur5"),
-            gripper=find_part("gripper", "2f85"),
-            prefix="left_",
-        ),
-        CatalogueRobot(
-            name="right",
-            arm=find_part("arm", DERIVED),
-            gripper=find_part("gripper", "2f85"),
-            prefix="right_",
-        ),
+def cell(controllers_file: Path | None = None) -> RobotDescription:
+    """Return two robots, of which the right one may have its own controllers."""
+    left = CellRobot(name="left", description=DescriptionConfig(base_xyz=(0, 0.8, 0)))
+    right = CellRobot(
+        name="right",
+        description=DescriptionConfig(arm=DERIVED, base_xyz=(0, -0.8, 0)),
+        controllers_file=controllers_file,
     )
-    return replace(two, robots=robots)
+    return load_description(DescriptionConfig(cell=Cell(robots=(left, right))))
 
 
 @pytest.mark.parametrize("gripper_action", [False, True])
@@ -110,6 +107,59 @@ def test_robots_of_a_cell_have_controllers_of_their_own() -> None:
     assert set(content["joint_limits"]) == {
         joint for joint in joints_named_in(str(content)) if joint.startswith("right_")
     } - {"right_finger_joint"}
+
+
+OWN = """
+joint_state_controller:
+  type: joint_state_controller/JointStateController
+  publish_rate: 50
+
+my_arm:
+  type: position_controllers/JointTrajectoryController
+  joints: [shoulder_pan_joint]
+joint_limits:
+  elbow_joint: {has_velocity_limits: true, max_velocity: 0.5}
+"""
+
+
+def test_a_robot_of_a_cell_may_have_its_own_controllers(tmp_path: Path) -> None:
+    file = tmp_path / "own.yaml"
+    file.write_text(OWN)
+    description = cell(file)
+    content = parsed(description)
+    assert list(content) == [
+        "joint_state_controller",
+        *(f"left_{name}" for name in CONTROLLERS[1:]),
+        "right_my_arm",
+        "joint_limits",
+    ]
+    assert content["joint_state_controller"]["publish_rate"] == 125
+    assert content["right_my_arm"]["joints"] == ["right_shoulder_pan_joint"]
+    assert content["joint_limits"]["right_elbow_joint"]["max_velocity"] == 0.5
+    config = default_controllers(description)
+    assert config.parameters() == content
+    with raises_naming(ConfigError, f"{file}:8", "right_shoulder_pan_joint"):
+        config.spec("right_my_arm", robot_joints(description))
+
+
+def test_each_robot_with_a_namespace_has_a_joint_state_controller() -> None:
+    robots = ("left=ur5+2f85@0,0.5,0", "right=ur5@0,-0.5,0")
+    config = DescriptionConfig(robots=robots, namespaces=True)
+    description = load_description(config)
+    content = parsed(description)
+    assert "joint_state_controller" not in content
+    for name, gripper in (("left", ["finger_joint"]), ("right", [])):
+        published = content.pop(f"{name}_joint_state_controller")["joints"]
+        arm = content[f"{name}_eff_joint_traj_controller"]["joints"]
+        assert published == sorted([*arm, *(f"{name}_{joint}" for joint in gripper)])
+    alike = load_description(DescriptionConfig(robots=robots))
+    assert content == {
+        name: value
+        for name, value in parsed(alike).items()
+        if name != "joint_state_controller"
+    }
+    config_alike = default_controllers(description)
+    assert config_alike.parameters() == parsed(description)
 
 
 @pytest.mark.parametrize("gripper_action", [False, True])
@@ -164,20 +214,19 @@ def test_wrong_gains_are_told_with_file_and_line(
     place = f"{tmp_path / 'mine' / 'gains.yaml'}:{line}"
     with raises_naming(ConfigError, place, named):
         config = default_controllers(description)
-        model = description.model
-        interfaces = {item.joint: item.interface for item in model.transmissions}
-        joints = RobotJoints(model.joint_by_name, interfaces)
-        config.spec("eff_joint_traj_controller", joints)
+        config.spec("eff_joint_traj_controller", robot_joints(description))
 
 
 def test_the_payload_counts_if_it_is_known(tmp_path: Path) -> None:
-    unknown = controllers_yaml(own_arm(tmp_path / "mine"))
-    assert "without payload" in unknown
+    own_arm(tmp_path / "mine")
     file = tmp_path / "mine" / "specifications.yaml"
+    file.unlink()
+    unknown = controllers_yaml(assemble(str(tmp_path / "mine"), None))
+    assert "without payload" in unknown
     file.write_text("specifications: {payload: 5.0, reach: 0.85}\n")
     assert "with 5 kg" in controllers_yaml(assemble(str(tmp_path / "mine"), None))
     file.write_text("specifications: {payload: heavy}\n")
-    with raises_naming(ConfigError, f"{file}:1", "payload"):
+    with raises_naming(DescriptionError, f"{file}:1", "payload"):
         controllers_yaml(assemble(str(tmp_path / "mine"), None))
 
 

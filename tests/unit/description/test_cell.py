@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -207,6 +208,9 @@ def test_the_namespaces_are_kept(tmp_path: Path) -> None:
     assert description.cell.namespaces
     assert description.source == path
     assert description.model.name == "press"
+    assert described(*TWO).cell == parse_robots(TWO)
+    short = load_description(DescriptionConfig(robots=TWO, namespaces=True)).cell
+    assert short == replace(parse_robots(TWO), namespaces=True)
 
 
 # ---- refused -------------------------------------------------------------------------
@@ -328,6 +332,12 @@ def test_options_of_one_robot_are_refused_with_several(given: dict[str, Any]) ->
     for several in ({"cell": "cell.yaml"}, {"robots": TWO}):
         with raises_naming(ConfigError, next(iter(given))):
             DescriptionConfig(**several, **given)  # type: ignore[arg-type]
+
+
+def test_namespaces_need_several_robots() -> None:
+    for given in ({}, {"arm": "ur5"}, {"robot": "my.urdf"}):
+        with raises_naming(ConfigError, "namespaces", "robots"):
+            DescriptionConfig(namespaces=True, **given)  # type: ignore[arg-type]
 
 
 def test_a_robot_of_a_cell_is_one_of_the_catalogue() -> None:

@@ -84,3 +84,26 @@ def test_a_robot_without_a_driven_joint_is_reported(tmp_path: Path) -> None:
     with tool0.bringup(robot=file, realtime=False) as robot:
         (warning,) = robot.warnings
     assert warning.startswith(f"{file}: the robot has no driven joint")
+
+
+def test_all_robots_of_a_cell_start() -> None:
+    robots = ("left=ur5+2f85@0,0.8,0", "right=ur3e@0,-0.8,0")
+    description = tool0.DescriptionConfig(robots=robots)
+    with tool0.bringup(description=description, realtime=False) as robot:
+        assert running(robot) == [
+            "joint_state_controller",
+            "left_eff_joint_traj_controller",
+            "left_gripper_controller",
+            "right_eff_joint_traj_controller",
+        ]
+        assert robot.warnings == ()
+
+
+def test_a_gripper_can_be_an_action_of_the_built_in_controllers_alone() -> None:
+    control = tool0.ControlConfig(gripper_action=True)
+    with tool0.bringup(control=control, realtime=False) as robot:
+        kinds = {row.name: row.type for row in robot.controllers()}
+    action = "effort_controllers/GripperActionController"
+    assert kinds["gripper_controller"] == action
+    with pytest.raises(tool0.ConfigError, match="gripper_action"):
+        tool0.bringup(control=control, controllers_file=CELL / "two_arms.yaml")

@@ -125,6 +125,20 @@ def test_from_any_motion_it_goes_on_smoothly(seed: int) -> None:
     assert (abs(np.diff(qdd, axis=0)) <= 1.1 * 10.0 * most * steps + 1e-6).all()
 
 
+def test_a_joint_keeps_to_its_own_acceleration_and_jerk() -> None:
+    most, jerk = 0.5, 2.0
+    limits = JointLimits(lower=-3, upper=3, velocity=2, acceleration=most, jerk=jerk)
+    slow = Joint(
+        name="slow", type=JointType.REVOLUTE, parent="a", child="b", limits=limits
+    )
+    start = moving([0.0, 0.0])
+    plan = plan_motion((ARM[0], slow), start, [1.0, 1.0], speed=1.0)
+    times, _, _, qdd = sampled(start, plan)
+    steps = np.diff(times)[:, np.newaxis]
+    assert 0.9 * most < abs(qdd[:, 1]).max() < 1.01 * most
+    assert (abs(np.diff(qdd, axis=0)) <= 1.1 * jerk * steps + 1e-6).all()
+
+
 def test_full_speed_comes_after_about_the_time_for_it() -> None:
     start = moving([-3.0] * 2 + [0.0] * 2)
     plan = plan_motion(ARM, start, [3.0, -3.0, 0.0, 0.0], speed=1.0)

@@ -20,7 +20,7 @@ from tool0.installation.ros1.messages import import_messages
 from tool0.interfaces.ros1.options import Ros1Options
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ros1.node import RosNode, SnapshotPublisher
+    from tool0.interfaces.ros1.node import SnapshotPublisher
 
 logger = logging.getLogger(__name__)
 
@@ -63,9 +63,12 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
 
         from tool0.interfaces.ros1.controller_manager import ControllerManagerBridge
         from tool0.interfaces.ros1.gazebo.services import offer_gazebo_services
-        from tool0.interfaces.ros1.node import RosNode
+        from tool0.interfaces.ros1.namespace import namespaces_of
+        from tool0.interfaces.ros1.node import RosNode, WorkerThread
         from tool0.interfaces.ros1.publishers import (
             RobotStatePublisher,
+            StaticFrames,
+            fixed_frames,
             sensor_publishers,
         )
 
@@ -75,20 +78,37 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         with contextlib.ExitStack() as stack:
             master = Master(options.node)
             stack.enter_context(running_master(master, start=options.roscore))
-            self.node = node = RosNode(options, master, robot.description.tf_prefix)
+            self.node = node = RosNode(options, master)
             stack.callback(node.close)
-            upload_parameters(node, robot)
-            controllers = ControllerManagerBridge(node, robot)
+            namespaces = namespaces_of(node, robot)
+            defined = robot.info.defined_controllers
+            self._managed = [ros for ros in namespaces if ros.has_controllers(defined)]
+            self._upload_parameters()
+            managers = [ControllerManagerBridge(ros, robot) for ros in self._managed]
             # After the action servers: actionlib's timers, which they stop, fail if
             # time moves back, as it may before another robot's clock is known.
             node.clock.advance(robot.snapshot.time)
-            self._publishers: list[SnapshotPublisher] = [
-                controllers,
-                offer_gazebo_services(node, robot),
-                *sensor_publishers(node, robot),
+            root = namespaces[0]
+            static = StaticFrames(root)
+            stack.callback(static.close)
+            for ros in namespaces:
+                static.add(fixed_frames(ros, robot))
+            self._transforms = [
+                RobotStatePublisher(ros, robot, static)
+                for ros in namespaces
+                if ros.has_robot
             ]
-            self._transforms = RobotStatePublisher(node, robot)
-            self._publishers.append(self._transforms)
+            renderer = WorkerThread("tool0 ros1 cameras")  # one for all
+            self._publishers: list[SnapshotPublisher] = [
+                *managers,
+                offer_gazebo_services(root, robot),
+                *(
+                    publisher
+                    for ros in namespaces
+                    for publisher in sensor_publishers(ros, robot, renderer)
+                ),
+                *self._transforms,
+            ]
             for publisher in self._publishers:
                 stack.callback(publisher.close)
             self._stack = stack.pop_all()
@@ -132,9 +152,10 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         node = self.node
 
         def register() -> None:
-            upload_parameters(node, self._robot)
+            self._upload_parameters()
             node.register_again()
-            self._transforms.register_again()
+            for transforms in self._transforms:
+                transforms.register_again()
 
         watch = MasterWatch(node.master, node.options.node, node.uri, register)
         while not self._is_closing.wait(_MASTER_PERIOD):
@@ -144,20 +165,22 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
             except RosUnavailableError as error:
                 node.log_error(str(error))
 
+    def _upload_parameters(self) -> None:
+        """Set use_sim_time, robot_description and the controllers' YAML."""
+        call = self.node.master.call
+        call("setParam", "/use_sim_time", True)
+        for ros in self._managed:
+            if ros.urdf is not None:
+                urdf = with_mesh_files(ros.urdf)
+                call("setParam", ros.name("robot_description"), urdf)
+            for name, value in ros.own_parameters(self._robot.info.parameters).items():
+                if (converted := _to_xmlrpc(value)) is not None:
+                    call("setParam", ros.name(name), converted)
+
     def _handle_shutdown(self) -> None:
         if not self._is_closing.is_set():
             logger.warning("the ROS node was ended from outside")
             self._on_shutdown()
-
-
-def upload_parameters(node: RosNode, robot: Robot) -> None:
-    """Set use_sim_time, robot_description and the controllers' YAML."""
-    node.master.call("setParam", "/use_sim_time", True)
-    urdf = with_mesh_files(robot.description.urdf)
-    node.master.call("setParam", node.name("robot_description"), urdf)
-    for name, value in robot.info.parameters.items():
-        if (converted := _to_xmlrpc(value)) is not None:
-            node.master.call("setParam", node.name(name), converted)
 
 
 def with_mesh_files(urdf: str) -> str:

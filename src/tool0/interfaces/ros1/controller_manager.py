@@ -25,7 +25,8 @@ from tool0.interfaces.ros1.controllers import (
     JointTrajectoryBridge,
 )
 from tool0.interfaces.ros1.messages import Message
-from tool0.interfaces.ros1.node import RosNode, SnapshotPublisher, WorkerThread
+from tool0.interfaces.ros1.namespace import RosNamespace
+from tool0.interfaces.ros1.node import SnapshotPublisher, WorkerThread
 from tool0.sensing.snapshot import Snapshot
 
 STRICT = 2
@@ -48,12 +49,13 @@ _READ_ONLY = (("hardware_interface/JointStateInterface", ()),)
 class ControllerManagerBridge:
     """Acts as ros_control's controller_manager, and presents the loaded controllers.
 
-    It follows every change, made from ROS, the panel or the command line.  As in ROS,
-    a controller has its topics from its loading to its unloading.
+    Both are those of one namespace, with their names there.  It follows every change,
+    made from ROS, the panel or the command line.  As in ROS, a controller has its
+    topics from its loading to its unloading.
     """
 
-    def __init__(self, node: RosNode, robot: Robot) -> None:
-        self._node = node
+    def __init__(self, ros: RosNamespace, robot: Robot) -> None:
+        self._ros = ros
         self._robot = robot
         self._bridges: dict[str, tuple[ControllerSpec, SnapshotPublisher]] = {}
         self._loaded: tuple[str, ...] = ()
@@ -71,7 +73,8 @@ class ControllerManagerBridge:
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish for the running controllers; detect changes of the loaded ones."""
-        loaded = tuple(status.name for status in snapshot.controllers)
+        names = (status.name for status in snapshot.controllers)
+        loaded = tuple(filter(self._ros.owns, names))
         if loaded != self._loaded:
             self._loaded = loaded
             self._registrar.submit(self._update)
@@ -92,7 +95,7 @@ class ControllerManagerBridge:
         """Create bridges for new controllers, and close those of unloaded ones."""
         with self._lock:
             loaded = {}
-            for status in self._robot.controllers():
+            for status in self._controllers():
                 try:
                     controller = self._robot.controller(status.name)
                     loaded[status.name] = controller, controller.spec
@@ -109,13 +112,18 @@ class ControllerManagerBridge:
                 bridge.close()
             for name, (controller, spec) in loaded.items():
                 if name not in bridges and not self._is_closing:
-                    bridge = _BRIDGES[type(spec)](self._node, spec, controller)
+                    bridge = _BRIDGES[type(spec)](self._ros, spec, controller)
                     bridges[name] = spec, bridge
             self._bridges = bridges
 
+    def _controllers(self) -> list[ControllerStatus]:
+        """Return the loaded controllers of the namespace."""
+        loaded = self._robot.controllers()
+        return [status for status in loaded if self._ros.owns(status.name)]
+
     def _offer(self, kind: str, handler: Callable[[Message], Message]) -> None:
         name = re.sub("(?<=[a-z])(?=[A-Z])", "_", kind).lower()
-        self._node.service(f"controller_manager/{name}", getattr(srv, kind), handler)
+        self._ros.service(f"controller_manager/{name}", getattr(srv, kind), handler)
 
     def _offer_operation(self, kind: str, operation: Callable[[Message], None]) -> None:
         """Offer a service whose response is whether it succeeded."""
@@ -126,13 +134,13 @@ class ControllerManagerBridge:
                 operation(request)
                 response.ok = True
             except Tool0Error as error:
-                self._node.log_error(f"{kind}: {error}")
+                self._ros.log_error(kind, error)
             return response
 
         self._offer(kind, handle)
 
     def _list(self, request: Message) -> Message:
-        return srv.ListControllersResponse(list(map(_state, self._robot.controllers())))
+        return srv.ListControllersResponse(list(map(self._state, self._controllers())))
 
     def _list_types(self, request: Message) -> Message:
         types = self._robot.controller_types()
@@ -143,19 +151,20 @@ class ControllerManagerBridge:
 
     def _load(self, request: Message) -> None:
         """Load with the present parameters of the server, as the spawner expects."""
-        text = _controller_yaml(self._node, request.name)
+        name = self._ros.full(request.name)
+        text = self._controller_yaml(request.name)
         config = None if text is None else ControllerConfig.from_text(text)
-        self._robot.load(request.name, config)
+        self._robot.load(name, config)
         self._update()
 
     def _unload(self, request: Message) -> None:
-        self._robot.unload(request.name)
+        self._robot.unload(self._ros.full(request.name))
         self._update()
 
     def _switch(self, request: Message) -> None:
         self._robot.switch(
-            request.start_controllers,
-            request.stop_controllers,
+            [self._ros.full(name) for name in request.start_controllers],
+            [self._ros.full(name) for name in request.stop_controllers],
             strict=request.strictness == STRICT,
         )
 
@@ -164,7 +173,7 @@ class ControllerManagerBridge:
 
         As in ROS it is refused otherwise, unless none is loaded.
         """
-        loaded = [status.name for status in self._robot.controllers()]
+        loaded = [status.name for status in self._controllers()]
         if loaded and not request.force_kill:
             raise ControlError(
                 "Not reloading controller libraries because there are controllers "
@@ -175,28 +184,29 @@ class ControllerManagerBridge:
             self._robot.unload(name)
         self._update()
 
+    def _state(self, status: ControllerStatus) -> Message:
+        own = self._ros.own
+        return msg.ControllerState(
+            name=own(status.name),
+            state=status.state,
+            type=status.type,
+            claimed_resources=[
+                msg.HardwareInterfaceResources(
+                    hardware_interface=interface.replace("/", "::"),
+                    resources=sorted(map(own, joints)),
+                )
+                for interface, joints in status.claimed or _READ_ONLY
+            ],
+        )
 
-def _state(status: ControllerStatus) -> Message:
-    return msg.ControllerState(
-        name=status.name,
-        state=status.state,
-        type=status.type,
-        claimed_resources=[
-            msg.HardwareInterfaceResources(
-                hardware_interface=interface.replace("/", "::"),
-                resources=sorted(joints),
-            )
-            for interface, joints in status.claimed or _READ_ONLY
-        ],
-    )
-
-
-def _controller_yaml(node: RosNode, name: str) -> str | None:
-    """Return the parameters of a controller as YAML, None if the server has none."""
-    try:
-        value: Any = node.master.call("getParam", node.name(name))
-    except RosUnavailableError:
-        return None
-    if not isinstance(value, dict) or "type" not in value:
-        return None
-    return yaml.safe_dump({name.strip("/"): value}, sort_keys=False)
+    def _controller_yaml(self, own: str) -> str | None:
+        """Return a controller's parameters as YAML, None if the server has none."""
+        ros = self._ros
+        try:
+            value: Any = ros.node.master.call("getParam", ros.name(own))
+        except RosUnavailableError:
+            return None
+        if not isinstance(value, dict) or "type" not in value:
+            return None
+        named = {ros.full(own.strip("/")): ros.full_parameters(value)}
+        return yaml.safe_dump(named, sort_keys=False)

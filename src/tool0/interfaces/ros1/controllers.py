@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, final
 
@@ -15,7 +15,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.control.forward_command import ForwardCommandSpec
-from tool0.control.goal import GoalStatus, GripperResult, Result
+from tool0.control.goal import GoalStatus, GripperResult, Result, Tolerance
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.joint_state import JointStateSpec, PublishRate
 from tool0.control.joint_trajectory import JointTrajectorySpec
@@ -27,7 +27,7 @@ from tool0.interfaces.ros1.messages import (
     to_points,
     to_tolerances,
 )
-from tool0.interfaces.ros1.node import RosNode
+from tool0.interfaces.ros1.namespace import RosNamespace
 from tool0.sensing.snapshot import Snapshot
 
 STATUS_RATE = 5.0
@@ -41,7 +41,7 @@ class ControllerActionServer:
 
     def __init__(
         self,
-        node: RosNode,
+        ros: RosNamespace,
         name: str,
         kind: Any,
         *,
@@ -55,14 +55,14 @@ class ControllerActionServer:
         ``start`` sends a goal message to the controller, or raises Tool0Error.
         ``rejection`` and ``result`` return the result messages of a goal.
         """
-        self._node = node
+        self._ros = ros
         self._start, self._rejection, self._result = start, rejection, result
         self._rate = PublishRate(monitor_rate)
         self._status_rate = PublishRate(STATUS_RATE)
         self._time = 0.0
         self._active: dict[Message, GoalHandle] = {}
         self._server = ActionServer(
-            node.name(name), kind, self._accept, self._cancel, auto_start=False
+            ros.name(name), kind, self._accept, self._cancel, auto_start=False
         )
         self._server.start()
         if self._server.status_timer is not None:
@@ -89,13 +89,13 @@ class ControllerActionServer:
         try:
             handle = self._start(goal.get_goal())
         except Tool0Error as error:
-            self._node.log_error(f"{self._server.ns}: {error}")
-            goal.set_rejected(self._rejection(error), str(error))
+            self._ros.log_error(self._server.ns, error)
+            goal.set_rejected(self._rejection(error), self._ros.text(error))
             return
         goal.set_accepted()
         self._active = {**self._active, goal: handle}
         handle.when_finished(
-            lambda handle: self._node.submit(partial(self._finish, goal, handle))
+            lambda handle: self._ros.node.submit(partial(self._finish, goal, handle))
         )
 
     def _cancel(self, goal: Message) -> None:
@@ -109,7 +109,7 @@ class ControllerActionServer:
         with self._server.lock:  # _accept holds it until the goal is in _active
             self._active = {g: h for g, h in self._active.items() if g != goal}
         message = self._result(outcome)
-        text = getattr(outcome, "error_string", "")
+        text = getattr(message, "error_string", "")
         match outcome.status:
             case GoalStatus.SUCCEEDED:
                 goal.set_succeeded(message, text)
@@ -124,31 +124,33 @@ class JointTrajectoryBridge:
     """``command``, ``state``, ``follow_joint_trajectory`` and ``query_state``."""
 
     def __init__(
-        self, node: RosNode, spec: JointTrajectorySpec, controller: ControllerHandle
+        self, ros: RosNamespace, spec: JointTrajectorySpec, controller: ControllerHandle
     ) -> None:
-        self._node = node
-        self._name = name = spec.name
-        self._joints = spec.joints
+        self._ros = ros
+        self._name = spec.name
+        self._joints = tuple(map(ros.own, spec.joints))
         self._controller = controller
         self._rate = PublishRate(spec.state_publish_rate)
-        self._publisher = node.publisher(
+        name = ros.own(spec.name)
+        self._publisher = ros.publisher(
             f"{name}/state", msg.JointTrajectoryControllerState, queue_size=10
         )
         self._action = ControllerActionServer(
-            node,
+            ros,
             f"{name}/follow_joint_trajectory",
             msg.FollowJointTrajectoryAction,
             start=self._start,
             rejection=self._rejection,
             result=lambda outcome: msg.FollowJointTrajectoryResult(
-                error_code=outcome.error_code, error_string=outcome.error_string
+                error_code=outcome.error_code,
+                error_string=ros.text(outcome.error_string),
             ),
             monitor_rate=spec.action_monitor_rate,
         )
-        self._subscriber = node.subscriber(
+        self._subscriber = ros.subscriber(
             f"{name}/command", JointTrajectory, self._command
         )
-        self._service = node.service(
+        self._service = ros.service(
             f"{name}/query_state", srv.QueryTrajectoryState, self._query
         )
 
@@ -168,15 +170,15 @@ class JointTrajectoryBridge:
         self._action.close()
         self._publisher.unregister()
         self._subscriber.unregister()
-        self._service.shutdown(f"controller '{self._name}' was unloaded")
+        self._service.shutdown(f"controller '{self._ros.own(self._name)}' was unloaded")
 
     def _filled(self, message: Message, state: TrajectoryState) -> Message:
         """Fill a state or feedback message.
 
         As in ROS, only the desired motion has accelerations.
         """
-        message.header.stamp = self._node.clock.to_ros(state.time)
-        message.joint_names = state.joint_names
+        message.header.stamp = self._ros.node.clock.to_ros(state.time)
+        message.joint_names = list(map(self._ros.own, state.joint_names))
         message.desired = point_message(state.desired)
         message.actual = point_message(state.actual)
         message.error = point_message(state.error)
@@ -186,17 +188,19 @@ class JointTrajectoryBridge:
         self._controller.command_trajectory(
             to_points(trajectory.points),
             # No points stop the motion, whatever joints the message names.
-            joint_names=trajectory.joint_names if trajectory.points else None,
-            stamp=self._node.clock.from_ros(trajectory.header.stamp),
+            joint_names=self._full(trajectory.joint_names)
+            if trajectory.points
+            else None,
+            stamp=self._ros.node.clock.from_ros(trajectory.header.stamp),
         )
 
     def _start(self, goal: Message) -> GoalHandle:
         return self._controller.follow(
             to_points(goal.trajectory.points),
-            joint_names=goal.trajectory.joint_names,
-            stamp=self._node.clock.from_ros(goal.trajectory.header.stamp),
-            path_tolerance=to_tolerances(goal.path_tolerance),
-            goal_tolerance=to_tolerances(goal.goal_tolerance),
+            joint_names=self._full(goal.trajectory.joint_names),
+            stamp=self._ros.node.clock.from_ros(goal.trajectory.header.stamp),
+            path_tolerance=self._tolerances(goal.path_tolerance),
+            goal_tolerance=self._tolerances(goal.goal_tolerance),
             goal_time_tolerance=goal.goal_time_tolerance.to_sec(),
         )
 
@@ -204,11 +208,18 @@ class JointTrajectoryBridge:
         code = error.code if isinstance(error, GoalRejectedError) else None
         return msg.FollowJointTrajectoryResult(
             error_code=GoalRejectedError.INVALID_GOAL if code is None else code,
-            error_string=str(error),
+            error_string=self._ros.text(error),
         )
 
+    def _full(self, joints: Sequence[str]) -> list[str]:
+        return list(map(self._ros.full, joints))
+
+    def _tolerances(self, tolerances: Sequence[Message]) -> dict[str, Tolerance]:
+        found = to_tolerances(tolerances)
+        return {self._ros.full(joint): item for joint, item in found.items()}
+
     def _query(self, request: Message) -> Message:
-        time = self._node.clock.from_ros(request.time)
+        time = self._ros.node.clock.from_ros(request.time)
         if time is None:
             raise ControlError("query_state needs a time above 0 s")
         point = self._controller.query_state(time)
@@ -225,12 +236,12 @@ class JointStatePublisher:
     """``joint_states`` of a JointStateController."""
 
     def __init__(
-        self, node: RosNode, spec: JointStateSpec, controller: ControllerHandle
+        self, ros: RosNamespace, spec: JointStateSpec, controller: ControllerHandle
     ) -> None:
         del controller  # it takes no commands
-        self._node, self._spec = node, spec
+        self._ros, self._spec = ros, spec
         self._rate = PublishRate(spec.publish_rate)
-        self._publisher = node.publisher("joint_states", JointState, queue_size=100)
+        self._publisher = ros.publisher("joint_states", JointState, queue_size=100)
 
     def publish(self, snapshot: Snapshot) -> None:
         if not self._rate.is_due(snapshot.time):
@@ -239,8 +250,8 @@ class JointStatePublisher:
             snapshot.joint_names, snapshot.position, snapshot.velocity, snapshot.effort
         )
         self._publisher.publish(
-            header=self._node.header(snapshot.time),
-            name=joints.names,
+            header=self._ros.header(snapshot.time),
+            name=list(map(self._ros.own, joints.names)),
             position=joints.position,
             velocity=joints.velocity,
             effort=joints.effort,
@@ -255,10 +266,10 @@ class ForwardCommandBridge:
     """``command`` of a forwarding controller: Float64, or Float64MultiArray."""
 
     def __init__(
-        self, node: RosNode, spec: ForwardCommandSpec, controller: ControllerHandle
+        self, ros: RosNamespace, spec: ForwardCommandSpec, controller: ControllerHandle
     ) -> None:
-        self._subscriber = node.subscriber(
-            f"{spec.name}/command",
+        self._subscriber = ros.subscriber(
+            f"{ros.own(spec.name)}/command",
             Float64MultiArray if "JointGroup" in spec.type else Float64,
             lambda message: controller.command(message.data),
         )
@@ -275,13 +286,13 @@ class GripperActionBridge:
     """``gripper_cmd`` of a GripperActionController."""
 
     def __init__(
-        self, node: RosNode, spec: GripperActionSpec, controller: ControllerHandle
+        self, ros: RosNamespace, spec: GripperActionSpec, controller: ControllerHandle
     ) -> None:
         self._joint = spec.joint.name
         self._position = 0.0
         self._action = ControllerActionServer(
-            node,
-            f"{spec.name}/gripper_cmd",
+            ros,
+            f"{ros.own(spec.name)}/gripper_cmd",
             msg.GripperCommandAction,
             start=lambda goal: controller.command_gripper(
                 goal.command.position, goal.command.max_effort

@@ -16,12 +16,11 @@ from xmlrpc.client import ServerProxy
 
 import rospy
 from rosgraph_msgs.msg import Clock
-from rospy import Publisher, Service, ServiceException, Subscriber, Time, core, names
+from rospy import Publisher, Subscriber, Time, core, names
 from rospy.impl.registration import get_service_manager, get_topic_manager
 from rospy.rostime import _set_rostime, set_rostime_initialized
-from std_msgs.msg import Header
 
-from tool0.errors import RosUnavailableError, Tool0Error
+from tool0.errors import RosUnavailableError
 from tool0.installation.ros1.master import Master
 from tool0.interfaces.ros1.options import NODE_NAME, Ros1Options
 from tool0.sensing.snapshot import Snapshot
@@ -161,9 +160,7 @@ class RosoutHandler(logging.Handler):
 class RosNode:
     """The process's node.  rospy never allows a second one in a process."""
 
-    def __init__(
-        self, options: Ros1Options, master: Master, tf_prefix: str = ""
-    ) -> None:
+    def __init__(self, options: Ros1Options, master: Master) -> None:
         """Register with the master.
 
         Raises:
@@ -181,8 +178,6 @@ class RosNode:
             )
         self.options = options
         self.master = master
-        self.tf_prefix = tf_prefix.strip("/")
-        """Prefix of every frame, without slashes around it."""
         other_clocks = self.other_clock_publishers()
         _init_node(options.root)
         self.clock = RosClock(publish=not other_clocks)
@@ -196,49 +191,6 @@ class RosNode:
     def uri(self) -> str:
         """Address at which other nodes and the master reach this node."""
         return str(core.get_node_uri())
-
-    def name(self, relative: str) -> str:
-        """Return a name in the node's namespace; a leading slash makes it absolute."""
-        return relative if relative[:1] == "/" else f"{self.options.root}/{relative}"
-
-    def frame(self, link: str) -> str:
-        """Return the name of a link's frame."""
-        return f"{self.tf_prefix}/{link}" if self.tf_prefix else link
-
-    def header(self, time: float, frame_id: str = "") -> Any:
-        """Return a std_msgs/Header with simulated ``time`` [s]."""
-        return Header(stamp=self.clock.to_ros(time), frame_id=frame_id)
-
-    def publisher(
-        self, name: str, kind: Any, *, queue_size: int = 1, latch: bool = False
-    ) -> Any:
-        """Return a rospy.Publisher; a slow subscriber does not delay the others."""
-        return Publisher(self.name(name), kind, queue_size=queue_size, latch=latch)
-
-    def subscriber(self, name: str, kind: Any, callback: Callable[[Any], None]) -> Any:
-        """Return a rospy.Subscriber; a Tool0Error of ``callback`` is logged."""
-        full = self.name(name)
-
-        def receive(message: Any) -> None:
-            try:
-                callback(message)
-            except Tool0Error as error:
-                self.log_error(f"{full}: {error}")
-
-        return Subscriber(full, kind, receive, queue_size=1)
-
-    def service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> Any:
-        """Return a rospy.Service; a Tool0Error is logged and makes the call fail."""
-        full = self.name(name)
-
-        def answer(request: Any) -> Any:
-            try:
-                return handler(request)
-            except Tool0Error as error:
-                self.log_error(f"{full}: {error}")
-                raise ServiceException(str(error)) from None
-
-        return Service(full, kind, answer)
 
     def log_error(self, text: str) -> None:
         """Log an error, also on /rosout; the same one at most once a second."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import logging
 import os
 import threading
@@ -17,50 +16,62 @@ from tf2_msgs.msg import TFMessage
 from tool0.api.robot import Robot
 from tool0.api.sensors import CameraHandle, ForceTorque
 from tool0.control.joint_state import PublishRate
-from tool0.description.camera import Camera
 from tool0.description.forward_kinematics import joint_transform
-from tool0.description.model import Joint
-from tool0.errors import ControlError, Tool0Error
+from tool0.description.model import FLANGE, Joint
+from tool0.description.parts import flange_names
+from tool0.description.transform import Transform
+from tool0.errors import Tool0Error
 from tool0.installation.child_process import ChildProcess
 from tool0.installation.ros1.library import find_node
 from tool0.interfaces.ros1.messages import Message, transform_message
-from tool0.interfaces.ros1.node import RosNode, SnapshotPublisher, WorkerThread
+from tool0.interfaces.ros1.namespace import RosNamespace
+from tool0.interfaces.ros1.node import SnapshotPublisher, WorkerThread
 from tool0.sensing.force_torque import WrenchReading
 from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 
 
-def sensor_publishers(node: RosNode, robot: Robot) -> list[SnapshotPublisher]:
-    """Return publishers of the cameras and of the wrench at the only ``tool0``.
-
-    A robot without ``tool0``, or with several, has no wrench.
-    """
-    renderer = WorkerThread("tool0 ros1 cameras")  # one for all
-    publishers: list[SnapshotPublisher] = [
-        CameraPublisher(
-            node, handle, camera_frame(handle.camera, node, robot), renderer
-        )
-        for handle in robot.cameras.values()
+def sensor_publishers(
+    ros: RosNamespace, robot: Robot, renderer: WorkerThread
+) -> list[SnapshotPublisher]:
+    """Return publishers of the cameras, and of the wrench at each link ``…tool0``."""
+    cameras = [
+        CameraPublisher(ros, robot.cameras[full], own, frame, renderer)
+        for full, (own, frame) in camera_frames(ros, robot).items()
     ]
-    with contextlib.suppress(ControlError):
-        publishers.append(WrenchPublisher(node, robot.force_torque))
-    return publishers
+    flanges = {
+        name: link
+        for name, link in flange_names(robot.description.model).items()
+        if ros.owns(link)
+    }
+    wrenches = [
+        WrenchPublisher(
+            ros,
+            robot.force_torque_of(link),
+            "" if len(flanges) == 1 or link == FLANGE else f"{name}_",
+        )
+        for name, link in flanges.items()
+    ]
+    return [*cameras, *wrenches]
 
 
 @final
 class WrenchPublisher:
     """``wrench``, and a service that tares it, named as in Universal Robots' driver.
 
+    Where there are several, both names start with a ``prefix``.
     The first subscriber starts the sensor.  It continues without subscribers: stopping
     would lose the tare.
     """
 
-    def __init__(self, node: RosNode, sensor: ForceTorque) -> None:
-        self._node, self._sensor = node, sensor
-        self._publisher = node.publisher("wrench", WrenchStamped, queue_size=100)
-        self._service = node.service(
-            "ur_hardware_interface/zero_ftsensor", Trigger, self._tare
+    def __init__(self, ros: RosNamespace, sensor: ForceTorque, prefix: str) -> None:
+        self._ros, self._sensor = ros, sensor
+        self._publisher = ros.publisher(
+            f"{prefix}wrench", WrenchStamped, queue_size=100
+        )
+        self._service = ros.service(
+            f"{prefix}ur_hardware_interface/zero_ftsensor", Trigger, self._tare
         )
         self._last: int | None = None  # number of the last sample that was published
 
@@ -81,7 +92,7 @@ class WrenchPublisher:
 
     def _message(self, reading: WrenchReading) -> Message:
         return WrenchStamped(
-            self._node.header(reading.time, self._node.frame(reading.frame)),
+            self._ros.header(reading.time, self._ros.frame(reading.frame)),
             Wrench(Vector3(*reading.force), Vector3(*reading.torque)),
         )
 
@@ -90,23 +101,26 @@ class WrenchPublisher:
         return TriggerResponse(success=True, message="the sensor is tared")
 
 
-def camera_frame(camera: Camera, node: RosNode, robot: Robot) -> str:
-    """Return the name of a camera's optical frame, with the prefixes of the links."""
-    prefix = robot.description.prefix
-    return node.frame(f"{prefix}{camera.name}_camera_color_optical_frame")
+def camera_frames(ros: RosNamespace, robot: Robot) -> dict[str, tuple[str, str]]:
+    """Return own name and optical frame of each camera of a namespace, by full name."""
+    cameras = (handle.camera for handle in robot.cameras.values())
+    description = robot.description
+    prefix = description.prefix if description.cell is None else ""
+    return {
+        full: (own, ros.own_frame(f"{prefix}{own}_camera_color_optical_frame"))
+        for full, own in ros.camera_names(cameras).items()
+    }
 
 
-def camera_transforms(node: RosNode, robot: Robot) -> list[Message]:
+def camera_transforms(ros: RosNamespace, robot: Robot) -> list[Message]:
     """Return the pose of each camera on its link: geometry_msgs/TransformStamped."""
     root = robot.description.model.root
-    return [
-        transform_message(
-            node.header(robot.time, node.frame(camera.link or root)),
-            camera_frame(camera, node, robot),
-            camera.T_link_camera,
-        )
-        for camera in (handle.camera for handle in robot.cameras.values())
-    ]
+    found = []
+    for full, (_, frame) in camera_frames(ros, robot).items():
+        camera = robot.cameras[full].camera
+        header = ros.header(robot.time, ros.frame(camera.link or root))
+        found.append(transform_message(header, frame, camera.T_link_camera))
+    return found
 
 
 @final
@@ -117,18 +131,22 @@ class CameraPublisher:
     """
 
     def __init__(
-        self, node: RosNode, handle: CameraHandle, frame: str, renderer: WorkerThread
+        self,
+        ros: RosNamespace,
+        handle: CameraHandle,
+        name: str,
+        frame: str,
+        renderer: WorkerThread,
     ) -> None:
-        self._node, self._handle, self._renderer = node, handle, renderer
-        self._frame = frame
-        self._rate = PublishRate(node.options.camera_rate)
+        self._ros, self._handle, self._renderer = ros, handle, renderer
+        self._name, self._frame = name, frame
+        self._rate = PublishRate(ros.node.options.camera_rate)
         self._is_idle = threading.Event()  # no image of this camera is being rendered
         self._is_idle.set()
-        name = f"{handle.camera.name}_camera"
-        self._colors = node.publisher(f"{name}/color/image_raw", Image)
-        self._depths = node.publisher(f"{name}/depth/image_raw", Image)
+        self._colors = ros.publisher(f"{name}_camera/color/image_raw", Image)
+        self._depths = ros.publisher(f"{name}_camera/depth/image_raw", Image)
         self._infos = [
-            node.publisher(f"{name}/{kind}/camera_info", CameraInfo)
+            ros.publisher(f"{name}_camera/{kind}/camera_info", CameraInfo)
             for kind in ("color", "depth")
         ]
 
@@ -156,7 +174,7 @@ class CameraPublisher:
         try:
             image = self._handle.image(snapshot)
         except Tool0Error as error:
-            self._node.log_error(f"camera '{self._handle.camera.name}': {error}")
+            self._ros.log_error(f"camera '{self._name}'", error)
             return
         finally:
             self._is_idle.set()
@@ -175,7 +193,7 @@ class CameraPublisher:
     def _image(self, time: float, encoding: str, pixels: Any) -> Message:
         height, width = pixels.shape[:2]
         return Image(
-            header=self._node.header(time, self._frame),
+            header=self._ros.header(time, self._frame),
             height=height,
             width=width,
             encoding=encoding,
@@ -188,7 +206,7 @@ class CameraPublisher:
         camera = self._handle.camera
         K = camera.intrinsics
         return CameraInfo(
-            header=self._node.header(time, self._frame),
+            header=self._ros.header(time, self._frame),
             height=camera.height,
             width=camera.width,
             distortion_model="plumb_bob",  # and no distortion
@@ -197,6 +215,42 @@ class CameraPublisher:
             R=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
             P=[*K[0], 0.0, *K[1], 0.0, *K[2], 0.0],
         )
+
+
+@final
+class StaticFrames:
+    """``/tf_static``: the fixed frames that this node publishes, of all namespaces.
+
+    A latched topic keeps one message for those who subscribe later, so each message
+    has all frames.
+    """
+
+    def __init__(self, ros: RosNamespace) -> None:
+        self._publisher = ros.publisher("/tf_static", TFMessage, latch=True)
+        self._transforms: list[Message] = []
+
+    def add(self, transforms: Iterable[Message]) -> None:
+        """Publish further transforms."""
+        self._transforms += transforms
+        self._publisher.publish(self._transforms)
+
+    def close(self) -> None:
+        """Unregister the topic."""
+        self._publisher.unregister()
+
+
+def fixed_frames(ros: RosNamespace, robot: Robot) -> list[Message]:
+    """Return the transforms of a namespace that robot_state_publisher does not know.
+
+    They are those of the cameras, and in a cell the one from ``world`` to the
+    robot's own root.
+    """
+    transforms = camera_transforms(ros, robot)
+    if ros.is_of_cell:
+        root = robot.description.model.root
+        header = ros.header(robot.time, root)
+        transforms.append(transform_message(header, ros.frame(root), Transform()))
+    return transforms
 
 
 NAME = "robot_state_publisher"
@@ -208,25 +262,22 @@ _GRACE = 5.0
 
 @final
 class RobotStatePublisher:
-    """The frames of links and cameras.
+    """The frames of links and cameras of a namespace.
 
     The real robot_state_publisher runs as a child process.  If it is not installed, or
     has ended, tool0's own kinematics publish the same frames.
     """
 
-    def __init__(self, node: RosNode, robot: Robot) -> None:
-        self._node, self._robot = node, robot
-        self._joints = robot.description.model.joints
-        self._rate = PublishRate(node.options.tf_pub_rate)
+    def __init__(self, ros: RosNamespace, robot: Robot, static: StaticFrames) -> None:
+        self._ros, self._robot, self._static = ros, robot, static
+        self._rate = PublishRate(ros.node.options.tf_pub_rate)
         self._check_rate = PublishRate(_CHECK_RATE)
-        self._static = node.publisher("/tf_static", TFMessage, latch=True)
         self._publisher: Any = None
         self._program = find_node(f"{NAME}/{NAME}")
         self._child: ChildProcess | None = None
         if self._program is None:
             self._take_over()
         else:
-            self._static.publish(camera_transforms(node, robot))
             self._child = self._start()
 
     def publish(self, snapshot: Snapshot) -> None:
@@ -236,7 +287,7 @@ class RobotStatePublisher:
             if self._rate.is_due(snapshot.time):
                 names, values = snapshot.joint_names, snapshot.position
                 position = dict(zip(names, values, strict=True))
-                movable = (joint for joint in self._joints if joint.is_movable)
+                movable = (joint for joint in self._ros.joints if joint.is_movable)
                 self._publisher.publish(
                     self._transforms(movable, position, snapshot.time)
                 )
@@ -262,32 +313,29 @@ class RobotStatePublisher:
             self._child.close()
         if self._publisher is not None:
             self._publisher.unregister()
-        self._static.unregister()
 
     def _start(self) -> ChildProcess:
-        node, options = self._node, self._node.options
-        name = node.name(NAME)
-        node.master.call("setParam", f"{name}/publish_frequency", options.tf_pub_rate)
-        node.master.call("setParam", f"{name}/tf_prefix", node.tf_prefix)
-        environment = {**os.environ, "ROS_NAMESPACE": options.root or "/"}
+        ros, node = self._ros, self._ros.node
+        name, rate = ros.name(NAME), node.options.tf_pub_rate
+        node.master.call("setParam", f"{name}/publish_frequency", rate)
+        node.master.call("setParam", f"{name}/tf_prefix", ros.tf_prefix)
+        environment = {**os.environ, "ROS_NAMESPACE": ros.root or "/"}
         command = [str(self._program), f"__name:={NAME}"]
         return ChildProcess(command, environment=environment, grace=_GRACE)
 
     def _take_over(self) -> None:
         """Publish the fixed frames, and from now on the movable ones."""
-        node, robot = self._node, self._robot
-        fixed = (joint for joint in self._joints if not joint.is_movable)
-        transforms = self._transforms(fixed, {}, robot.time)
-        self._static.publish(transforms + camera_transforms(node, robot))
-        self._publisher = node.publisher("/tf", TFMessage, queue_size=100)
+        fixed = (joint for joint in self._ros.joints if not joint.is_movable)
+        self._static.add(self._transforms(fixed, {}, self._robot.time))
+        self._publisher = self._ros.publisher("/tf", TFMessage, queue_size=100)
 
     def _transforms(
         self, joints: Iterable[Joint], position: Mapping[str, float], time: float
     ) -> list[Message]:
-        frame = self._node.frame
+        frame = self._ros.frame
         return [
             transform_message(
-                self._node.header(time, frame(joint.parent)),
+                self._ros.header(time, frame(joint.parent)),
                 frame(joint.child),
                 joint_transform(joint, position),
             )

@@ -20,7 +20,8 @@ from tool0.interfaces.ros1.gazebo.world import (
     WorldState,
 )
 from tool0.interfaces.ros1.messages import Message, pose_message, twist_message
-from tool0.interfaces.ros1.node import RosNode
+from tool0.interfaces.ros1.namespace import RosNamespace
+from tool0.interfaces.ros1.options import NODE_NAME
 from tool0.sensing.snapshot import Snapshot
 
 Handler = Callable[[Message, Message], str]
@@ -36,11 +37,11 @@ _JOINT_TYPES = {
 _SUCCESS = "got properties"
 
 
-def offer_gazebo_services(node: RosNode, robot: Robot) -> GazeboStatePublisher:
+def offer_gazebo_services(ros: RosNamespace, robot: Robot) -> GazeboStatePublisher:
     """Offer the services under the node's name; return what publishes the topics."""
     world = GazeboWorld(robot)
-    queries = GazeboQueries(node, robot, world)
-    changes = GazeboChanges(robot, world, node.clock.from_ros)
+    queries = GazeboQueries(ros, robot, world)
+    changes = GazeboChanges(robot, world, ros.node.clock.from_ros)
     services = [
         (name := handler.__name__, getattr(srv, name.title().replace("_", "")), handler)
         for handler in (
@@ -59,14 +60,14 @@ def offer_gazebo_services(node: RosNode, robot: Robot) -> GazeboStatePublisher:
     for name in ("spawn_urdf_model", "spawn_sdf_model"):
         services.append((name, srv.SpawnModel, changes.spawn_model))
     for name, kind, handler in services:
-        node.service(f"{node.options.node}/{name}", kind, _with_status(kind, handler))
+        ros.service(f"{NODE_NAME}/{name}", kind, _with_status(kind, handler))
 
     def clear_body_wrenches(request: Message) -> Message:
         changes.clear_body_wrenches(request.body_name)
         return srv.BodyRequestResponse()
 
-    node.service(
-        f"{node.options.node}/clear_body_wrenches", srv.BodyRequest, clear_body_wrenches
+    ros.service(
+        f"{NODE_NAME}/clear_body_wrenches", srv.BodyRequest, clear_body_wrenches
     )
 
     def offer(name: str, operation: Callable[[], None]) -> None:
@@ -74,15 +75,15 @@ def offer_gazebo_services(node: RosNode, robot: Robot) -> GazeboStatePublisher:
             operation()
             return EmptyResponse()
 
-        node.service(f"{node.options.node}/{name}", Empty, handle)
+        ros.service(f"{NODE_NAME}/{name}", Empty, handle)
 
     offer("pause_physics", robot.pause)
     offer("unpause_physics", robot.resume)
     offer("reset_simulation", robot.reset)
     offer("reset_world", lambda: robot.reset(keep_time=True))
-    topic = f"{node.options.node}/set_model_state"
-    node.subscriber(topic, msg.ModelState, changes.place)
-    return GazeboStatePublisher(node, world)
+    topic = f"{NODE_NAME}/set_model_state"
+    ros.subscriber(topic, msg.ModelState, changes.place)
+    return GazeboStatePublisher(ros, world)
 
 
 def _with_status(kind: Any, handler: Handler) -> Callable[[Message], Message]:
@@ -106,12 +107,12 @@ def _with_status(kind: Any, handler: Handler) -> Callable[[Message], Message]:
 class GazeboQueries:
     """The services that read the world; each raises ControlError for a refusal."""
 
-    def __init__(self, node: RosNode, robot: Robot, world: GazeboWorld) -> None:
-        self._node, self._robot, self._world = node, robot, world
+    def __init__(self, ros: RosNamespace, robot: Robot, world: GazeboWorld) -> None:
+        self._ros, self._robot, self._world = ros, robot, world
 
     def get_world_properties(self, request: Message, response: Message) -> str:
         state = self._world.now()
-        response.sim_time = self._node.clock.to_ros(state.snapshot.time).to_sec()
+        response.sim_time = self._ros.node.clock.to_ros(state.snapshot.time).to_sec()
         response.model_names = list(state.models())
         response.rendering_enabled = True
         return _SUCCESS
@@ -155,7 +156,7 @@ class GazeboQueries:
         if motion is None:
             raise ControlError("model does not exist")
         self._fill(response, state, motion, frame)
-        response.header = self._node.header(state.snapshot.time, frame)
+        response.header = self._ros.header(state.snapshot.time, frame)
         return _SUCCESS
 
     def get_link_state(self, request: Message, response: Message) -> str:
@@ -195,10 +196,10 @@ class GazeboQueries:
 class GazeboStatePublisher:
     """``model_states`` and ``link_states``: of every snapshot, if subscribed to."""
 
-    def __init__(self, node: RosNode, world: GazeboWorld) -> None:
+    def __init__(self, ros: RosNamespace, world: GazeboWorld) -> None:
         self._world = world
         self._topics = [
-            (node.publisher(f"{node.options.node}/{name}", kind), motions_of)
+            (ros.publisher(f"{NODE_NAME}/{name}", kind), motions_of)
             for name, kind, motions_of in (
                 ("model_states", msg.ModelStates, WorldState.models),
                 ("link_states", msg.LinkStates, WorldState.links),

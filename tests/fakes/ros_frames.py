@@ -1,0 +1,48 @@
+"""Frames of a bring-up by tf2, against tool0's own kinematics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from ros import until
+from ros_client import Message
+
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import RobotModel
+from tool0.description.transform import Transform, from_quaternion
+
+
+def looked_up(target: str, source: str) -> Transform:
+    """Return the newest pose of the frame ``source`` in ``target``."""
+    import tf2_ros
+    from rospy import Time
+
+    buffer = tf2_ros.Buffer()
+    listener = tf2_ros.TransformListener(buffer)
+    try:
+        until(
+            lambda: buffer.can_transform(target, source, Time()),
+            f"frame {source} in {target}",
+        )
+        found: Message = buffer.lookup_transform(target, source, Time()).transform
+    finally:
+        listener.unregister()
+    place, turn = found.translation, found.rotation
+    return from_quaternion(
+        (place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z)
+    )
+
+
+def assert_agrees(
+    found: Transform,
+    model: RobotModel,
+    position: Mapping[str, float],
+    target: str,
+    source: str,
+) -> None:
+    """Assert that a pose is that of the link ``source`` in ``target`` at rest."""
+    poses = link_poses(model, position)
+    expected = poses[target].inverse() @ poses[source]
+    np.testing.assert_allclose(found.position, expected.position, atol=1e-4)
+    np.testing.assert_allclose(found.rotation, expected.rotation, atol=1e-4)
