@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
@@ -6,11 +7,14 @@ from xml.dom.minidom import parseString
 import pytest
 
 import tool0
-from tool0.description.robot import assemble, load_robot
+from tool0.description.config import DescriptionConfig
+from tool0.description.model import Joint, JointType, Link
+from tool0.description.parts import base_of
+from tool0.description.robot import assemble, load_description, load_robot
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Compound, Mesh
 from tool0.description.transform import Pose
-from tool0.interfaces.panel.robot_info import RobotFiles, object_info
+from tool0.interfaces.panel.robot_info import RobotFiles, object_info, robot_info
 from tool0.interfaces.panel.server import Panel
 
 
@@ -46,6 +50,31 @@ def test_only_the_paths_of_meshes_differ_from_the_robot_s_urdf() -> None:
     ]
     assert different
     assert all("<mesh filename=" in line for pair in different for line in pair)
+
+
+def test_a_robot_of_a_cell_is_told_from_the_others() -> None:
+    cell = DescriptionConfig(robots=("a=ur5e+2f85@0,0.4,0", "b=ur3e@0,-0.4,0"))
+    description = load_description(cell)
+    joints = [joint.name for joint in description.model.movable_joints]
+    one, other = robot_info(description, joints, None, {}).robots
+    assert (one.name, one.title, one.prefix) == ("a", "ur5e + 2f85", "a_")
+    assert (one.base, one.tip, one.gripper) == ("a_base_link", "a_tool0", "a")
+    assert (other.title, other.base, other.gripper) == ("ur3e", "b_base_link", None)
+    assert sorted(one.joints + other.joints) == sorted(joints)
+    assert all(name.startswith("b_") for name in other.joints)
+
+
+def test_a_robot_begins_above_what_carries_two() -> None:
+    arms = DescriptionConfig(robots=("a=ur5@0,0.4,0", "b=ur5@0,-0.4,0"))
+    model = load_description(arms).model
+    on_torso = [
+        replace(joint, parent="torso") if joint.parent == "world" else joint
+        for joint in model.joints
+    ]
+    lift = Joint(name="lift", type=JointType.FIXED, parent="world", child="torso")
+    links = (*model.links, Link(name="torso"))
+    model = replace(model, links=links, joints=(lift, *on_torso))
+    assert [base_of(model, name) for name in "ab"] == ["a_base_link", "b_base_link"]
 
 
 def test_a_cached_file_is_not_sent_again(panel: Panel) -> None:
