@@ -13,8 +13,8 @@ import tool0
 from tool0.cli.demos.grasps import find_bin
 from tool0.cli.demos.hand import PickOptions, TaskFailure
 from tool0.cli.demos.monitor import GraspMonitor
-from tool0.cli.demos.picker import Picker
-from tool0.cli.demos.table import pick_table
+from tool0.cli.demos.picker import Picker, pick_and_place
+from tool0.cli.demos.table import PickTable
 from tool0.cli.demos.trials import DemoReport, run_trials
 from tool0.description.forward_kinematics import link_poses
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
@@ -22,13 +22,12 @@ from tool0.sensing.grasp import pad_links
 
 Shape = Box | Cylinder
 
-SHAPES: dict[str, Shape] = {
-    **{f"{mm} mm cube": Box(size=(mm / 1e3,) * 3) for mm in (20, 45, 60, 80)},
-    "43 mm cylinder": Cylinder(radius=0.0215, length=0.08),
-}
+CUBES = {"2f85": (20, 45, 60, 80), "2f140": (20, 60, 90, 120), "hande": (10, 20, 45)}
+"""By gripper, over its range [mm]."""
+CYLINDER = Cylinder(radius=0.0215, length=0.08)
 MASSES = (0.05, 0.5)  # [kg]
 FORCE = 60.0
-"""At each pad [N]: a quarter of what a 2F-85 can."""
+"""At each pad [N]: the weakest of a Hand-E, a quarter of what a 2F-85 can."""
 LIFT = 0.2
 HOLD, SHAKE = 5.0, 3.0  # [s]
 SHAKEN = 2.0 * 9.81  # [m/s²]
@@ -103,13 +102,17 @@ class Trials:
     """[m]"""
 
 
-def all_trials(engine: str) -> Trials:
+def all_trials(engine: str, gripper: str = "2f85") -> Trials:
     """Lift, hold and shake each thing of ``trials``.
 
     Raises:
         RuntimeError: If one was shaken less than it should be.
     """
-    held = [hold_and_shake(engine, shape, mass) for _, shape, mass in trials()]
+    description = tool0.DescriptionConfig(gripper=gripper)
+    held = [
+        hold_and_shake(engine, shape, mass, description=description)
+        for _, shape, mass in trials(gripper)
+    ]
     kept = [item for item in held if item.failure is None]
     weakest = min(item.acceleration for item in kept)
     if weakest < SHAKEN:
@@ -139,18 +142,23 @@ def picks(engine: str, n_picks: int, seed: int) -> DemoReport:
         realtime=False,
     ) as robot:
         height = robot.scene["cube"].geometry.size[2]
+        into = find_bin(robot.scene.objects, "bin")
         return run_trials(
             robot,
             "cube",
-            find_bin(robot.scene.objects, "bin"),
-            pick_table(robot.description.model).random_poses(robot, height, seed),
+            lambda: pick_and_place(robot, "cube", into),
+            PickTable(scale=1.0).random_poses(robot, height, seed),
             n_picks,
         )
 
 
-def trials() -> Iterator[tuple[str, Shape, float]]:
-    """Yield a name, shape and mass [kg] for each trial."""
-    for (name, shape), mass in itertools.product(SHAPES.items(), MASSES):
+def trials(gripper: str = "2f85") -> Iterator[tuple[str, Shape, float]]:
+    """Yield a name, shape and mass [kg] for each trial of a gripper."""
+    shapes: dict[str, Shape] = {
+        **{f"{mm} mm cube": Box(size=(mm / 1e3,) * 3) for mm in CUBES[gripper]},
+        "43 mm cylinder": CYLINDER,
+    }
+    for (name, shape), mass in itertools.product(shapes.items(), MASSES):
         yield f"{name}, {mass:g} kg", shape, mass
 
 

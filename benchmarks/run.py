@@ -17,6 +17,7 @@ from benchmarks import (
     golden,
     grasping,
     grip,
+    kinematics,
     panel,
     process,
     rest,
@@ -24,6 +25,7 @@ from benchmarks import (
     streams,
     tick,
 )
+from tool0.description.catalogue import arms
 from tool0.installation.gazebo.status import gazebo_status
 from tool0.installation.ros1.packages import ros1_status
 
@@ -68,6 +70,12 @@ def figures() -> Iterator[Figure]:
         "start to end of a bring-up ÷ import mujoco", process.start_ratio(), 3.0, 2.0
     )
     yield Figure("resident memory, headless [MB]", process.memory(), 220.0, 150.0)
+    trips = [kinematics.round_trip(arm) for arm in arms()]
+    name = f"inverse kinematics, {len(trips)} arms x {kinematics.N_POSES} poses"
+    n_missed = sum(trip.n_missed for trip in trips)
+    yield Figure(f"{name}: missed", n_missed, 0.5, 0.0)
+    worst = max(trip.worst for trip in trips)
+    yield Figure(f"{name}: error [m]", worst, 1e-9, 1e-13)
     for name, opening in rest.OPENINGS.items():
         velocity = rest.rms_velocity(opening, "mujoco")
         yield Figure(f"gripper at rest, {name}: rms [rad/s]", velocity, 1e-4, 1e-6)

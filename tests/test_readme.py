@@ -85,14 +85,16 @@ def test_links_lead_somewhere(page: str) -> None:
 
 def test_the_formula_of_the_conventions_is_the_gripper_s() -> None:
     """docs/conventions.md writes numbers that live in the gripper's YAML."""
+    from tool0.description.model import RotaryOpening
     from tool0.description.robot import assemble
 
     text = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
     (gripper,) = assemble().model.grippers
-    assert f"{gripper.pad_offset:.10f}" in text
+    law = gripper.law
+    assert isinstance(law, RotaryOpening)
+    assert f"{law.pad_offset:.10f}" in text
     assert (
-        f"{gripper.pad_cos:.4f} · cos q \N{MINUS SIGN} {-gripper.pad_sin:.4f} · sin q"
-        in text
+        f"{law.pad_cos:.4f} · cos q \N{MINUS SIGN} {-law.pad_sin:.4f} · sin q" in text
     )
     assert gripper.position(0.0) == pytest.approx(0.8133, abs=5e-5)
     for q, lever in ((0.0, 0.086), (0.4374, 0.110), (0.8133, 0.114)):

@@ -22,21 +22,22 @@ from tool0.engines.mujoco.gl import make_context
 from tool0.engines.mujoco.model import build_spec
 from tool0.sensing.cameras import encode_png
 
-ROWS = (("ur3", "ur5", "ur10", "ur3e", "ur5e", "ur7e", "ur10e"),)
 POSE = {
     "shoulder_lift_joint": -1.85,
     "elbow_joint": 1.95,
     "wrist_1_joint": -1.67,
     "wrist_2_joint": -1.5708,
 }
-PIXELS_PER_METRE = 290
+PIXELS_PER_METRE = 263
 SAMPLES = 3
 """Rendered pixels for each of the picture's, in both directions."""
-WIDTH = 1720
+WIDTH = 1560
 YAW = 0.55
 """By which every arm turns towards the camera [rad]."""
 ELEVATION = 14.0
 """Of the camera above the horizon [deg]."""
+ABOVE, BELOW = 0.08, 0.34
+"""Margins above an arm and below its foot, with the label [m]."""
 INK = (0.20, 0.24, 0.28)
 """Colour of the labels."""
 
@@ -87,9 +88,8 @@ def _furnish(spec: Any) -> None:
     spec.visual.global_.offwidth = WIDTH * SAMPLES
     spec.visual.global_.offheight = 2000
     spec.visual.global_.orthographic = 1
-    spec.visual.quality.shadowsize = 8192
-    spec.visual.headlight.ambient = [0.42, 0.42, 0.42]
-    spec.visual.headlight.diffuse = [0.38, 0.38, 0.38]
+    spec.visual.headlight.ambient = [0.36, 0.36, 0.36]
+    spec.visual.headlight.diffuse = [0.36, 0.36, 0.36]
     spec.visual.headlight.specular = [0.08, 0.08, 0.08]
     spec.add_texture(
         name="sky",
@@ -104,20 +104,39 @@ def _furnish(spec: Any) -> None:
         pos=[3.0, 1.0, 6.0],
         dir=[-0.35, -0.15, -1.0],
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        castshadow=False,
         diffuse=[0.45, 0.45, 0.45],
         specular=[0.15, 0.15, 0.15],
     )
 
 
+def extent(name: str) -> tuple[float, float, float]:
+    """Return how far an arm at the origin reaches along ±y, and up [m]."""
+    model, data = scene([name], [0.0])
+    corners = []
+    for geom in np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_MESH):
+        mesh = model.geom_dataid[geom]
+        first = model.mesh_vertadr[mesh]
+        vertices = model.mesh_vert[first : first + model.mesh_vertnum[mesh]]
+        rotation = data.geom_xmat[geom].reshape(3, 3)
+        corners.append(vertices @ rotation.T + data.geom_xpos[geom])
+    low, high = np.min(np.vstack(corners), axis=0), np.max(np.vstack(corners), axis=0)
+    return float(low[1]), float(high[1]), float(high[2])
+
+
 def render(names: Sequence[str]) -> Image:
     """Return one row with its labels."""
-    widths = [_width(name) for name in names]
-    gap = (WIDTH / PIXELS_PER_METRE - sum(widths)) / len(names)
-    starts = np.cumsum([0.0, *widths[:-1]]) + gap * (np.arange(len(names)) + 0.5)
-    places = [float(start) + 0.16 for start in starts]
+    extents = [extent(name) for name in names]
+    width = WIDTH / PIXELS_PER_METRE
+    gap = (width - sum(high - low for low, high, _ in extents)) / len(names)
+    places, labels, edge = [], [], gap / 2
+    for low, high, _ in extents:
+        places.append(edge - low)
+        labels.append(edge + (high - low) / 2)
+        edge += high - low + gap
+    top = max(high for _, _, high in extents) + ABOVE
+    height = int((top + BELOW) * PIXELS_PER_METRE)
     model, data = scene(names, places)
-    top = max(float(data.xpos[:, 2].max()) for _ in [0]) + 0.14
-    height = int((top + 0.30) * PIXELS_PER_METRE)
     model.vis.global_.fovy = height / PIXELS_PER_METRE
     context = make_context(WIDTH * SAMPLES, height * SAMPLES)
     context.make_current()
@@ -127,8 +146,7 @@ def render(names: Sequence[str]) -> Image:
     camera = mujoco.MjvCamera()
     camera.orthographic = 1
     camera.azimuth, camera.elevation, camera.distance = 180.0, -ELEVATION, 4.0
-    middle = WIDTH / PIXELS_PER_METRE / 2
-    camera.lookat[:] = (0.0, middle, (top - 0.30) / 2 + 0.05)
+    camera.lookat[:] = (0.0, width / 2, (top - BELOW) / 2)
     options = mujoco.MjvOption()
     options.geomgroup[:] = [1, 1, 1, 0, 0, 0]
     options.sitegroup[:] = 0
@@ -137,22 +155,18 @@ def render(names: Sequence[str]) -> Image:
     )
     view = mujoco.MjrRect(0, 0, WIDTH * SAMPLES, height * SAMPLES)
     mujoco.mjr_render(view, visible, drawing)
-    for name, place in zip(names, places, strict=True):
-        x = (place + 0.02) * PIXELS_PER_METRE / WIDTH - 0.01
-        mujoco.mjr_text(
-            mujoco.mjtFont.mjFONT_BIG.value, name.upper(), drawing, x, 0.03, *INK
-        )
+    font = mujoco.mjtFont.mjFONT_BIG
+    for name, middle in zip(names, labels, strict=True):
+        text = name.replace("ur", "UR")
+        advances = [drawing.charWidthBig[ord(letter)] for letter in text]
+        x = (middle / width) - sum(advances) / (2 * WIDTH * SAMPLES)
+        mujoco.mjr_text(font.value, text, drawing, x, 0.12 / (top + BELOW), *INK)
     pixels = np.empty((height * SAMPLES, WIDTH * SAMPLES, 3), np.uint8)
     mujoco.mjr_readPixels(pixels, None, view, drawing)
     drawing.free()
     context.free()
     blocks = pixels[::-1].reshape(height, SAMPLES, WIDTH, SAMPLES, 3)
     return np.asarray(blocks.mean(axis=(1, 3)).round(), np.uint8)
-
-
-def _width(name: str) -> float:
-    size = int(re.sub(r"\D", "", name))
-    return 0.45 + 0.02 * size
 
 
 if __name__ == "__main__":

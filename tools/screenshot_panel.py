@@ -2,8 +2,9 @@
 
 usage: python tools/screenshot_panel.py docs/images/panel.png [--width 1440] …
 
-It brings the example's scene up, moves the arm with the plots open, and waits until the
-page has drawn it.  Needs Chromium (tools/setup-browser).
+It brings the example's scene up, or a cell (``--robots``), moves the arms with the
+plots open, and waits until the page has drawn it.  Needs Chromium
+(tools/setup-browser).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from pathlib import Path
 from playwright.sync_api import Page, sync_playwright
 
 import tool0
+from tool0.description.cell_file import parse_robots
 from tool0.interfaces.panel.server import Panel
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -33,7 +35,7 @@ def main() -> None:
     if chromium is None:
         sys.exit("there is no Chromium here; run tools/setup-browser")
     with (
-        tool0.bringup(scene=SCENE) as robot,
+        _robot(options.robots) as robot,
         Panel(robot) as panel,
         sync_playwright() as playwright,
     ):
@@ -47,17 +49,26 @@ def main() -> None:
         page = context.new_page()
         page.goto(f"{panel.url}?quality={options.quality}")
         page.locator("[data-testid=scene][data-ready=true]").wait_for()
+        if options.select:
+            page.get_by_test_id(f"robot-{options.select}").click()
         if options.plots:
             page.get_by_test_id("plots-toggle").click()
             page.get_by_test_id("plots-chart").wait_for()
             page.get_by_test_id("plots-window-60").click()
         for goal in robot.go_to_pose("ready"):
             goal.wait(60.0)
-        robot.gripper.move(opening=0.05).wait(60.0)
+        for gripper in robot.grippers.values():
+            gripper.move(opening=0.6 * gripper.geometry.max_opening).wait(60.0)
         _wait_for_frames(page, 4)
         _wait_for_real_time(page)
-        page.screenshot(path=options.output)
+        page.screenshot(path=options.output, full_page=True)
         browser.close()
+
+
+def _robot(robots: list[str] | None) -> tool0.Robot:
+    if robots is None:
+        return tool0.bringup(scene=SCENE)
+    return tool0.bringup(cell=parse_robots(robots))
 
 
 def _wait_for_frames(page: Page, count: int) -> None:
@@ -89,6 +100,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--language", choices=("en", "zh"), default="en")
     parser.add_argument("--quality", choices=("low", "high"), default="high")
     parser.add_argument("--plots", action=argparse.BooleanOptionalAction, default=True)
+    parser.add_argument("--robots", nargs="+", metavar="NAME=ARM+GRIPPER@X,Y,Z")
+    parser.add_argument("--select", help="the robot to select, of several")
     return parser.parse_args()
 
 

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from tool0.api.sensors import CameraHandle, ForceTorque
     from tool0.cli.demos.grasps import Bin, find_bin
     from tool0.cli.demos.hand import PickOptions
-    from tool0.cli.demos.picker import PickReport, pick_and_place
+    from tool0.cli.demos.picker import pick_and_place
+    from tool0.cli.demos.report import PickReport
     from tool0.control.config import ControllerConfig
     from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Tolerance
     from tool0.control.manager import ControllerStatus
@@ -202,7 +203,7 @@ _HOMES = {
     "Panel": "tool0.interfaces.panel.server",
     "ParallelGripper": "tool0.description.model",
     "PickOptions": "tool0.cli.demos.hand",
-    "PickReport": "tool0.cli.demos.picker",
+    "PickReport": "tool0.cli.demos.report",
     "Pose": "tool0.description.transform",
     "Recording": "tool0.api.recording",
     "RenderError": "tool0.errors",

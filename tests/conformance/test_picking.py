@@ -9,7 +9,7 @@ import tool0
 from tool0.cli.demos.grasps import find_bin
 from tool0.cli.demos.hand import PickOptions
 from tool0.cli.demos.picker import pick_and_place
-from tool0.cli.demos.table import pick_table
+from tool0.cli.demos.table import PickTable
 from tool0.cli.demos.trials import run_trials
 from tool0.sensing.snapshot import Snapshot
 
@@ -23,8 +23,10 @@ def start(bring_up: BringUp, **options: object) -> tool0.Robot:
 def test_cubes_from_anywhere_end_in_the_bin(bring_up: BringUp) -> None:
     robot = start(bring_up)
     into = find_bin(robot.scene.objects, "bin")
-    poses = pick_table(robot.description.model).random_poses(robot, 0.045, seed=7)
-    report = run_trials(robot, "cube", into, poses, N_PICKS)
+    poses = PickTable(scale=1.0).random_poses(robot, 0.045, seed=7)
+    report = run_trials(
+        robot, "cube", lambda: pick_and_place(robot, "cube", into), poses, N_PICKS
+    )
     assert [pick.failure for pick in report.picks] == [None] * N_PICKS
     assert report.n_succeeded == N_PICKS
     starts = {pick.start[:2] for pick in report.picks}

@@ -17,6 +17,13 @@ STAND_INS: Mapping[str, tuple[str, ...]] = {
     "controller_manager": ("spawner",),
     "gazebo_ros": ("spawn_model",),
     "joint_state_publisher_gui": ("joint_state_publisher_gui",),
+    "moveit_fake_controller_manager": (),
+    "moveit_kinematics": (),
+    "moveit_planners_ompl": (),
+    "moveit_ros_move_group": ("move_group",),
+    "moveit_ros_visualization": (),
+    "moveit_setup_assistant": ("moveit_setup_assistant",),
+    "moveit_simple_controller_manager": (),
     "rqt_joint_trajectory_controller": ("rqt_joint_trajectory_controller",),
 }
 """Packages that Debian lacks, and their nodes that the launch files name.

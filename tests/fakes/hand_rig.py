@@ -26,7 +26,8 @@ XACRO = """<robot name="hand" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <xacro:arg name="rpy" default="0 0 0"/>
 <xacro:include filename="$(find tool0_description)/config/grippers/2f85/macro.xacro"/>
 <link name="wall"/>
-<xacro:tool0_gripper folder="$(find tool0_description)/config/grippers/2f85" prefix="" parent="wall" gripper_model="$(arg gripper_model)">
+<xacro:tool0_gripper prefix="" parent="wall" gripper_model="$(arg gripper_model)"
+    folder="$(find tool0_description)/config/grippers/2f85">
   <origin xyz="0 0 0" rpy="$(arg rpy)"/>
 </xacro:tool0_gripper>
 </robot>"""

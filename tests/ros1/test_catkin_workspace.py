@@ -21,16 +21,22 @@ from promised import absent, require_engine, require_ros
 from ros import TIMEOUT, Ros
 from screen import Pixels, Screen, find_xvfb
 
+from tool0.cli import OK, main
 from tool0.control.default_controllers import controllers_yaml
 from tool0.description.robot import assemble, named_poses
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.installation.gazebo.installation import find_installation
-from tool0.installation.workspace import PACKAGES, write_workspace
+from tool0.installation.robot_packages import PACKAGES
 
 DATA = Path(__file__).parents[1] / "data"
-GAZEBO = ("tool0_gazebo", "ur5_robotiq_2f_85_bringup.launch")
-VIEW = ("tool0_description", "view_ur5_robotiq_2f_85.launch")
+GAZEBO = ("tool0_gazebo", "bringup.launch")
+VIEW = ("tool0_description", "view.launch")
+CONTROLLERS = "tool0_gazebo/config/ur5_2f85_controllers.yaml"
+
+
+def write(catkin: Catkin, *options: str) -> None:
+    assert main(["workspace", str(catkin.folder), *options]) == OK
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +44,7 @@ def catkin(tmp_path_factory: pytest.TempPathFactory) -> Catkin:
     """Write a workspace, as a person does."""
     require_catkin()
     catkin = Catkin(tmp_path_factory.mktemp("catkin") / "workspace")
-    write_workspace(catkin.folder)
+    write(catkin)
     return catkin
 
 
@@ -172,7 +178,7 @@ def test_gazebo_converts_it(urdf: str, tmp_path: Path) -> None:
 def test_upstream_meshes_are_upstreams(tmp_path: Path) -> None:
     require_catkin()
     catkin = Catkin(tmp_path / "workspace")
-    write_workspace(catkin.folder, upstream_meshes=True)
+    write(catkin, "--upstream-meshes")
     config = catkin.add_package("ur_description") / "config" / "ur5"
     config.mkdir(parents=True)
     looks = DATA / "description" / "ur5_noetic_visual_parameters.yaml"
@@ -190,13 +196,30 @@ def test_upstream_meshes_are_upstreams(tmp_path: Path) -> None:
         assert not list(robot.iterfind(".//collision//mesh"))
 
 
+@pytest.mark.parametrize(("arm", "gripper"), [("ur10e", "2f140"), ("ur3e", "none")])
+def test_another_robot_is_the_default_where_it_was_chosen(
+    tmp_path: Path, arm: str, gripper: str
+) -> None:
+    require_catkin()
+    catkin = Catkin(tmp_path / "workspace")
+    write(catkin, "--arm", arm, "--gripper", gripper)
+    found = catkin.parameters(*GAZEBO)
+    expected = assemble(arm, None if gripper == "none" else gripper)
+    assert read_model(parse_text(str(found["/robot_description"]))) == expected.model
+    program = yaml.safe_load(controllers_yaml(expected))
+    controllers = {name.split("/")[1] for name in found if name.endswith("/type")}
+    assert controllers == {name for name in program if "type" in program[name]}
+    started = catkin.node_arguments("/ros_control_controller_spawner", *GAZEBO)
+    assert ("gripper_controller" in started) is (gripper != "none")
+    viewed = catkin.parameters(*VIEW)["/robot_description"]
+    assert read_model(parse_text(str(viewed))) == expected.model
+
+
 # --- the launch files ---
 
 
 def test_every_launch_file_is_resolved(catkin: Catkin) -> None:
-    controllers = (
-        catkin.source / "tool0_gazebo/config/ur5_robotiq_2f_85_controllers.yaml"
-    )
+    controllers = catkin.source / CONTROLLERS
     files = sorted(catkin.source.glob("*/launch/**/*.launch*"))
     assert len(files) == 4
     for file in files:
@@ -280,8 +303,8 @@ def test_nothing_is_started_that_is_not_wanted(
     """From a launch file: on its command line roslaunch overlooks empty values."""
     own = tmp_path / "own.launch"
     own.write_text(
-        "<launch><include file='$(find tool0_gazebo)/launch/"
-        "ur5_robotiq_2f_85_bringup.launch'><arg name='start_gazebo' value='false'/>"
+        "<launch><include file='$(find tool0_gazebo)/launch/bringup.launch'>"
+        "<arg name='start_gazebo' value='false'/>"
         f"<arg name='robot_description_file' value='{quickly[-1].partition(':=')[2]}'/>"
         "<arg name='stopped_controllers' value=''/>"
         "<arg name='initial_joint_positions' value=''/></include></launch>"
@@ -371,11 +394,11 @@ def test_the_controllers_are_those_of_the_program_but_for_the_gripper(
     native = catkin.source / "tool0_gazebo" / "config"
     for is_action, other in (
         (False, "controllers.yaml"),
-        (True, "gripper_action_controllers.yaml"),
+        (True, "controllers_gripper_action.yaml"),
     ):
         text = controllers_yaml(assemble(), gripper_action=is_action)
         program = yaml.safe_load(text)
-        gazebo = yaml.safe_load((native / f"ur5_robotiq_2f_85_{other}").read_text())
+        gazebo = yaml.safe_load((native / f"ur5_2f85_{other}").read_text())
         gripper, program_gripper = (
             each.pop("gripper_controller") for each in (gazebo, program)
         )
@@ -420,12 +443,12 @@ def test_the_view_shows_the_robot(
 # --- the gripper's controllers ---
 
 
-@pytest.mark.parametrize("name", ["gripper_action_controllers", "controllers"])
+@pytest.mark.parametrize("name", ["controllers_gripper_action", "controllers"])
 def test_the_gripper_does_not_wind_up_against_what_it_holds(
     catkin: Catkin, name: str
 ) -> None:
     config = catkin.source / "tool0_gazebo" / "config"
-    text = (config / f"ur5_robotiq_2f_85_{name}.yaml").read_text()
+    text = (config / f"ur5_2f85_{name}.yaml").read_text()
     gripper = yaml.safe_load(text)["gripper_controller"]
     gains = gripper["gains"]["finger_joint"]
     assert gains["i"] == 0

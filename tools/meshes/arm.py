@@ -302,6 +302,7 @@ def _housing(
     low: float,
     high: float,
     axis: str,
+    *,
     at: Vector = (0.0, 0.0, 0.0),
 ) -> Housing:
     """Return a housing along ``axis`` that turns against the next link at ``low``."""

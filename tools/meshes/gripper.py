@@ -1,8 +1,8 @@
-"""Grippers: drawn from the places of their joints, ``kinematics.yaml`` of their folder.
+"""Grippers, drawn from the places of their joints in ``kinematics.yaml``.
 
-Two kinds: fingers that swing on parallelograms below a dark tapered body, and fingers that
-slide on a dark round one.  The left finger is the right one turned by pi about z, so that
-one mesh serves both.
+Two kinds: fingers that swing on parallelograms below a dark tapered body, and fingers
+that slide on a dark round one.  The left finger is the right one turned by pi about z,
+so that one mesh serves both.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MATERIALS = {
 
 
 def gripper_shape(folder: Path) -> ModelShape:
-    """Return the shapes of the links of the gripper in ``folder``, one for both fingers."""
+    """Return the shapes of the gripper in ``folder``, one for both fingers."""
     places = yaml.safe_load((folder / "kinematics.yaml").read_text())["kinematics"]
     kind = SwingingFingers if "outer_knuckle" in places else SlidingFingers
     return ModelShape(

@@ -10,6 +10,7 @@ import { engageOnEscape } from "./panels/estop";
 import { LogPanel } from "./panels/log";
 import { MotionPanel } from "./panels/motion";
 import { ObjectsPanel } from "./panels/objects";
+import { RobotBar } from "./panels/robot-bar";
 import { Toasts } from "./panels/toasts";
 import { TopBar } from "./panels/top-bar";
 import { TreePanel } from "./panels/tree";
@@ -112,6 +113,7 @@ function Column() {
   return (
     <aside class="column" id="controls" tabIndex={-1} aria-label={t("app.controls")}>
       <DriveBar />
+      <RobotBar />
       <Tabs
         label={t("app.controls")}
         value={shown}

@@ -1,9 +1,10 @@
 /** Driving: whether this page may move the robot, the controller of the sliders, and the targets. */
-import { computed, effect, signal } from "@preact/signals";
+import { batch, computed, effect, signal } from "@preact/signals";
 import type { Signal } from "@preact/signals";
 import { connection, refusals } from "./connection";
 import { frames } from "./frames";
 import type { ControllerInfo, ErrorInfo, Status } from "./protocol";
+import { chosenRobot, isOurController, selected } from "./robots";
 import { connectionState, jointIndex, status, view } from "./store";
 
 /** Why driving ended by itself. */
@@ -18,8 +19,8 @@ const SAME_TARGET = 2e-3;
 
 /** Part of each joint's largest velocity. */
 export const speedScale = signal(0.5);
-/** The controller that the user chose, if it still exists. */
-export const chosenController = signal<string | null>(null);
+/** Robot, or "" for a single one → the controller that the user chose. */
+const chosenControllers = signal<ReadonlyMap<string, string>>(new Map());
 /** Whether the user switched *Drive* on: a page opens read-only. */
 export const isDriving = signal(false);
 /** Whether controls that move the robot are enabled; without physics they always are. */
@@ -43,11 +44,21 @@ export function canDrive(controller: ControllerInfo): boolean {
   return controller.state === "running" && controller.undrivable === null;
 }
 
-/** Return the chosen controller, or the first that can be driven. */
+function robotKey(): string {
+  return selected.value?.name ?? "";
+}
+
+/** Forget which controllers the user chose. */
+export function forgetChoices(): void {
+  chosenControllers.value = new Map();
+}
+
+/** Return the controller chosen for the selected robot, or its first that can be driven. */
 export function controllerOf(now: Status | null): ControllerInfo | undefined {
-  const all = now?.controllers ?? [];
+  const all = (now?.controllers ?? []).filter(isOurController);
+  const chosen = chosenControllers.value.get(robotKey());
   return (
-    all.find((controller) => controller.name === chosenController.value) ??
+    all.find((controller) => controller.name === chosen) ??
     all.find(canDrive) ??
     all.find((controller) => controller.joints.length > 0)
   );
@@ -71,14 +82,39 @@ export function disable(reason: EndReason | null = null): void {
 
 /** Drive another controller. */
 export function choose(controller: string): void {
-  release();
-  chosenController.value = controller;
-  review(status.value, performance.now());
+  retake(() => {
+    remember(controller);
+  });
+}
+
+/** Drive another robot. */
+export function selectRobot(name: string): void {
+  if (name === selected.value?.name) return;
+  retake(() => {
+    chosenRobot.value = name;
+  });
+}
+
+/** Let go, change what is driven, and take that, before anything else reviews. */
+function retake(change: () => void): void {
+  batch(() => {
+    release();
+    change();
+    review(status.value, performance.now());
+  });
+}
+
+function remember(controller: string): void {
+  if (chosenControllers.value.get(robotKey()) === controller) return;
+  chosenControllers.value = new Map(chosenControllers.value).set(
+    robotKey(),
+    controller,
+  );
 }
 
 /** Start the sliders at the present setpoints, so that nothing moves. */
 function take(controller: ControllerInfo, now: Status): void {
-  chosenController.value = controller.name;
+  remember(controller.name);
   expect(now.targets);
   before = [];
   goals.value = new Map(
@@ -118,8 +154,8 @@ export function holdStill(): Promise<ErrorInfo | null> {
 }
 
 function sendGoals(): void {
-  const controller = chosenController.value;
-  if (controller === null) return;
+  const controller = chosenControllers.value.get(robotKey());
+  if (controller === undefined) return;
   const positions = Object.fromEntries(wanted());
   connection.stream("steer_joints", { controller, positions, speed: speedScale.value });
   expect(positions);

@@ -2,11 +2,12 @@
 import { cleanup } from "@testing-library/preact";
 import { afterEach, beforeEach, vi } from "vitest";
 import { connection } from "../src/connection";
-import { disable, chosenController, endReason, speedScale } from "../src/driving";
+import { disable, endReason, forgetChoices, speedScale } from "../src/driving";
 import { frames } from "../src/frames";
 import { language } from "../src/i18n";
 import { moving } from "../src/moving";
 import { dismiss, toasts } from "../src/notices";
+import { chosenRobot } from "../src/robots";
 import * as store from "../src/store";
 import { FakeSocket } from "./fixtures";
 
@@ -25,7 +26,8 @@ export function useFakeServer(): void {
     moving.value = null;
     frames.clear();
     disable();
-    chosenController.value = null;
+    forgetChoices();
+    chosenRobot.value = null;
     endReason.value = null;
     speedScale.value = 0.5;
     for (const toast of toasts.value) dismiss(toast.key);

@@ -9,7 +9,7 @@ import select
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TextIO, final
+from typing import TYPE_CHECKING, Literal, TextIO, TypedDict, final
 
 from tool0.cli import GOAL_FAILED, OK
 from tool0.cli.bringup import quiet_overruns
@@ -22,24 +22,36 @@ from tool0.runtime.config import SimulationConfig
 from tool0.user_data import require_writable
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
     from tool0.api.robot import Robot
-    from tool0.cli.demos.picker import PickReport
-    from tool0.cli.demos.table import PickTable
+    from tool0.cli.demos.grasps import Bin
+    from tool0.cli.demos.hand import PickOptions
+    from tool0.cli.demos.report import PickReport
     from tool0.cli.demos.trials import DemoReport
+    from tool0.description.scene import Scene
+    from tool0.description.transform import Pose
+    from tool0.sensing.snapshot import Snapshot
 
 PAGE_TIMEOUT = 300.0
 """Longest wait for a browser that has loaded the scene [wall s]."""
 
 
+class _Cube(TypedDict):
+    edge: float
+    mass: float
+    friction: float
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PickArguments:
-    """The picks, and the output."""
+class DemoArguments:
+    """The cube, the trials, and the output."""
 
     engine: str = "mujoco"
     """The physics engine: mujoco or gazebo."""
     n: int = 1
-    """Number of picks; from the second on, or with --seed, from random poses."""
+    """Number of trials; from the second on, or with --seed, from random poses."""
     seed: int | None = None
     """Seed of the random poses; if not given, the first pose is the scene's."""
     size: Metres = 0.045
@@ -67,21 +79,132 @@ class PickArguments:
 
     def __post_init__(self) -> None:
         if self.n < 1:
-            raise ConfigError(f"--n must be 1 or more picks, got {self.n}")
+            raise ConfigError(f"--n must be 1 or more, got {self.n}")
 
 
 def pick(
-    arguments: PickArguments = PickArguments(),
+    arguments: DemoArguments = DemoArguments(),
     description: DescriptionConfig = DescriptionConfig(),
     panel: PanelOptions = PanelOptions(),
 ) -> int:
     """Pick a cube from the table and place it in a bin; status 1 if that fails.
 
-    Friction alone holds the cube.  The demo starts in real time when a browser shows
-    the robot; then Enter repeats it and Ctrl-C ends it.  Headless, it runs as fast as
-    possible and ends.
+    Friction alone holds the cube.  Table and bin are as far away as the arm reaches.
+    The demo starts in real time when a browser shows the robot; then Enter repeats it
+    and Ctrl-C ends it.  Headless, it runs as fast as possible and ends.
     """
-    # Check the files first: the picks take minutes.
+    _check_files(arguments)  # first: the picks take minutes
+    return _run(_pick_demo(arguments, description), arguments, panel)
+
+
+def handover(
+    arguments: DemoArguments = DemoArguments(),
+    giver: str = "ur5+2f85",
+    taker: str = "ur10e+hande",
+    panel: PanelOptions = PanelOptions(),
+) -> int:
+    """Pick a cube with one arm, hand it to another, and place it in a bin.
+
+    Friction alone holds the cube.  Status 1 if that fails; otherwise as `demo pick`.
+
+    Args:
+        giver: The arm that picks, with its gripper: ARM+GRIPPER.
+        taker: The arm that places.
+    """
+    _check_files(arguments)
+    return _run(_handover_demo(arguments, giver, taker), arguments, panel)
+
+
+demo = {"pick": pick, "handover": handover}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Demo:
+    """A robot, what is around it, and its task."""
+
+    description: DescriptionConfig
+    scene: Scene
+    poses: Callable[[Robot], Iterator[Pose]]
+    """Random start poses of the cube."""
+    task: Callable[[Robot, Bin, Callable[[Snapshot], None]], PickReport]
+    """Does it once."""
+
+
+def _pick_demo(arguments: DemoArguments, description: DescriptionConfig) -> _Demo:
+    from tool0.cli.demos.picker import pick_and_place
+    from tool0.cli.demos.table import ITEM, PickTable
+
+    table = PickTable(scale=_scale(description))
+    options = _options(arguments, table.lift)
+    return _Demo(
+        description=description,
+        scene=table.scene(**_cube(arguments)),
+        poses=lambda robot: table.random_poses(
+            robot, arguments.size, arguments.seed or 0
+        ),
+        task=lambda robot, into, on_snapshot: pick_and_place(
+            robot, ITEM, into, options, on_snapshot
+        ),
+    )
+
+
+def _handover_demo(arguments: DemoArguments, giver: str, taker: str) -> _Demo:
+    from tool0.cli.demos.handover import GIVER, TAKER, HandoverCell, hand_over
+    from tool0.cli.demos.table import ITEM
+    from tool0.description.cell_file import parse_robots
+
+    given = {GIVER: giver, TAKER: taker}
+    robots = parse_robots([f"{name}={parts}" for name, parts in given.items()]).robots
+    one, other = (robot.description for robot in robots)
+    for name, description in zip(given, (one, other), strict=True):
+        if description.gripper is None:
+            raise ConfigError(
+                f"--{name} '{given[name]}' has no gripper; write ARM+GRIPPER, such as "
+                "ur5+2f85"
+            )
+    places = HandoverCell.of(_scale(one), _scale(other))
+    options = _options(arguments, places.lift)
+    return _Demo(
+        description=DescriptionConfig(cell=places.cell(one, other)),
+        scene=places.scene(**_cube(arguments)),
+        poses=lambda robot: places.giver.random_poses(
+            robot, arguments.size, arguments.seed or 0
+        ),
+        task=lambda robot, into, on_snapshot: hand_over(
+            robot,
+            ITEM,
+            into,
+            places.meeting,
+            options=options,
+            on_snapshot=on_snapshot,
+        ),
+    )
+
+
+def _scale(description: DescriptionConfig) -> float:
+    """Return the size of an arm; the description is read for it."""
+    from tool0.cli.demos.table import arm_scale
+    from tool0.description.robot import load_description
+
+    return arm_scale(load_description(description).model)
+
+
+def _options(arguments: DemoArguments, lift: float) -> PickOptions:
+    from tool0.cli.demos.hand import PickOptions
+
+    return PickOptions(force=arguments.force, speed=arguments.speed, lift=lift)
+
+
+def _cube(arguments: DemoArguments) -> _Cube:
+    return {
+        "edge": arguments.size,
+        "mass": arguments.mass,
+        "friction": arguments.friction,
+    }
+
+
+def _check_files(arguments: DemoArguments) -> None:
     if arguments.report is not None and arguments.report == arguments.video:
         raise ConfigError(f"--report and --video are one file, {arguments.report}")
     if arguments.report is not None:
@@ -90,50 +213,33 @@ def pick(
         from tool0.sensing.video import require_encoder
 
         require_encoder(arguments.video)
+
+
+def _run(what: _Demo, arguments: DemoArguments, panel: PanelOptions) -> int:
+    from tool0.api.bringup import bringup
+
+    simulation = SimulationConfig(
+        engine=arguments.engine,
+        grasp_assist=arguments.grasp_assist,
+        scene=what.scene,
+        realtime=not arguments.headless,
+    )
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
-        table = _table(description)
-        robot = exits.enter_context(_bring_up(arguments, description, table))
+        robot = exits.enter_context(
+            bringup(description=what.description, simulation=simulation)
+        )
         if arguments.video is not None:
             robot.camera(arguments.camera).image()
         if not arguments.headless:
             _show(robot, panel, exits)
-        report = _play(robot, arguments, table)
+        report = _play(robot, what, arguments)
         _print_report(report, arguments)
         while not arguments.headless and _wants_replay():
             robot.reset()
             again = replace(arguments, video=None, report=None)
-            _print_report(_play(robot, again, table), again)
+            _print_report(_play(robot, what, again), again)
     return OK if report.n_succeeded == len(report.picks) else GOAL_FAILED
-
-
-demo = {"pick": pick}
-
-
-def _table(description: DescriptionConfig) -> PickTable:
-    from tool0.cli.demos.table import pick_table
-    from tool0.description.robot import load_description
-
-    return pick_table(load_description(description).model)
-
-
-def _bring_up(
-    arguments: PickArguments, description: DescriptionConfig, table: PickTable
-) -> Robot:
-    from tool0.api.bringup import bringup
-
-    scene = table.scene(
-        edge=arguments.size, mass=arguments.mass, friction=arguments.friction
-    )
-    return bringup(
-        description=description,
-        simulation=SimulationConfig(
-            engine=arguments.engine,
-            grasp_assist=arguments.grasp_assist,
-            scene=scene,
-            realtime=not arguments.headless,
-        ),
-    )
 
 
 def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
@@ -161,31 +267,34 @@ def _wants_replay() -> bool:
     text = "The panel stays open; Ctrl-C ends it."
     if sys.stdin.isatty():
         sources.append(sys.stdin)
-        text = "The panel stays open: Enter repeats the pick, Ctrl-C ends it."
+        text = "The panel stays open: Enter repeats the demo, Ctrl-C ends it."
     with StopSignal() as stop:
         print(text, file=sys.stderr, flush=True)
         select.select([stop, *sources], [], [])
         return not stop.is_set and sys.stdin.readline() != ""
 
 
-def _play(robot: Robot, arguments: PickArguments, table: PickTable) -> DemoReport:
+def _play(robot: Robot, what: _Demo, arguments: DemoArguments) -> DemoReport:
     from tool0.cli.demos.grasps import find_bin
-    from tool0.cli.demos.hand import PickOptions
     from tool0.cli.demos.monitor import FrameRecorder
     from tool0.cli.demos.table import BIN, ITEM
     from tool0.cli.demos.trials import run_trials
 
-    options = PickOptions(force=arguments.force, speed=arguments.speed, lift=table.lift)
-    poses = table.random_poses(robot, arguments.size, arguments.seed or 0)
     recorder = FrameRecorder()
+    into = find_bin(robot.scene.objects, BIN)
+    poses = what.poses(robot)
+
+    def on_snapshot(snapshot: Snapshot) -> None:
+        if arguments.video is not None:
+            recorder.record(snapshot)
+
     report = run_trials(
         robot,
         ITEM,
-        find_bin(robot.scene.objects, BIN),
+        lambda: what.task(robot, into, on_snapshot),
         poses if arguments.seed is not None else itertools.chain([None], poses),
         arguments.n,
-        options=options,
-        on_snapshot=recorder.record if arguments.video else lambda snapshot: None,
+        on_snapshot=on_snapshot,
         on_pick=_print_pick if arguments.format == "text" else lambda pick: None,
     )
     if arguments.video is None:
@@ -199,7 +308,7 @@ def _print_pick(pick: PickReport) -> None:
     print(pick.to_text(), flush=True)
 
 
-def _print_report(report: DemoReport, arguments: PickArguments) -> None:
+def _print_report(report: DemoReport, arguments: DemoArguments) -> None:
     if arguments.format == "json":
         print(json.dumps(finite(report.to_json()), allow_nan=False), flush=True)
     else:

@@ -63,7 +63,7 @@ class DescriptionConfig:
     """
 
     arm: str | None = None
-    """The arm; ur5 if not given."""
+    """The arm, such as ur10e, or the folder of your own; ur5 if not given."""
     gripper: str | Unset | None = UNSET
     """The gripper on the arm's tool0, or none; 2f85 if not given."""
     gripper_model: Literal["mimic", "linkage"] | None = None

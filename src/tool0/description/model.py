@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, TypeVar, final
+from typing import TypeVar, final
 
 from tool0.description.shapes import RGBA, Geometry
 from tool0.description.transform import Pose, Vector3
@@ -76,9 +76,7 @@ def check_mass(mass: float, link: str, location: SourceLocation | None) -> None:
     """Raise ModelError unless the mass [kg] of a link is above zero."""
     if not mass > 0:
         raise ModelError(
-            f"link '{link}' has mass {mass:g} kg; give a mass above zero, "
-            "or omit <inertial> for a frame without mass",
-            location,
+            f"link '{link}' has mass {mass:g} kg; give a mass above zero", location
         )
 
 
@@ -307,8 +305,8 @@ class LoopJoint:
 class RotaryOpening:
     """The opening of pads that a revolute joint moves, each on a circle.
 
-    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``, as parallelogram
-    linkages move them.
+    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``: parallelogram
+    linkages move them so.
     """
 
     pad_offset: float
@@ -317,8 +315,6 @@ class RotaryOpening:
     """[m]"""
     pad_sin: float
     """[m]"""
-
-    joint_type: ClassVar[JointType] = JointType.REVOLUTE
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [rad]."""
@@ -353,8 +349,6 @@ class LinearOpening:
     """[m]"""
     pad_slope: float
     """Below zero: the pads close as the position grows."""
-
-    joint_type: ClassVar[JointType] = JointType.PRISMATIC
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [m]."""
@@ -396,8 +390,7 @@ class ParallelGripper:
     @property
     def quantity(self) -> Quantity:
         """What the position of the joint measures."""
-        is_linear = self.law.joint_type is JointType.PRISMATIC
-        return LENGTH if is_linear else ANGLE
+        return LENGTH if isinstance(self.law, LinearOpening) else ANGLE
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [rad | m]."""

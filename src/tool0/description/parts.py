@@ -82,6 +82,24 @@ def gripper_of(model: RobotModel, robot: str) -> str | None:
     return next((name for name, item in grippers if item.joint in joints), None)
 
 
+def base_of(model: RobotModel, robot: str) -> str:
+    """Return the lowest link that carries no arm but this one, except for the root.
+
+    Raises:
+        ControlError: If there is no arm of this name.
+    """
+    arms = find_arms(model)
+    if robot not in arms:
+        raise ControlError(f"no robot '{robot}'{did_you_mean(robot, set(arms))}")
+    others = {arm.flange for name, arm in arms.items() if name != robot}
+    base = arms[robot].joints[0].parent
+    while (joint := model.parent_joint.get(base)) and joint.parent != model.root:
+        if others.intersection(model.links_from(joint.parent)):
+            break
+        base = joint.parent
+    return base
+
+
 def joints_of_robot(
     model: RobotModel, positions: Mapping[str, float], robot: str | None
 ) -> dict[str, float]:

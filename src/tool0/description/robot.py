@@ -28,6 +28,7 @@ from tool0.description.config import (
     DescriptionConfig,
 )
 from tool0.description.expansion import expand
+from tool0.description.gripper_files import GRIPPER_FILES, check_gripper_files
 from tool0.description.model import RobotModel
 from tool0.description.packages import find_package
 from tool0.description.urdf import read_model
@@ -49,13 +50,19 @@ _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
 """Largest tilt of an arm that stands on a pedestal [rad]."""
 
-_FILE_ARGUMENTS = {
+_ARM_ARGUMENTS = {
     "default_kinematics": "kinematics_params",
     "joint_limits": "joint_limit_params",
     "physical_parameters": "physical_params",
     "visual_parameters": "visual_params",
 }
 """The arguments that replace a file of the arm's folder."""
+_GRIPPER_ARGUMENTS = {
+    "joint_limits": "gripper_joint_limit_params",
+    "physical_parameters": "gripper_params",
+    "visual_parameters": "gripper_visual_params",
+}
+"""The same of the gripper's folder."""
 
 Poses = Mapping[str, Mapping[str, float]]
 """Pose → joint → position [rad | m]."""
@@ -78,10 +85,14 @@ class CatalogueRobot:
         return (self.arm,) if self.gripper is None else (self.arm, self.gripper)
 
     @property
+    def parts_title(self) -> str:
+        """Such as ``ur5 + 2f85``."""
+        return " + ".join(part.name for part in self.parts)
+
+    @property
     def title(self) -> str:
         """Such as ``ur5 + 2f85``, in a cell ``left: ur5 + 2f85``."""
-        parts = " + ".join(part.name for part in self.parts)
-        return f"{self.name}: {parts}" if self.name else parts
+        return f"{self.name}: {self.parts_title}" if self.name else self.parts_title
 
 
 @final
@@ -215,7 +226,10 @@ def _expand_robot(
         )
     if robot.gripper is not None and gripper_model == "linkage":
         _check_linkage(robot.gripper)
-    check_arm_files(_own_files(robot.arm, given))
+    check_arm_files(_own_files(robot.arm, ARM_FILES, _ARM_ARGUMENTS, given))
+    if robot.gripper is not None:
+        own = _own_files(robot.gripper, GRIPPER_FILES, _GRIPPER_ARGUMENTS, given)
+        check_gripper_files(own)
     given["arm"] = str(robot.arm.folder)
     if robot.gripper is not None:
         given["gripper"] = str(robot.gripper.folder)
@@ -299,14 +313,19 @@ def _check_linkage(gripper: Part) -> None:
         )
 
 
-def _own_files(arm: Part, given: Mapping[str, str]) -> Mapping[str, Path]:
-    """Return the arm's YAML files that are not built-in ones, by name."""
+def _own_files(
+    part: Part,
+    names: Sequence[str],
+    arguments: Mapping[str, str],
+    given: Mapping[str, str],
+) -> Mapping[str, Path]:
+    """Return the YAML files of a part that are not built-in ones, by name."""
     files = {}
-    if not arm.is_built_in:
-        files = {name: arm.folder / f"{name}.yaml" for name in ARM_FILES}
+    if not part.is_built_in:
+        files = {name: part.folder / f"{name}.yaml" for name in names}
     instead = {
         name: Path(given[argument])
-        for name, argument in _FILE_ARGUMENTS.items()
+        for name, argument in arguments.items()
         if given.get(argument)
     }
     return {**files, **instead}

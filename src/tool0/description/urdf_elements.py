@@ -369,8 +369,8 @@ def _read_opening_law(
         law = LinearOpening(pad_offset=offset, pad_slope=number(element, "pad_slope"))
         if not law.pad_slope < 0.0:
             raise ModelError(
-                f"gripper '{name}' has pad_slope {law.pad_slope:g}, so that it opens as "
-                f"'{joint.name}' grows; turn the joint's axis round: it must close",
+                f"gripper '{name}' has pad_slope {law.pad_slope:g}: it opens as "
+                f"'{joint.name}' grows, but must close; turn the joint's axis round",
                 locate(element),
             )
     else:
@@ -379,11 +379,12 @@ def _read_opening_law(
             pad_cos=number(element, "pad_cos"),
             pad_sin=number(element, "pad_sin"),
         )
-    if joint.type is not law.joint_type:
+    if is_linear != (joint.type is JointType.PRISMATIC):
         given = " and ".join(_LINEAR if is_linear else _ROTARY)
         raise ModelError(
             f"gripper '{name}' is driven by the {joint.type.value} joint "
-            f"'{joint.name}', but with {given} it must be {law.joint_type.value}",
+            f"'{joint.name}', but with {given} it must "
+            + ("slide (prismatic)" if is_linear else "turn"),
             locate(element),
         )
     return law

@@ -1,4 +1,4 @@
-"""Writes tool0's ROS packages into a catkin workspace.
+"""Writes ROS packages into a catkin workspace, and updates them.
 
 Each file is written completely or not at all, and edited files stay.  A hidden file in
 each package contains the hashes of the written files, by which a later run detects
@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import Enum
@@ -18,13 +18,10 @@ from itertools import chain, count
 from pathlib import Path, PurePosixPath
 from typing import Final, final
 
-from tool0.description.packages import BUNDLED, crawl, package_name
+from tool0.description.packages import crawl, package_name
 from tool0.errors import ConfigError
 from tool0.user_data import expanded
 
-PACKAGES: Final = ("tool0_description", "tool0_gazebo")
-UPSTREAM_PACKAGES: Final = ("ur_description", "robotiq_2f_85_gripper_visualization")
-"""Packages whose meshes can replace ours."""
 RECORD_FILE: Final = ".tool0-workspace.json"
 """The hidden file."""
 _ABOUT: Final = (
@@ -33,9 +30,6 @@ _ABOUT: Final = (
 )
 _PROGRAMS: Final = "scripts"
 """The folder of programs."""
-_OWN_MESHES: Final = b'name="meshes" default="tool0"'
-_UPSTREAM_MESHES: Final = b'name="meshes" default="upstream"'
-_LAST_DEPENDENCY: Final = b"  <exec_depend>xacro</exec_depend>\n"
 _Files = Mapping[PurePosixPath, bytes]
 _Hashes = dict[PurePosixPath, frozenset[str]]
 """File, below its package, → SHA-256 of what we may have written there."""
@@ -61,6 +55,8 @@ class WorkspaceChanges:
 
     source: Path
     """The folder that the packages are in."""
+    packages: tuple[str, ...]
+    """Their names."""
     actions: Mapping[Path, FileAction]
     """What happened to each file."""
     backups: Mapping[Path, Path]
@@ -72,26 +68,26 @@ class WorkspaceChanges:
 
 
 def write_workspace(
-    folder: Path, *, upstream_meshes: bool = False, force: bool = False
+    folder: Path, files: _Files, *, force: bool = False
 ) -> WorkspaceChanges:
-    """Write the packages into the workspace ``folder``.
+    """Write packages into the workspace ``folder``.
 
     Nothing is written before the change of every file is known.
 
     Args:
         folder: The workspace; created if it does not exist.
-        upstream_meshes: Whether the robot looks as in upstream's packages by default.
+        files: Path, from the name of its package on → content.
         force: Whether edited files are overwritten, too.
 
     Raises:
         ConfigError: If a file cannot be read or written.  Files written by then are
             complete, and the next call resumes.
     """
-    source = source_folder(folder)
-    files = package_files(upstream_meshes=upstream_meshes)
+    packages = sorted({path.parts[0] for path in files})
+    source = source_folder(folder, packages)
     actions: dict[Path, FileAction] = {}
     plans = []
-    for package in (source / name for name in PACKAGES):
+    for package in (source / name for name in packages):
         wanted = {
             path.relative_to(package.name): data
             for path, data in files.items()
@@ -106,7 +102,9 @@ def write_workspace(
     backups: dict[Path, Path] = {}
     for package, wanted, written in plans:
         _write_package(package, wanted, written, actions, backups)
-    return WorkspaceChanges(source=source, actions=actions, backups=backups)
+    return WorkspaceChanges(
+        source=source, packages=tuple(packages), actions=actions, backups=backups
+    )
 
 
 def _action(
@@ -161,41 +159,7 @@ def _write_package(
     _write(package / RECORD_FILE, _record_text(after))
 
 
-# --- the files ---
-
-
-def package_files(*, upstream_meshes: bool = False) -> _Files:
-    """Return the content of the files by their paths below ``src``.
-
-    Args:
-        upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default,
-            and those packages are dependencies.
-    """
-    files = {
-        PurePosixPath(path.relative_to(BUNDLED).as_posix()): path.read_bytes()
-        for package in PACKAGES
-        for path in sorted((BUNDLED / package).rglob("*"))
-        if path.is_file() and not _is_by_product(path.relative_to(BUNDLED))
-    }
-    if not upstream_meshes:
-        return files
-    depends = "".join(
-        f'  <exec_depend condition="$ROS_VERSION == 1">{name}</exec_depend>\n'
-        for name in sorted(UPSTREAM_PACKAGES)
-    )
-    manifest = PurePosixPath("tool0_description", "package.xml")
-    files[manifest] = files[manifest].replace(
-        _LAST_DEPENDENCY, depends.encode() + _LAST_DEPENDENCY
-    )
-    return {
-        path: data.replace(_OWN_MESHES, _UPSTREAM_MESHES)
-        for path, data in files.items()
-    }
-
-
-def _is_by_product(path: Path) -> bool:
-    """Return whether it is a leftover of tools, not part of a package."""
-    return any(name.startswith((".", "__pycache__")) for name in path.parts)
+# --- files and their hashes ---
 
 
 def _digest(data: bytes) -> str:
@@ -276,8 +240,8 @@ def _named_failure(verb: str, path: Path) -> Iterator[None]:
 # --- the folder ---
 
 
-def source_folder(folder: Path) -> Path:
-    """Return the folder for packages in the workspace ``folder``.
+def source_folder(folder: Path, packages: Collection[str] = ()) -> Path:
+    """Return the folder for ``packages`` in the workspace ``folder``.
 
     It is ``src`` in a workspace, and in an empty or new folder.  It is ``folder``
     itself if that is called ``src``, contains packages, or is initialised by
@@ -297,7 +261,7 @@ def source_folder(folder: Path) -> Path:
     below = folder / "src"
     found = below if below.is_dir() or not _holds_packages(folder) else folder
     _refuse_files(found)
-    _refuse_duplicates(found)
+    _refuse_duplicates(found, packages)
     return found
 
 
@@ -317,9 +281,9 @@ def _refuse_files(folder: Path) -> None:
             raise ConfigError(f"'{path}' is a dangling link; remove or correct it")
 
 
-def _refuse_duplicates(source: Path) -> None:
-    """Raise ConfigError if a package of ours exists already in another folder."""
-    ours = {source / name for name in PACKAGES}
+def _refuse_duplicates(source: Path, packages: Collection[str]) -> None:
+    """Raise ConfigError if one of the packages exists already in another folder."""
+    ours = {source / name for name in packages}
     for path in ours:
         if path.is_symlink():
             raise ConfigError(
@@ -328,7 +292,7 @@ def _refuse_duplicates(source: Path) -> None:
             )
     for path in crawl(source):
         name = package_name(path)
-        if name in PACKAGES and path not in ours:
+        if name in packages and path not in ours:
             raise ConfigError(
                 f"'{path}' is already a package called {name}, and catkin accepts only "
                 "one with that name; remove it, or put a CATKIN_IGNORE file into it"

@@ -20,7 +20,11 @@ from tool0.lint.launch.model import LaunchFile
 from tool0.lint.launch.reader import read_launch
 from tool0.lint.launch.xacro_files import xacro_call
 from tool0.lint.packages import PackageIndex, Packages
-from tool0.lint.parameters.yaml_text import YamlText, yaml_findings
+from tool0.lint.parameters.yaml_text import (
+    YamlText,
+    syntax_findings,
+    yaml_findings,
+)
 from tool0.lint.robot.facts import RobotFacts
 
 _ROSPARAM = re.compile(r"""<rosparam\b[^<>]*\bfile=["']([^"'<>]+)["'][^<>]*>""")
@@ -46,13 +50,18 @@ class ParsedLaunch:
 def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
     """Return what a launch file loads, and its own faults."""
     launch = read_launch(file, {}, PackageIndex(packages))
-    yamls = []
+    yamls: list[YamlText] = []
+    values: list[YamlText] = []  # of single parameters: need not be mappings
     for rosparam in launch.rosparams():
         if rosparam.command == "load" and rosparam.yaml is not None:
             text = rosparam.yaml.resolved or rosparam.yaml.raw
-            yamls.append(YamlText(text, rosparam.yaml.location))
+            is_value = any(name == "param" for name, _ in rosparam.names)
+            (values if is_value else yamls).append(
+                YamlText(text, rosparam.yaml.location)
+            )
+    of_values = [finding for value in values for finding in syntax_findings(value)]
     return ParsedLaunch(
-        findings=(*launch.findings, *_commented_out(launch, yamls)),
+        findings=(*launch.findings, *of_values, *_commented_out(launch, yamls)),
         robots=tuple(_robots(launch)),
         yamls=tuple(yamls),
         included=tuple(child.file for child in launch.files() if child.file != file),

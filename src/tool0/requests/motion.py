@@ -234,7 +234,8 @@ class SavePose(Request[None], frozen=True):
 
     name: Name
     robot: Name | None = None
-    """Only the joints of this robot; those of all, if left out."""
+    """Only the joints of this robot, and a saved pose of that name keeps those of
+    others; all joints, if left out."""
 
 
 class DeletePose(Request[None], frozen=True):
@@ -263,7 +264,9 @@ def _save_pose(simulation: Simulation, request: SavePose) -> None:
         item.joint: joints[item.joint].limits.clamp(position[item.joint])
         for item in model.transmissions
     }
-    simulation.poses.save(request.name, joints_of_robot(model, driven, request.robot))
+    robot = request.robot
+    positions = joints_of_robot(model, driven, robot)
+    simulation.poses.save(request.name, positions, update=robot is not None)
 
 
 handles(DeletePose)(lambda sim, request: sim.poses.delete(request.name))

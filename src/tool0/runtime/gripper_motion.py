@@ -8,8 +8,8 @@ from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
 
 RAMP_TIME = 1.0 / 15.0
-"""Time in which the pads reach their full speed, and stop from it [s]: a guess, for lack
-of a datasheet; it keeps the fingers from overshooting."""
+"""Time in which the pads reach their full speed, and stop from it [s]: a guess, for
+lack of a datasheet; it keeps the fingers from overshooting."""
 SPACING = 0.005
 """Distance between the points of a planned motion [m]."""
 

@@ -134,8 +134,10 @@ class PoseBook:
             return joints_of_robot(self._description.model, positions, robot.name)
         return {robot.prefix + joint: q for joint, q in (pose or {}).items()}
 
-    def save(self, name: str, positions: Positions) -> None:
+    def save(self, name: str, positions: Positions, *, update: bool = False) -> None:
         """Save a pose, and replace a saved one of that name.
+
+        With ``update``, that one's positions of other joints stay.
 
         Raises:
             ControlError: If the name is a built-in pose's, or not printable.
@@ -149,7 +151,7 @@ class PoseBook:
                 "characters, with no space at either end"
             )
         with self._changing() as poses:
-            poses[name] = dict(positions)
+            poses[name] = {**(poses.get(name, {}) if update else {}), **positions}
 
     def delete(self, name: str) -> None:
         """Delete a saved pose.

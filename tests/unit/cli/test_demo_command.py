@@ -82,7 +82,7 @@ def test_a_film_is_as_long_as_the_pick(
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (["--n", "0"], "--n must be 1 or more picks, got 0"),
+        (["--n", "0"], "--n must be 1 or more, got 0"),
         (["--size", "0.2"], "is 200.0 mm wide, and the gripper opens to 85.0 mm"),
         (["--force", "500"], "force 500.0 N is outside [20.0, 235.0] N"),
         (["--speed", "2"], "speed must be in [0.01, 1], got 2.0"),
@@ -96,4 +96,38 @@ def test_what_cannot_be_is_refused(
     arguments: list[str], why: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["demo", "pick", "--headless", *arguments]) == FAILED
+    assert why in capsys.readouterr().err
+
+
+def test_any_robot_picks_on_a_table_of_its_reach(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    starts = []
+    for robot in (["--arm", "ur3e", "--gripper", "hande"], ["--arm", "ur20"]):
+        assert main(["demo", "pick", "--headless", "--format", "json", *robot]) == OK
+        (pick,) = json.loads(capsys.readouterr().out)["picks"]
+        starts.append(pick["start"][0])
+    assert starts[0] < 0.5487 < starts[1]
+
+
+def test_a_handover_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    line = ["demo", "handover", "--headless", "--taker", "ur5+2f85"]
+    assert main(line) == OK
+    printed = capsys.readouterr().out.splitlines()
+    assert "in the bin after" in printed[0]
+    assert printed[-1].startswith("1 of 1 in the bin")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        (["--giver", "ur5"], "--giver 'ur5' has no gripper; write ARM+GRIPPER"),
+        (["--taker", "ur55+2f85"], "did you mean 'ur5'"),
+        (["--taker", "ur5+2f58"], "did you mean '2f85'"),
+    ],
+)
+def test_robots_that_cannot_hand_over_are_refused(
+    arguments: list[str], why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["demo", "handover", "--headless", *arguments]) == FAILED
     assert why in capsys.readouterr().err

@@ -1,3 +1,4 @@
+import shutil
 from pathlib import Path
 
 import pytest
@@ -5,6 +6,7 @@ import pytest
 from tool0.cli import FAILED, OK, main
 from tool0.cli.describe import table, tree
 from tool0.cli.text import columns
+from tool0.description.catalogue import find_part
 from tool0.description.model import (
     Interface,
     Joint,
@@ -99,6 +101,7 @@ def test_columns_are_aligned_and_end_without_blanks() -> None:
         ("urdf", "<?xml"),
         ("mjcf", "<mujoco"),
         ("controllers", "# Controllers of ur5 + 2f85"),
+        ("sources", "ur5\n  payload    5.0\n"),
     ],
 )
 def test_every_form_is_written(
@@ -121,6 +124,27 @@ def test_what_it_writes_as_urdf_it_can_read(
     built_in = capsys.readouterr().out
     assert main(["describe", "table", "--robot", str(file)]) == OK
     assert capsys.readouterr().out == built_in
+
+
+def test_sources_tell_what_has_no_published_source(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["describe", "sources", "--arm", "ur18", "--gripper", "none"]) == OK
+    text = capsys.readouterr().out
+    head, _, unsourced = text.partition("  without a published source:\n")
+    assert [line.split() for line in head.splitlines()] == [
+        ["ur18"], ["payload", "18.0"], ["reach", "0.95"], ["dh_source", "-"]
+    ]  # fmt: skip
+    assert "physical_parameters.base_mass  " in unsourced
+    own = tmp_path / "mine"
+    shutil.copytree(find_part("arm", "ur18").folder, own)
+    (own / "specifications.yaml").unlink()
+    assert main(["describe", "sources", "--arm", str(own), "--gripper", "none"]) == OK
+    assert capsys.readouterr().out == f"mine: no specifications.yaml in {own}\n"
+    urdf = tmp_path / "robot.urdf"
+    urdf.write_text('<robot name="r"><link name="a"/></robot>')
+    assert main(["describe", "sources", "--robot", str(urdf)]) == OK
+    assert capsys.readouterr().out.startswith("robot.urdf: your own file")
 
 
 def test_prefix_and_bare_arm(capsys: pytest.CaptureFixture[str]) -> None:

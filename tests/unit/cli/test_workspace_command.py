@@ -7,7 +7,7 @@ import pytest
 from tool0.cli import FAILED, OK, main
 
 Capture = pytest.CaptureFixture[str]
-LAUNCH = "src/tool0_gazebo/launch/ur5_robotiq_2f_85_bringup.launch"
+LAUNCH = "src/tool0_gazebo/launch/bringup.launch"
 
 
 def test_it_says_what_to_type_next(tmp_path: Path, capsys: Capture) -> None:

@@ -5,7 +5,7 @@ from raises_naming import raises_naming
 from toy_robot import DT, ToyRobot
 
 from tool0.control.goal import GoalStatus
-from tool0.description.model import Interface, ParallelGripper
+from tool0.description.model import Interface, ParallelGripper, RotaryOpening
 from tool0.errors import GoalRejectedError
 from tool0.hardware.limits import DriveLimits
 
@@ -151,9 +151,7 @@ def test_bad_goals_are_rejected_and_the_old_one_goes_on(
 JAWS = ParallelGripper(
     name="jaws",
     joint="hip",
-    pad_offset=0.0,
-    pad_cos=0.0,
-    pad_sin=-0.5,
+    law=RotaryOpening(pad_offset=0.0, pad_cos=0.0, pad_sin=-0.5),
     max_opening=1.0,
     speed=(0.1, 1.0),
     force=(1.0, 100.0),

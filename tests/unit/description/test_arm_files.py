@@ -12,7 +12,7 @@ from tool0.description.arm_files import ARM_FILES, check_arm_files
 from tool0.description.catalogue import arms, find_part
 from tool0.description.forward_kinematics import link_pose
 from tool0.description.robot import assemble, named_poses, part_names
-from tool0.description.shapes import Mesh
+from tool0.description.shapes import Cylinder, Mesh
 from tool0.errors import DescriptionError, LimitsError, ModelError, Tool0Error
 
 MODEL = "ur5e"
@@ -188,3 +188,13 @@ def test_a_missing_file_is_named(file: str, folder: Path) -> None:
         assemble(str(folder))
     assert file in str(caught.value)
     assert str(folder) in str(caught.value)
+
+
+@pytest.mark.parametrize("name", arms())
+def test_the_pedestal_is_as_wide_as_the_base(name: str) -> None:
+    model = assemble(name, gripper=None).model
+    base = model.link("base_link_inertia").collisions[0].geometry
+    column = model.link("pedestal").collisions[0].geometry
+    assert isinstance(base, Cylinder)
+    assert isinstance(column, Cylinder)
+    assert column.radius == base.radius

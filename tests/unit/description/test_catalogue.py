@@ -12,7 +12,7 @@ import yaml
 from tool0.description.catalogue import arms, grippers
 from tool0.description.config import DescriptionConfig
 from tool0.description.forward_kinematics import link_pose
-from tool0.description.model import Inertial, Interface, RobotModel
+from tool0.description.model import Inertial, Interface, RobotModel, RotaryOpening
 from tool0.description.robot import (
     assemble,
     load_description,
@@ -92,7 +92,8 @@ def test_the_gripper_is_the_real_one(model: RobotModel) -> None:
     assert model.transmission_by_joint["finger_joint"].armature == pytest.approx(
         0.0122, rel=0.01
     )
-    assert gripper.pad_offset == pytest.approx(0.0054057553, abs=1e-10)
+    assert isinstance(gripper.law, RotaryOpening)
+    assert gripper.law.pad_offset == pytest.approx(0.0054057553, abs=1e-10)
     pad = model.link("left_inner_finger_pad").surface
     assert pad is not None
     assert pad.mu1 == 1.0

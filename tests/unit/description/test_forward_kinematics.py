@@ -28,10 +28,6 @@ ARM = (
     "wrist_2_joint",
     "wrist_3_joint",
 )
-# Denavit-Hartenberg constants of the UR5: CB3 user manual, table C.3 [m, rad].
-D = (0.089159, 0, 0, 0.10915, 0.09465, 0.0823)
-A = (0, -0.425, -0.39225, 0, 0, 0)
-ALPHA = (math.pi / 2, 0, 0, math.pi / 2, -math.pi / 2, 0)
 
 
 @pytest.fixture(scope="module")
@@ -46,26 +42,6 @@ def random_transform(rng: np.random.Generator) -> Transform:
 
 def assert_same(actual: Transform, expected: Transform) -> None:
     np.testing.assert_allclose(actual.matrix, expected.matrix, atol=1e-12)
-
-
-def test_the_arm_is_where_its_denavit_hartenberg_constants_say(
-    model: RobotModel,
-) -> None:
-    rng = np.random.default_rng(seed=2)
-    for _ in range(50):
-        q = rng.uniform(-math.pi, math.pi, size=6)
-        expected = np.eye(4)
-        for theta, d, a, alpha in zip(q, D, A, ALPHA, strict=True):
-            c, s, ca, sa = (f(t) for t in (theta, alpha) for f in (math.cos, math.sin))
-            expected = expected @ [
-                [c, -s * ca, s * sa, a * c],
-                [s, c * ca, -c * sa, a * s],
-                [0, sa, ca, d],
-                [0, 0, 0, 1],
-            ]
-        position = dict(zip(ARM, q, strict=True))
-        T_base_tool0 = link_pose(model, position, "tool0", relative_to="base")
-        np.testing.assert_allclose(T_base_tool0.matrix, expected, atol=1e-9)
 
 
 def test_poses_between_links_invert_each_other(model: RobotModel) -> None:

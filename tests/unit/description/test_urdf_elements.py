@@ -11,6 +11,7 @@ import pytest
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import Interface, JointType, RobotModel, Spring, Surface
 from tool0.description.robot import assemble
+from tool0.description.units import LENGTH
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.errors import DescriptionError, LimitsError, ModelError, Tool0Error
@@ -141,8 +142,8 @@ def test_the_linkage_differs_from_mimic_in_its_passive_joints_alone() -> None:
 
 ROBOT = """<robot name="r"><link name="pad"/><link name="finger"/>
 <joint name="elbow_joint" type="continuous"><parent link="pad"/><child link="finger"/>
-</joint>
-{}
+</joint>{slide}
+{body}
 </robot>"""
 EFFORT = "hardware_interface/EffortJointInterface"
 GRIPPER = (
@@ -152,8 +153,21 @@ GRIPPER = (
 )
 
 
+JAWS = (
+    '<parallel_gripper name="g" joint="slide" pad_offset="0.025" pad_slope="-1" '
+    'max_opening="0.05" min_speed="0.02" max_speed="0.15" '
+    'min_force="60" max_force="130"/>'
+)
+SLIDE = (
+    '<link name="jaw"/><joint name="slide" type="prismatic"><parent link="pad"/>'
+    '<child link="jaw"/><limit lower="0" upper="0.025" effort="260" velocity="0.1"/>'
+    "</joint>"
+)
+
+
 def read_inside(body: str) -> RobotModel:
-    return read_model(parse_text(ROBOT.format(body), Path("r.urdf")))
+    text = ROBOT.format(slide=SLIDE, body=body)
+    return read_model(parse_text(text, Path("r.urdf")))
 
 
 def transmission(
@@ -228,6 +242,15 @@ def test_reads_the_motor() -> None:
         (GRIPPER.replace("elbow_joint", "knee"), "'knee'"),
         (GRIPPER.replace("235", "nan"), "'nan'"),
         (GRIPPER.replace('"0.08"', '"0.2"'), "0.2"),
+        (GRIPPER.replace("pad_sin", "pad_tan"), 'pad_sin="'),
+        (GRIPPER.replace("pad_cos", "a").replace("pad_sin", "b"), "either pad_cos"),
+        (GRIPPER.replace("/>", ' pad_slope="-1"/>'), "either pad_cos"),
+        (JAWS.replace("slide", "elbow_joint"),
+         "'elbow_joint', but with pad_slope it must slide"),
+        (JAWS.replace('"-1"', '"1"'), "'slide' grows, but must close"),
+        (JAWS.replace('"-1"', '"0"'), "'slide' grows, but must close"),
+        (GRIPPER.replace("elbow_joint", "slide"),
+         "'slide', but with pad_cos and pad_sin it must turn"),
     ],
 )  # fmt: skip
 def test_refuses_what_cannot_be_driven_or_touched(body: str, named: str) -> None:
@@ -268,3 +291,14 @@ def test_reads_a_parallel_gripper() -> None:
     (gripper,) = read_inside(GRIPPER).grippers
     assert gripper.position(gripper.opening(0.3)) == pytest.approx(0.3)
     assert (gripper.speed, gripper.force) == ((0.02, 0.15), (20, 235))
+
+
+def test_reads_a_gripper_whose_fingers_slide() -> None:
+    (gripper,) = read_inside(JAWS).grippers
+    assert gripper.quantity is LENGTH
+    assert [gripper.position(o) for o in (0.05, 0.03, 0.0)] == pytest.approx(
+        [0.0, 0.01, 0.025]
+    )
+    for position in (0.0, 0.007, 0.025):
+        assert gripper.position(gripper.opening(position)) == pytest.approx(position)
+        assert gripper.lever(position) == 2.0

@@ -19,7 +19,10 @@ from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import ConfigError, DivergenceError
 from tool0.hardware.engine import Engine
 
-CATALOGUE = [(arm, gripper) for arm in arms() for gripper in (*grippers(), None)]
+CATALOGUE = [
+    *((arm, None) for arm in arms()),
+    *((arms()[0], gripper) for gripper in grippers()),
+]
 
 
 def home(arm: str, gripper: str | None) -> tuple[RobotModel, list[float]]:

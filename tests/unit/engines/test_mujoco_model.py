@@ -9,7 +9,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from tool0.description.catalogue import arms, grippers
+from tool0.description.catalogue import arms
+from tool0.description.config import SPAWN_Z
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import (
     Collision,
@@ -22,14 +23,15 @@ from tool0.description.model import (
     RobotModel,
     Transmission,
 )
-from tool0.description.robot import assemble, load_robot
+from tool0.description.robot import assemble, load_robot, named_poses
 from tool0.description.shapes import Mesh, Sphere
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.engines.mujoco.model import to_mjcf
+from tool0.engines.mujoco.model import build_spec, to_mjcf
 from tool0.errors import ModelError, SourceLocation
 
 TWO_ROBOTS = Path("tests/data/description/two_robots.urdf.xacro")
-CATALOGUE = [(arm, gripper) for arm in arms() for gripper in (*grippers(), None)]
+TOOL = (0.07, 0.25)
+"""Radius and length of a cylinder on the flange, as large as any gripper [m]."""
 
 
 def random_position(model: RobotModel, seed: int) -> dict[str, float]:
@@ -49,14 +51,41 @@ def random_position(model: RobotModel, seed: int) -> dict[str, float]:
     return position
 
 
-def robots() -> dict[str, RobotModel]:
-    models = {f"{a}_{g}": assemble(a, g).model for a, g in CATALOGUE}
-    return {**models, "two_robots": load_robot(TWO_ROBOTS).model}
+def named_robot(name: str) -> RobotModel:
+    if name == "two_robots":
+        return load_robot(TWO_ROBOTS).model
+    arm, _, gripper = name.partition("_")
+    return assemble(arm, gripper).model
 
 
-@pytest.fixture(scope="module", params=["ur5_2f85", "ur5_None", "two_robots"])
+@pytest.fixture(scope="module", params=["ur5_2f85", "ur10e_none", "two_robots"])
 def robot(request: pytest.FixtureRequest) -> RobotModel:
-    return robots()[request.param]
+    return named_robot(request.param)
+
+
+@pytest.mark.parametrize("arm", arms())
+def test_an_arm_with_a_long_tool_touches_nothing_in_its_poses(arm: str) -> None:
+    description = assemble(arm, gripper=None)
+    spec = build_spec(description.model, dt=0.001, ground=-SPAWN_Z)
+    flange, (radius, length) = spec.site("tool0"), TOOL
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, flange.quat)
+    flange.parent.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+        size=(radius, length / 2, 0.0),
+        pos=flange.pos + turn.reshape(3, 3)[:, 2] * (length / 2),
+        quat=flange.quat,
+    )
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    for pose in named_poses(description).values():
+        for joint, position in pose.items():
+            data.joint(joint).qpos[0] = position
+        mujoco.mj_forward(model, data)
+        assert data.ncon == 0
+    data.joint("shoulder_lift_joint").qpos[0] = 0.7  # into the ground
+    mujoco.mj_forward(model, data)
+    assert data.ncon > 0
 
 
 def placed(model: RobotModel, seed: int) -> tuple[MujocoEngine, dict[str, float]]:
@@ -121,7 +150,7 @@ def test_motors_limits_and_rotors_are_those_of_the_description(
 
 @pytest.mark.parametrize("name", ["ur5_2f85", "two_robots"])
 def test_the_written_mjcf_is_the_same_robot(name: str) -> None:
-    model = robots()[name]
+    model = named_robot(name)
     ours = MujocoEngine(model).model
     again = mujoco.MjModel.from_xml_string(to_mjcf(model))
     assert (again.nq, again.nu, again.neq) == (ours.nq, ours.nu, ours.neq)

@@ -2,53 +2,33 @@
 
 import errno
 import os
-from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
-from xml.etree import ElementTree
 
 import pytest
 
-from tool0.description.packages import BUNDLED
 from tool0.errors import ConfigError
-from tool0.installation import workspace
 from tool0.installation.workspace import (
-    PACKAGES,
     RECORD_FILE,
-    UPSTREAM_PACKAGES,
     FileAction,
     WorkspaceChanges,
-    package_files,
     source_folder,
     write_workspace,
 )
 
-MESHES_ARGUMENT = (
-    "tool0_description/launch/view_ur5_robotiq_2f_85.launch",
-    "tool0_description/urdf/ur_robotiq.urdf.xacro",
-    "tool0_gazebo/launch/inc/load_ur5_robotiq_2f_85.launch.xml",
-    "tool0_gazebo/launch/ur5_robotiq_2f_85_bringup.launch",
-)
-LAUNCH = "tool0_gazebo/launch/ur5_robotiq_2f_85_bringup.launch"
+LAUNCH = "tool0_gazebo/launch/bringup.launch"
 XACRO = "tool0_description/urdf/shapes.xacro"
+PACKAGES = ("tool0_description", "tool0_gazebo")
 EDIT = "<launch/> <!-- mine -->\n"
 
 Files = dict[PurePosixPath, bytes]
 
 
 @pytest.fixture
-def shipped(monkeypatch: pytest.MonkeyPatch) -> Files:
+def shipped() -> Files:
     """What is written: a test changes it, as another version of tool0 would."""
-    files = {
-        PurePosixPath(path): package_files()[PurePosixPath(path)]
-        for path in (LAUNCH, XACRO)
-    }
-
-    def stand_in(*, upstream_meshes: bool) -> Mapping[PurePosixPath, bytes]:
-        del upstream_meshes
-        return dict(files)
-
-    monkeypatch.setattr(workspace, "package_files", stand_in)
-    return files
+    names = (LAUNCH, XACRO, *(f"{name}/package.xml" for name in PACKAGES))
+    program = "tool0_gazebo/scripts/program"
+    return {PurePosixPath(name): name.encode() for name in (*names, program)}
 
 
 def one(written: WorkspaceChanges, action: FileAction) -> str:
@@ -60,26 +40,27 @@ def everything(folder: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_it_writes_real_files(tmp_path: Path) -> None:
-    written = write_workspace(tmp_path / "ws")
-    files = package_files()
+def test_it_writes_real_files(tmp_path: Path, shipped: Files) -> None:
+    written = write_workspace(tmp_path / "ws", shipped)
     assert written.source == tmp_path / "ws" / "src"
-    assert len(written.paths(FileAction.ADD)) == len(files)
-    for path, data in files.items():
+    assert len(written.paths(FileAction.ADD)) == len(shipped)
+    for path, data in shipped.items():
         assert (written.source / path).read_bytes() == data
         assert not (written.source / path).is_symlink()
     before = everything(tmp_path)
     records = {written.source / name / RECORD_FILE for name in PACKAGES}
-    assert before.keys() == {written.source / path for path in files} | records
-    again = write_workspace(tmp_path / "ws")
+    assert before.keys() == {written.source / path for path in shipped} | records
+    again = write_workspace(tmp_path / "ws", shipped)
     assert set(again.actions.values()) == {FileAction.LEAVE}
     assert everything(tmp_path) == before
 
 
-def test_files_are_as_readable_as_any_that_a_person_makes(tmp_path: Path) -> None:
+def test_files_are_as_readable_as_any_that_a_person_makes(
+    tmp_path: Path, shipped: Files
+) -> None:
     before = os.umask(0o027)
     try:
-        write_workspace(tmp_path)
+        write_workspace(tmp_path, shipped)
     finally:
         os.umask(before)
     assert (tmp_path / "src" / LAUNCH).stat().st_mode & 0o777 == 0o640
@@ -87,65 +68,72 @@ def test_files_are_as_readable_as_any_that_a_person_makes(tmp_path: Path) -> Non
     assert script.stat().st_mode & 0o777 == 0o750
 
 
-def test_an_edited_file_is_kept_and_named(tmp_path: Path) -> None:
-    written = write_workspace(tmp_path)
+def test_an_edited_file_is_kept_and_named(tmp_path: Path, shipped: Files) -> None:
+    written = write_workspace(tmp_path, shipped)
     (written.source / LAUNCH).write_text(EDIT)
-    for upstream in (False, True):  # which would change that file
-        again = write_workspace(tmp_path, upstream_meshes=upstream)
+    for newer in (shipped[PurePosixPath(LAUNCH)], b"newer"):
+        shipped[PurePosixPath(LAUNCH)] = newer
+        again = write_workspace(tmp_path, shipped)
         assert one(again, FileAction.KEEP) == LAUNCH
         assert (written.source / LAUNCH).read_text() == EDIT
 
 
-def test_force_overwrites_and_keeps_what_it_overwrote(tmp_path: Path) -> None:
-    written = write_workspace(tmp_path)
+def test_force_overwrites_and_keeps_what_it_overwrote(
+    tmp_path: Path, shipped: Files
+) -> None:
+    written = write_workspace(tmp_path, shipped)
     file = written.source / LAUNCH
     for number, aside in enumerate((f"{file}.orig", f"{file}.orig2")):
         file.write_text(EDIT * (number + 1))
-        again = write_workspace(tmp_path, force=True)
+        again = write_workspace(tmp_path, shipped, force=True)
         assert again.backups == {file: Path(aside)}
         assert Path(aside).read_text() == EDIT * (number + 1)
-        assert file.read_bytes() == package_files()[PurePosixPath(LAUNCH)]
+        assert file.read_bytes() == shipped[PurePosixPath(LAUNCH)]
 
 
 def test_a_newer_version_updates_what_nobody_edited(
     tmp_path: Path, shipped: Files
 ) -> None:
-    source = write_workspace(tmp_path).source
+    source = write_workspace(tmp_path, shipped).source
     older = (source / XACRO).read_bytes()
     (source / XACRO).write_text(EDIT)
     shipped[PurePosixPath(LAUNCH)] = b"newer"
     shipped[PurePosixPath(XACRO)] = b"newer"
-    again = write_workspace(tmp_path)
+    again = write_workspace(tmp_path, shipped)
     assert one(again, FileAction.UPDATE) == LAUNCH
     assert one(again, FileAction.KEEP) == XACRO
     assert (source / LAUNCH).read_bytes() == b"newer"
     (source / XACRO).write_bytes(older)  # the edit is taken back
-    assert one(write_workspace(tmp_path), FileAction.UPDATE) == XACRO
+    assert one(write_workspace(tmp_path, shipped), FileAction.UPDATE) == XACRO
 
 
 def test_what_is_shipped_no_longer_goes_unless_it_was_edited(
     tmp_path: Path, shipped: Files
 ) -> None:
-    source = write_workspace(tmp_path).source
+    source = write_workspace(tmp_path, shipped).source
     (source / XACRO).write_text(EDIT)
-    shipped.clear()
-    again = write_workspace(tmp_path, force=True)
+    for path in (LAUNCH, XACRO):
+        del shipped[PurePosixPath(path)]
+    again = write_workspace(tmp_path, shipped, force=True)
     assert one(again, FileAction.REMOVE) == LAUNCH
     assert one(again, FileAction.KEEP) == XACRO
     assert not (source / LAUNCH).exists()
-    assert not write_workspace(tmp_path).actions  # it is theirs from now on
+    again = write_workspace(tmp_path, shipped)
+    assert source / XACRO not in again.actions  # it is theirs from now on
 
 
-def test_a_deleted_file_comes_back_and_a_link_stays(tmp_path: Path) -> None:
-    source = write_workspace(tmp_path).source
+def test_a_deleted_file_comes_back_and_a_link_stays(
+    tmp_path: Path, shipped: Files
+) -> None:
+    source = write_workspace(tmp_path, shipped).source
     (source / LAUNCH).unlink()
-    assert one(write_workspace(tmp_path), FileAction.ADD) == LAUNCH
+    assert one(write_workspace(tmp_path, shipped), FileAction.ADD) == LAUNCH
     mine = tmp_path / "mine.launch"
     mine.write_text(EDIT)
     (source / LAUNCH).unlink()
     (source / LAUNCH).symlink_to(mine)
-    assert one(write_workspace(tmp_path), FileAction.KEEP) == LAUNCH
-    write_workspace(tmp_path, force=True)
+    assert one(write_workspace(tmp_path, shipped), FileAction.KEEP) == LAUNCH
+    write_workspace(tmp_path, shipped, force=True)
     assert mine.read_text() == EDIT
     assert not (source / LAUNCH).is_symlink()
 
@@ -156,16 +144,16 @@ def test_a_deleted_file_comes_back_and_a_link_stays(tmp_path: Path) -> None:
 def test_without_a_record_what_differs_is_kept(
     tmp_path: Path, shipped: Files, text: str
 ) -> None:
-    source = write_workspace(tmp_path).source
+    source = write_workspace(tmp_path, shipped).source
     (source / "tool0_gazebo" / RECORD_FILE).write_text(text)
     shipped[PurePosixPath(LAUNCH)] = b"newer"
-    assert one(write_workspace(tmp_path), FileAction.KEEP) == LAUNCH
+    assert one(write_workspace(tmp_path, shipped), FileAction.KEEP) == LAUNCH
 
 
 def test_a_run_that_was_cut_short_is_gone_on_with(
     tmp_path: Path, shipped: Files, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    source = write_workspace(tmp_path).source
+    source = write_workspace(tmp_path, shipped).source
     older = everything(tmp_path)
     replace = Path.replace
 
@@ -179,19 +167,19 @@ def test_a_run_that_was_cut_short_is_gone_on_with(
     with monkeypatch.context() as patch:
         patch.setattr(Path, "replace", fails)
         with pytest.raises(ConfigError) as caught:
-            write_workspace(tmp_path)
+            write_workspace(tmp_path, shipped)
     assert "No space left on device" in str(caught.value)
     assert LAUNCH in str(caught.value)
     assert set(everything(tmp_path)) == set(older)  # and nothing half-written beside
     assert (source / LAUNCH).read_bytes() == older[source / LAUNCH]
 
     shipped[PurePosixPath(XACRO)] = b"newer still"  # as another version would have it
-    again = write_workspace(tmp_path)
+    again = write_workspace(tmp_path, shipped)
     assert set(again.paths(FileAction.UPDATE)) == {source / LAUNCH, source / XACRO}
 
 
 def test_a_folder_that_is_not_ours_to_write_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, shipped: Files, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fails(self: Path, **_: object) -> None:  # root, too, who may write anywhere
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
@@ -199,12 +187,14 @@ def test_a_folder_that_is_not_ours_to_write_is_told(
     with monkeypatch.context() as patch:
         patch.setattr(Path, "mkdir", fails)
         with pytest.raises(ConfigError) as error:
-            write_workspace(tmp_path)
+            write_workspace(tmp_path, shipped)
     assert os.strerror(errno.EACCES) in str(error.value)
 
 
 @pytest.mark.parametrize("obstacle", [LAUNCH, "tool0_gazebo"])
-def test_what_is_in_the_way_is_named(tmp_path: Path, obstacle: str) -> None:
+def test_what_is_in_the_way_is_named(
+    tmp_path: Path, shipped: Files, obstacle: str
+) -> None:
     path = tmp_path / "src" / obstacle
     if obstacle == LAUNCH:
         path.mkdir(parents=True)
@@ -213,43 +203,9 @@ def test_what_is_in_the_way_is_named(tmp_path: Path, obstacle: str) -> None:
         path.touch()
     before = everything(tmp_path)
     with pytest.raises(ConfigError) as error:
-        write_workspace(tmp_path)
+        write_workspace(tmp_path, shipped)
     assert str(path) in str(error.value)
     assert everything(tmp_path) == before  # seen before anything was written
-
-
-# --- the files ---
-
-
-def test_it_is_what_the_program_reads() -> None:
-    files = package_files()
-    assert {path.parts[0] for path in files} == set(PACKAGES)
-    assert all((BUNDLED / path).read_bytes() == data for path, data in files.items())
-    names = [part for path in files for part in path.parts]
-    assert not [name for name in names if name.startswith((".", "__"))]
-    for needed in ("package.xml", "CMakeLists.txt"):
-        assert all(PurePosixPath(name, needed) in files for name in PACKAGES)
-
-
-def test_upstream_meshes_change_the_default_and_the_dependencies_alone() -> None:
-    ours, theirs = package_files(), package_files(upstream_meshes=True)
-    changed = {str(path) for path in ours if ours[path] != theirs[path]}
-    assert changed == {*MESHES_ARGUMENT, "tool0_description/package.xml"}
-    for name in MESHES_ARGUMENT:
-        path = PurePosixPath(name)
-        assert theirs[path].count(b'"meshes" default="upstream"') == 1
-        assert b'"meshes" default="tool0"' not in theirs[path]
-
-
-def test_upstream_packages_become_dependencies() -> None:
-    path = PurePosixPath("tool0_description/package.xml")
-
-    def dependencies(data: bytes) -> set[str | None]:
-        found = ElementTree.fromstring(data.decode()).iterfind("exec_depend")
-        return {element.text for element in found}
-
-    added = dependencies(package_files(upstream_meshes=True)[path])
-    assert added - dependencies(package_files()[path]) == set(UPSTREAM_PACKAGES)
 
 
 # --- the folder ---
@@ -305,11 +261,11 @@ def test_what_is_no_workspace_is_refused(tmp_path: Path) -> None:
 def test_a_package_of_the_same_name_elsewhere_is_told(tmp_path: Path) -> None:
     other = make_package(tmp_path / "src" / "copy", "tool0_gazebo")
     with pytest.raises(ConfigError) as error:
-        source_folder(tmp_path)
+        source_folder(tmp_path, PACKAGES)
     assert str(other) in str(error.value)
     assert "tool0_gazebo" in str(error.value)
     (other / "CATKIN_IGNORE").touch()
-    assert source_folder(tmp_path) == tmp_path / "src"
+    assert source_folder(tmp_path, PACKAGES) == tmp_path / "src"
     (tmp_path / "src" / "tool0_gazebo").symlink_to(other)
     with pytest.raises(ConfigError):  # or the linked package would be written to
-        source_folder(tmp_path)
+        source_folder(tmp_path, PACKAGES)

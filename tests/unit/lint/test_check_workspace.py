@@ -286,3 +286,16 @@ def test_a_xacro_that_needs_an_argument_is_not_judged_without(tmp_path: Path) ->
     report = check([write(tmp_path, {"r.srdf.xacro": text})])
     assert report.findings == ()
     assert any("nothing here gives it name" in note for note in report.notes)
+
+
+@pytest.mark.parametrize(
+    ("value", "found"), [("[a, b]", set()), ("[a, b", {"not-yaml"})]
+)
+def test_one_parameter_may_be_any_yaml(
+    tmp_path: Path, value: str, found: set[str]
+) -> None:
+    launch = LAUNCH.replace(
+        "</launch>", f'<rosparam param="source_list">{value}</rosparam></launch>'
+    )
+    folder = workspace(tmp_path, launch=launch)
+    assert {finding.rule for finding in check([folder]).findings} == found

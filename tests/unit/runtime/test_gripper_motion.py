@@ -11,9 +11,10 @@ import pytest
 import tool0
 from tool0.control.spline import Motion, Segment
 from tool0.description.robot import assemble
-from tool0.runtime.gripper_motion import RAMP, opening_motion
+from tool0.runtime.gripper_motion import RAMP_TIME, opening_motion
 
 (GEOMETRY,) = assemble("ur5", "2f85").model.grippers
+RAMP = GEOMETRY.speed[1] * RAMP_TIME / 2.0  # [m]
 WAYS = [(0.085, 0.0), (0.0, 0.085), (0.06, 0.05), (0.02, 0.0204), (0.01, 0.07)]
 SPEEDS = [0.02, 0.07, 0.15]
 

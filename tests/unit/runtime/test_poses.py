@@ -85,6 +85,14 @@ def test_a_saved_pose_is_read_exactly(book: PoseBook, name: str) -> None:
     assert saved(open_book()) == {name: POSE}
 
 
+def test_an_update_keeps_the_positions_of_other_joints(book: PoseBook) -> None:
+    book.save("work", {"left_elbow": 1.0, "right_elbow": 2.0})
+    book.save("work", {"right_elbow": 3.0}, update=True)
+    assert saved(book) == {"work": {"left_elbow": 1.0, "right_elbow": 3.0}}
+    book.save("work", {"right_elbow": 4.0})
+    assert saved(book) == {"work": {"right_elbow": 4.0}}
+
+
 def test_a_pose_that_another_process_saves_is_seen(book: PoseBook) -> None:
     book.save("a", POSE)
     assert list(book.all()) == ["a"]

@@ -18,10 +18,12 @@ ASSISTED = tool0.SimulationConfig(grasp_assist=True)
 TWO_HANDS = """<robot name="hands" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <xacro:include filename="$(find tool0_description)/config/grippers/2f85/macro.xacro"/>
 <link name="wall"/>
-<xacro:tool0_gripper folder="$(find tool0_description)/config/grippers/2f85" prefix="lower_" parent="wall">
+<xacro:tool0_gripper prefix="lower_" parent="wall"
+    folder="$(find tool0_description)/config/grippers/2f85">
   <origin xyz="0 0 0"/>
 </xacro:tool0_gripper>
-<xacro:tool0_gripper folder="$(find tool0_description)/config/grippers/2f85" prefix="upper_" parent="wall">
+<xacro:tool0_gripper prefix="upper_" parent="wall"
+    folder="$(find tool0_description)/config/grippers/2f85">
   <origin xyz="0 0 0.36" rpy="3.1416 0 1.5708"/>
 </xacro:tool0_gripper>
 </robot>"""

@@ -26,6 +26,8 @@ export const en = {
   "confirm.reset": "Reset",
   "confirm.removeObject": "Remove {name}? This cannot be undone.",
   "confirm.deletePose": "Delete the pose {name}? This cannot be undone.",
+  "confirm.deletePoseAll":
+    "Delete the pose {name} of all robots? This cannot be undone.",
   "confirm.overwritePose":
     "There is a pose {name} already. Overwrite it with the current positions?",
   "confirm.resetAll":
@@ -87,10 +89,16 @@ export const en = {
   "drive.switch": "Drive",
   "drive.off": "Read-only. Turn on Drive to move the robot.",
   "drive.on": "This page moves the robot.",
+  "drive.offAll": "Read-only. Turn on Drive to move the robots.",
+  "drive.onAll": "This page moves the robots.",
   "drive.ended.stopped": "Driving ended: the emergency stop is engaged.",
   "drive.ended.reset": "Driving ended: the simulation was reset.",
   "drive.ended.lost": "Driving ended: the connection was lost.",
   "drive.ended.elsewhere": "Driving ended: another client moved the robot.",
+
+  "robots.title": "Robot",
+  "robots.select": "Robot to control",
+  "robots.stalled": "a joint pushes and does not move",
 
   "motion.joints": "Joints",
   "motion.controller": "Trajectory controller",
@@ -172,6 +180,7 @@ export const en = {
 
   "controllers.title": "Controllers",
   "controllers.none": "This robot has no controllers.",
+  "controllers.shared": "All robots",
   "controllers.load": "Load",
   "controllers.unload": "Unload",
   "controllers.start": "Start",

@@ -28,6 +28,7 @@ export const zh: Texts = {
   "confirm.reset": "重置",
   "confirm.removeObject": "移除 {name}？此操作无法撤销。",
   "confirm.deletePose": "删除位形 {name}？此操作无法撤销。",
+  "confirm.deletePoseAll": "删除所有机器人的位形 {name}？此操作无法撤销。",
   "confirm.overwritePose": "位形 {name} 已存在。用当前关节位置覆盖它？",
   "confirm.resetAll": "重置仿真？时间从零开始，机器人和物体立即回到初始位置。",
 
@@ -82,10 +83,16 @@ export const zh: Texts = {
   "drive.switch": "启用控制",
   "drive.off": "只读。打开“启用控制”后才能移动机器人。",
   "drive.on": "此页面正在控制机器人。",
+  "drive.offAll": "只读。打开“启用控制”后才能移动各机器人。",
+  "drive.onAll": "此页面正在控制各机器人。",
   "drive.ended.stopped": "控制已关闭：急停已触发。",
   "drive.ended.reset": "控制已关闭：仿真已重置。",
   "drive.ended.lost": "控制已关闭：连接已断开。",
   "drive.ended.elsewhere": "控制已关闭：其他客户端移动了机器人。",
+
+  "robots.title": "机器人",
+  "robots.select": "要控制的机器人",
+  "robots.stalled": "有关节受阻，无法运动",
 
   "motion.joints": "关节",
   "motion.controller": "轨迹控制器",
@@ -166,6 +173,7 @@ export const zh: Texts = {
 
   "controllers.title": "控制器",
   "controllers.none": "此机器人没有控制器。",
+  "controllers.shared": "所有机器人",
   "controllers.load": "加载",
   "controllers.unload": "卸载",
   "controllers.start": "启动",
@@ -242,7 +250,7 @@ export const zh: Texts = {
   "plots.position": "位置",
   "plots.error": "误差",
   "plots.velocity": "速度",
-  "plots.effort": "力矩",
+  "plots.effort": "力/力矩",
   "plots.window": "时间窗口",
   "plots.freeze": "冻结",
   "plots.csv": "保存为 CSV",

@@ -3,6 +3,7 @@ import type { ComponentChildren } from "preact";
 import { connection, sendRequest } from "../connection";
 import { t } from "../i18n";
 import type { StallInfo } from "../protocol";
+import { ownerOf, withoutPrefix } from "../robots";
 import { connectionState, joints, status } from "../store";
 import { Button } from "../ui/button";
 import { HoldButton } from "../ui/hold-button";
@@ -97,8 +98,9 @@ function StallBanner({ stall }: { stall: StallInfo }) {
   const type = joints.value.find((joint) => joint.name === stall.joint)?.type;
   const unit = type === "prismatic" ? "N" : "N·m";
   const [first] = stall.contacts;
+  const robot = ownerOf(stall.joint);
   const values = {
-    joint: stall.joint,
+    joint: robot ? `${robot.name}: ${withoutPrefix(stall.joint, robot)}` : stall.joint,
     effort: `${fixed(Math.abs(stall.effort), 0)} ${unit}`,
   };
   const contacts = stall.contacts.map((pair) => pair.join(" – ")).join(", ");

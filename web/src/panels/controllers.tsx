@@ -7,6 +7,7 @@ import { mayMove } from "../driving";
 import { t } from "../i18n";
 import type { Method, Params } from "../messages";
 import type { ControllerInfo, ErrorInfo } from "../protocol";
+import { robotOf, robots, selected } from "../robots";
 import { status } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
@@ -19,23 +20,42 @@ const TONES: Record<ControllerInfo["state"], Tone> = {
   unloaded: "neutral",
 };
 
+interface Group {
+  /** Its heading, if there are several robots. */
+  readonly title: string | null;
+  readonly controllers: readonly ControllerInfo[];
+}
+
+/** Return the controllers by robot, those of the selected one first. */
+function groups(all: readonly ControllerInfo[]): readonly Group[] {
+  if (robots.value.length === 0) return [{ title: null, controllers: all }];
+  const order = [selected.value ?? undefined, undefined, ...robots.value];
+  return [...new Set(order)]
+    .map((robot) => ({
+      title: robot?.name ?? t("controllers.shared"),
+      controllers: all.filter((controller) => robotOf(controller) === robot),
+    }))
+    .filter(({ controllers }) => controllers.length > 0);
+}
+
 export function ControllersPanel() {
-  const controllers = status.value?.controllers ?? [];
+  const all = status.value?.controllers ?? [];
   return (
     <section class="group" aria-labelledby="controllers-title">
       <header>
         <h2 id="controllers-title">{t("controllers.title")}</h2>
       </header>
-      {controllers.length === 0 && <p class="muted">{t("controllers.none")}</p>}
-      <ul class="controllers">
-        {controllers.map((controller) => (
-          <ControllerRow
-            key={controller.name}
-            controller={controller}
-            all={controllers}
-          />
-        ))}
-      </ul>
+      {all.length === 0 && <p class="muted">{t("controllers.none")}</p>}
+      {groups(all).map(({ title, controllers }) => (
+        <Fragment key={title}>
+          {title !== null && <h3 class="controllers-robot">{title}</h3>}
+          <ul class="controllers">
+            {controllers.map((controller) => (
+              <ControllerRow key={controller.name} controller={controller} all={all} />
+            ))}
+          </ul>
+        </Fragment>
+      ))}
     </section>
   );
 }

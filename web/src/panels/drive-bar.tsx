@@ -1,13 +1,16 @@
 /** The switch that lets this page move the robot, above every panel. */
 import { disable, enable, endReason, isDriving } from "../driving";
 import { t } from "../i18n";
+import { robots } from "../robots";
 import { connectionState, status, view } from "../store";
 import { Toggle } from "../ui/toggle";
 
 function state(): string {
-  if (isDriving.value) return t("drive.on");
+  const hasOne = robots.value.length === 0;
+  if (isDriving.value) return t(hasOne ? "drive.on" : "drive.onAll");
   const reason = endReason.value;
-  return reason === null ? t("drive.off") : t(`drive.ended.${reason}`);
+  if (reason !== null) return t(`drive.ended.${reason}`);
+  return t(hasOne ? "drive.off" : "drive.offAll");
 }
 
 export function DriveBar() {

@@ -28,7 +28,13 @@ export function describeGripper({ motion, width }: GripperState): string {
   return t(`gripper.${motion}`, { width: fixed(width * 1000, 1) });
 }
 
-export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
+interface GripperPanelProps {
+  gripper: GripperInfo;
+  /** Whether the title says which gripper it is. */
+  isNamed: boolean;
+}
+
+export function GripperPanel({ gripper, isNamed }: GripperPanelProps) {
   const now = status.value?.grippers.find((state) => state.name === gripper.name);
   const largest = gripper.max_opening * 1000;
   // the pads of a gripper that is open as wide as it can may be a little farther apart
@@ -61,7 +67,6 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
   };
   const disabled = !mayMove.value;
   const isReal = view.value?.mode === "simulation";
-  const isOneOfSeveral = (view.value?.robot.grippers.length ?? 0) > 1;
   const opening = dragged ?? sent ?? actual;
   const named = (label: string) => `${gripper.name}: ${label}`;
 
@@ -69,8 +74,7 @@ export function GripperPanel({ gripper }: { gripper: GripperInfo }) {
     <section class="group" aria-label={named(t("gripper.title"))}>
       <header>
         <h2>
-          {t("gripper.title")}{" "}
-          {isOneOfSeveral && <code class="muted">{gripper.name}</code>}
+          {t("gripper.title")} {isNamed && <code class="muted">{gripper.name}</code>}
         </h2>
         {now && isReal && (
           <span role="status" title={`gOBJ ${String(now.gobj)}`}>

@@ -5,6 +5,7 @@ import { frames } from "../frames";
 import { language, t } from "../i18n";
 import { useLive } from "../live";
 import type { JointInfo } from "../protocol";
+import { withoutPrefix } from "../robots";
 import { view, jointIndex } from "../store";
 import { fixed, NumberField } from "../ui/number-field";
 import { placeThumb, share, Slider } from "../ui/slider";
@@ -62,7 +63,7 @@ export function JointRow({ joint, goal, editable = false, onChange }: JointRowPr
   return (
     <li class="joint">
       <div class="joint-name">
-        <code>{joint.name}</code>
+        <code title={joint.name}>{withoutPrefix(joint.name)}</code>
         {name !== undefined && <span class="muted">{name}</span>}
         <span class="joint-actual" title={t("motion.actual")}>
           <i aria-hidden="true" />

@@ -1,3 +1,4 @@
+import { isOurs } from "../robots";
 import { view } from "../store";
 import { GripperPanel } from "./gripper";
 import { PosesPanel } from "./poses";
@@ -10,9 +11,15 @@ export function MotionPanel() {
   return (
     <>
       {now.mode === "view" ? <ViewPanel /> : <TrajectoryPanel />}
-      {now.robot.grippers.map((gripper) => (
-        <GripperPanel key={gripper.name} gripper={gripper} />
-      ))}
+      {now.robot.grippers
+        .filter(({ joint }) => isOurs(joint))
+        .map((gripper, _, ours) => (
+          <GripperPanel
+            key={gripper.name}
+            gripper={gripper}
+            isNamed={ours.length > 1}
+          />
+        ))}
       <PosesPanel />
     </>
   );

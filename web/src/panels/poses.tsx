@@ -4,19 +4,43 @@ import { adopt, mayMove, speedScale } from "../driving";
 import { t } from "../i18n";
 import { report } from "../notices";
 import type { PoseInfo } from "../protocol";
+import { isOurs, selected } from "../robots";
 import { status } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { TrashIcon } from "../ui/icons";
 import { confirm } from "./confirmation";
 
+/** The selected robot, as requests name it; nothing, if there is only one. */
+function ofSelected(): { robot?: string } {
+  return selected.value === null ? {} : { robot: selected.value.name };
+}
+
+function jointsOf(pose: PoseInfo): readonly string[] {
+  return Object.keys(pose.positions);
+}
+
+/** Return the question whether to delete a pose, which other robots may have, too. */
+function deletion(pose: PoseInfo): string {
+  const isOurOwn = jointsOf(pose).every(isOurs);
+  return t(isOurOwn ? "confirm.deletePose" : "confirm.deletePoseAll", {
+    name: pose.name,
+  });
+}
+
 async function go(pose: PoseInfo): Promise<void> {
   const speed = speedScale.value;
-  const problem = await sendRequest("go_to_pose", { name: pose.name, speed });
+  const problem = await sendRequest("go_to_pose", {
+    name: pose.name,
+    speed,
+    ...ofSelected(),
+  });
   if (problem === null) adopt(pose.positions);
 }
 
 export function PosesPanel() {
-  const poses = status.value?.poses ?? [];
+  const poses = (status.value?.poses ?? []).filter(
+    (pose) => selected.value === null || jointsOf(pose).some(isOurs),
+  );
   return (
     <section class="group" aria-labelledby="poses-title">
       <header>
@@ -33,13 +57,9 @@ export function PosesPanel() {
                 data-testid={`pose-delete-${pose.name}`}
                 onClick={() => {
                   const { name } = pose;
-                  confirm(
-                    t("confirm.deletePose", { name }),
-                    t("confirm.delete"),
-                    () => {
-                      void sendRequest("delete_pose", { name });
-                    },
-                  );
+                  confirm(deletion(pose), t("confirm.delete"), () => {
+                    void sendRequest("delete_pose", { name });
+                  });
                 }}
               >
                 <TrashIcon />
@@ -64,7 +84,10 @@ export function PosesPanel() {
 function SavePose() {
   const [name, setName] = useState("");
   const save = async (chosen: string) => {
-    const problem = await sendRequest("save_pose", { name: chosen });
+    const problem = await sendRequest("save_pose", {
+      name: chosen,
+      ...ofSelected(),
+    });
     if (problem !== null) return;
     report("info", t("poses.saved", { name: chosen }));
     setName("");
@@ -76,7 +99,10 @@ function SavePose() {
         event.preventDefault();
         const chosen = name.trim();
         if (chosen === "") return;
-        if (!status.value?.poses.some((pose) => pose.saved && pose.name === chosen)) {
+        const same = status.value?.poses.find(
+          (pose) => pose.saved && pose.name === chosen,
+        );
+        if (!same || (selected.value !== null && !jointsOf(same).some(isOurs))) {
           void save(chosen);
           return;
         }

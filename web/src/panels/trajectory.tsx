@@ -4,6 +4,7 @@ import { choose, controllerOf, drive, goals, holdStill, speedScale } from "../dr
 import { t } from "../i18n";
 import { report } from "../notices";
 import type { ControllerInfo } from "../protocol";
+import { isOurController } from "../robots";
 import { joints, status } from "../store";
 import { Button } from "../ui/button";
 import { StopIcon } from "../ui/icons";
@@ -58,6 +59,10 @@ function Drive({ controller }: { controller: ControllerInfo }) {
   );
 }
 
+function ourControllers(): readonly ControllerInfo[] {
+  return (status.value?.controllers ?? []).filter(isOurController);
+}
+
 function ControllerSelect({ controller }: { controller: ControllerInfo }) {
   return (
     <Select
@@ -65,7 +70,7 @@ function ControllerSelect({ controller }: { controller: ControllerInfo }) {
       label={t("motion.controller")}
       value={controller.name}
       data-testid="controller-select"
-      options={(status.value?.controllers ?? []).map((one) => {
+      options={ourControllers().map((one) => {
         const why = obstacle(one);
         return {
           value: one.name,
@@ -117,9 +122,7 @@ function SpeedRow() {
 
 /** Controllers that cannot be driven, and why: users look for them here. */
 function Undrivable() {
-  const others = (status.value?.controllers ?? []).filter(
-    (controller) => obstacle(controller) !== null,
-  );
+  const others = ourControllers().filter((controller) => obstacle(controller) !== null);
   if (others.length === 0) return null;
   return (
     <details class="others">

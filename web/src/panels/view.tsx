@@ -4,6 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { connection } from "../connection";
 import { t } from "../i18n";
 import type { JointInfo } from "../protocol";
+import { isOurs } from "../robots";
 import { joints } from "../store";
 import { Button } from "../ui/button";
 import { spanOf } from "../units";
@@ -13,7 +14,7 @@ import { UnitSwitch } from "./unit-switch";
 const FOLLOW_AFTER_MS = 500;
 
 function free(): readonly JointInfo[] {
-  return joints.value.filter((joint) => joint.mimics === null);
+  return joints.value.filter(({ name, mimics }) => mimics === null && isOurs(name));
 }
 
 function pose(positionOf: (joint: JointInfo) => number): void {

@@ -2,6 +2,7 @@
 import { useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { type Key, t } from "../i18n";
+import { selected, titleOf } from "../robots";
 import { view } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { Segmented } from "../ui/choice";
@@ -25,7 +26,8 @@ const NAMES: Record<Plotted, Key> = {
 };
 
 function title(): string {
-  const robot = view.value?.robot.title ?? "tool0";
+  const whole = view.value?.robot.title ?? "tool0";
+  const robot = selected.value === null ? whole : titleOf(selected.value);
   return `${robot} – ${t(NAMES[plotted.value])}`;
 }
 

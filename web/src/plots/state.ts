@@ -1,6 +1,7 @@
 /** The state of the plots; like the recording, it outlives the drawer. */
 import { computed, effect, signal } from "@preact/signals";
 import { frames } from "../frames";
+import { isOurController, isOurs, selected } from "../robots";
 import { jointIndex, joints, status } from "../store";
 import { angleUnit } from "../units";
 import { COLOURS, freeColour, type Plotted, scaleOf } from "./quantities";
@@ -14,24 +15,31 @@ export const plotted = signal<Plotted>("position");
 export const seconds = signal<number>(10);
 /** The frozen recording while the robot continues; null: the present. */
 export const frozen = signal<Recording | null>(null);
-/** Joint → number of its colour; null until the user chooses. */
-const chosen = signal<ReadonlyMap<string, number> | null>(null);
+type Colours = ReadonlyMap<string, number>;
+
+/** Robot, or "" for a single one → what the user chose of it. */
+const chosen = signal<ReadonlyMap<string, Colours>>(new Map());
+const robotKey = computed(() => selected.value?.name ?? "");
 
 /** The joints of the first trajectory controller that runs, or the first three; one a line. */
 const usualNames = computed(() => {
   const running = status.value?.controllers.find(
-    (one) => one.state === "running" && one.type.endsWith("/JointTrajectoryController"),
+    (one) =>
+      one.state === "running" &&
+      one.type.endsWith("/JointTrajectoryController") &&
+      isOurController(one),
   );
-  const names = running?.joints ?? joints.value.slice(0, 3).map(({ name }) => name);
+  const ours = joints.value.map(({ name }) => name).filter(isOurs);
+  const names = running?.joints ?? ours.slice(0, 3);
   // as text, since it is then the same as long as it says the same
   return names.slice(0, COLOURS).join("\n");
 });
-const usual = computed<ReadonlyMap<string, number>>(
+const usual = computed<Colours>(
   () => new Map(usualNames.value.split("\n").map((name, index) => [name, index])),
 );
 
 /** Joint → number of its colour. */
-export const colours = computed(() => chosen.value ?? usual.value);
+export const colours = computed(() => chosen.value.get(robotKey.value) ?? usual.value);
 
 export const lines = computed<readonly Line[]>(() =>
   joints.value.flatMap((joint) => {
@@ -47,7 +55,7 @@ export function choose(name: string, isChosen: boolean): void {
   const next = new Map(colours.value);
   if (isChosen) next.set(name, freeColour(next.values()));
   else next.delete(name);
-  chosen.value = next;
+  chosen.value = new Map(chosen.value).set(robotKey.value, next);
 }
 
 /** The recording of this robot's joints. */
@@ -59,7 +67,7 @@ effect(() => {
   recording.value = new Recording(joints.peek().length);
   for (const { frame } of frames.last) recording.peek().push(frame);
   frozen.value = null;
-  chosen.value = null;
+  chosen.value = new Map();
 });
 frames.listen((frame) => {
   recording.peek().push(frame);

@@ -5,6 +5,7 @@ import { frames } from "../frames";
 import { t } from "../i18n";
 import { moving } from "../moving";
 import type { ViewInfo } from "../protocol";
+import { selected } from "../robots";
 import {
   hoveredLink,
   scene,
@@ -78,6 +79,9 @@ function follow(
     }),
     effect(() => {
       viewer.offerMove(moving.value?.target ?? null);
+    }),
+    effect(() => {
+      viewer.select(selected.value);
     }),
     effect(() => {
       viewer.showCollision(showCollision.value);

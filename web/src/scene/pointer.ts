@@ -1,8 +1,14 @@
-/** What happens when the pointer is over the picture: a name, a glow, a double click. */
+/** What the pointer does over the picture: a name, a glow, a click, a double click. */
+import { selectRobot } from "../driving";
 import { language } from "../i18n";
+import { model } from "../model";
+import { robotOfLink } from "../robots";
 import { view, hoveredLink } from "../store";
 import type { Hit } from "./picker";
 import type { Viewer } from "./viewer";
+
+/** Farther than this a pressed pointer turns the view and is no click [px]. */
+const CLICK = 4;
 
 /** The display name of the object under the pointer. */
 function nameOf(hit: Hit): string {
@@ -55,12 +61,24 @@ export function watchPointer(
       look(clientX, clientY);
     });
   };
+  let pressed = { x: NaN, y: NaN };
+  const press = (event: PointerEvent) => {
+    pressed = { x: event.clientX, y: event.clientY };
+    leave();
+  };
+  const click = ({ clientX, clientY }: MouseEvent) => {
+    const distance = Math.hypot(clientX - pressed.x, clientY - pressed.y);
+    const hit = distance <= CLICK ? viewer.at(clientX, clientY) : undefined;
+    const robot = hit?.link && robotOfLink(model.peek(), hit.link);
+    if (robot) selectRobot(robot.name);
+  };
   const focus = (event: MouseEvent) => {
     const hit = viewer.at(event.clientX, event.clientY);
     if (hit) viewer.focus(hit.point);
   };
   canvas.addEventListener("pointermove", move);
-  canvas.addEventListener("pointerdown", leave);
+  canvas.addEventListener("pointerdown", press);
+  canvas.addEventListener("click", click);
   canvas.addEventListener("pointerleave", leave);
   canvas.addEventListener("dblclick", focus);
   return leave;

@@ -3,6 +3,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Key } from "../i18n";
 import { t } from "../i18n";
+import { selected } from "../robots";
 import { showCollision, showGhost, shownFrames, status } from "../store";
 import { IconButton } from "../ui/button";
 import { EyeIcon } from "../ui/icons";
@@ -29,7 +30,7 @@ function toggleFrame(name: string, shown: boolean): void {
 }
 
 function Options({ viewer }: { viewer: Viewer }) {
-  const names = new Set([...viewer.usualFrames, ...shownFrames.value]);
+  const names = new Set([...viewer.usualFrames(selected.value), ...shownFrames.value]);
   return (
     <div class="scene-options" role="group" aria-label={t("scene.options")}>
       <p class="scene-heading">{t("scene.frames")}</p>

@@ -2,13 +2,14 @@
 import { type Box3, type Mesh, type Object3D, Vector3 } from "three";
 import { aimAt, moving, putThere } from "../moving";
 import type { Target } from "../moving";
-import type { Frame, ViewInfo, ViewScene } from "../protocol";
+import type { Frame, RobotPartsInfo, ViewInfo, ViewScene } from "../protocol";
 import { CollisionLook } from "./collision";
 import { directionOf, toolDirection, type View } from "./framing";
 import { Ghost } from "./ghost";
 import { goalOf } from "./goal";
 import { Interpolator, type Pose } from "./interpolation";
 import { Loop } from "./loop";
+import { Marker } from "./marker";
 import { Materials } from "./materials";
 import { Meshes } from "./meshes";
 import { Mover } from "./mover";
@@ -33,6 +34,7 @@ export class Viewer {
   private readonly stage: Stage;
   private readonly picker: Picker;
   private readonly mover: Mover;
+  private readonly marker: Marker;
   private readonly materials: Materials;
   private readonly collision = new CollisionLook();
   private readonly loop: Loop;
@@ -46,6 +48,7 @@ export class Viewer {
   private targets: Readonly<Record<string, number>> | undefined = {};
   private colours: Colours | undefined;
   private lit: string | null = null;
+  private selected: RobotPartsInfo | null = null;
 
   constructor(
     canvas: HTMLCanvasElement,
@@ -73,7 +76,8 @@ export class Viewer {
         if (now) aimAt({ ...now.target, position });
       },
     });
-    this.stage.scene.add(this.mover.root);
+    this.marker = new Marker(view.robot.ground);
+    this.stage.scene.add(this.mover.root, this.marker.root);
   }
 
   /** What is written over the picture. */
@@ -134,6 +138,7 @@ export class Viewer {
     this.colours = colours;
     this.stage.paint(colours);
     this.collision.paint(colours.collision);
+    this.marker.paint(colours.ghost);
     this.loaded?.ghost.paint(colours.ghost);
   }
 
@@ -167,6 +172,13 @@ export class Viewer {
   /** Show arrows that move this object, or none. */
   offerMove(target: Target | null): void {
     this.mover.offer(target);
+    this.loop.invalidate();
+  }
+
+  /** Mark this robot of several, or none. */
+  select(robot: RobotPartsInfo | null): void {
+    this.selected = robot;
+    this.marker.mark(this.loaded?.robot.link(robot?.base ?? ""));
     this.loop.invalidate();
   }
 
@@ -224,9 +236,12 @@ export class Viewer {
   }
 
   private lookAtTool(robot: Robot, fly: boolean): void {
-    const { grippers } = this.view.robot;
-    const finger = robot.root.joints[grippers[0]?.joint ?? ""];
-    const hand = finger?.parent ?? robot.link(this.toolLink);
+    const { selected } = this;
+    const gripper = this.view.robot.grippers.find(
+      ({ name }) => selected === null || name === selected.gripper,
+    );
+    const finger = robot.root.joints[gripper?.joint ?? ""];
+    const hand = finger?.parent ?? robot.link(this.toolLink(selected));
     if (!hand) return;
     const box = robot.boxOf(hand);
     if (box.isEmpty()) box.expandByPoint(hand.getWorldPosition(new Vector3()));
@@ -240,17 +255,20 @@ export class Viewer {
     this.stage.rig.frame(box, direction, fly);
   }
 
-  /** The link called tool0, with whatever prefix. */
-  get toolLink(): string {
+  /** The end of a robot's arm; without several, the link called tool0 with any prefix. */
+  private toolLink(selected: RobotPartsInfo | null): string {
+    if (selected) return selected.tip;
     const links = Object.keys(this.loaded?.robot.root.links ?? {});
     return links.find((name) => name.endsWith("tool0")) ?? links.at(-1) ?? "";
   }
 
-  /** Frames that are often needed: world, base and tool0, by their names here. */
-  get usualFrames(): string[] {
-    const links = Object.keys(this.loaded?.robot.root.links ?? {});
+  /** Frames that are often needed: world, a robot's base and tool0, by their names here. */
+  usualFrames(selected: RobotPartsInfo | null): string[] {
+    const links = Object.keys(this.loaded?.robot.root.links ?? {}).filter((name) =>
+      name.startsWith(selected?.prefix ?? ""),
+    );
     const base = links.find((name) => /(^|_)base$/.test(name)) ?? this.view.robot.root;
-    return ["world", base, this.toolLink];
+    return ["world", base, this.toolLink(selected)];
   }
 
   hasShape(link: string): boolean {
@@ -277,6 +295,7 @@ export class Viewer {
     this.shown = values.slice();
     this.isChanged = false;
     robot.pose(values);
+    this.marker.follow();
     objects.pose(this.pose, this.view.robot.joints.length);
     this.updateGhost();
     this.stage.castAnew();
@@ -298,6 +317,7 @@ export class Viewer {
   dispose(): void {
     this.loop.stop();
     this.mover.dispose();
+    this.marker.dispose();
     this.stage.dispose();
     this.loaded?.ghost.dispose();
     this.collision.dispose();

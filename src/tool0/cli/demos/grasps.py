@@ -76,6 +76,17 @@ def find_grasps(
     )
 
 
+def grasps_from_above(position: Vector3, width: float) -> tuple[Grasp, ...]:
+    """Return the poses of a gripper that looks down, along the axes of the root.
+
+    Args:
+        position: Of the middle of its pads, in the root [m].
+        width: Of what is between them [m].
+    """
+    frame = to_transform(Pose(xyz=position))
+    return tuple(Grasp(_from_above(frame, k * math.pi / 2.0), width) for k in range(4))
+
+
 def half_height(item: SceneObject, pose: Transform) -> float:
     """Return how far an upright object reaches below its middle [m]."""
     geometry = item.geometry

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
-from tool0.cli.demos.grasps import Grasp
+from tool0.cli.demos.grasps import Bin, Grasp
 from tool0.cli.demos.monitor import GraspMonitor
 from tool0.control.goal import GoalStatus
 from tool0.description.transform import Transform, Vector3
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 MOTION_TIMEOUT = 20.0
 """Longest duration of a motion, simulated [s]."""
+SETTLE_TIMEOUT = 1.0
+"""Longest time for an object in the bin to come to rest [s]."""
 RELEASE = 0.04
 """By how much the pads open beyond the width of what they release [m]."""
 
@@ -69,7 +71,9 @@ class Hand:
         self.arm = robot.arm if name is None else robot.arms[name]
         self.gripper = robot.gripper if name is None else robot.grippers[name]
         self._model = robot.description.model
-        self._options = options
+        self._robot = robot
+        self._home = self.arm.joints
+        self.options = options
         self._monitor = monitor
         DriveLimits(
             gripper=self.gripper.geometry,
@@ -86,7 +90,7 @@ class Hand:
 
     def grip(self) -> None:
         """Close the pads until they hold something."""
-        options = self._options
+        options = self.options
         self.gripper.move(opening=0.0, speed=options.pad_speed, force=options.force)
         self._monitor.until(
             lambda: self.gripper.state.motion != "moving", MOTION_TIMEOUT
@@ -104,12 +108,21 @@ class Hand:
 
     def move_to(self, pose: Transform, tool: Transform) -> None:
         """Move ``tool``, fixed in the flange, to a pose in the root."""
-        self.finish(self.arm.move_to(pose, tool=tool, speed=self._options.speed))
+        self.finish(self.start(pose, tool))
+
+    def start(self, pose: Transform, tool: Transform) -> GoalHandle:
+        """Start to move ``tool``, fixed in the flange, to a pose in the root."""
+        return self.arm.move_to(pose, tool=tool, speed=self.options.speed)
 
     def move_linear(self, pose: Transform, tool: Transform) -> None:
         """Move ``tool`` to a pose along a straight line."""
-        speed = self._options.linear_speed
+        speed = self.options.linear_speed
         self.finish(self.arm.move_linear(pose, tool=tool, speed=speed))
+
+    def move_home(self) -> None:
+        """Move the joints to where they were at first."""
+        for goal in self._robot.move_joints(self._home, speed=self.options.speed):
+            self.finish(goal)
 
     def finish(self, goal: GoalHandle) -> None:
         """Wait until a goal has succeeded."""
@@ -118,7 +131,36 @@ class Hand:
             raise TaskFailure(f"the motion is not done after {MOTION_TIMEOUT:g} s")
         result = goal.result
         if result is not None and result.status is not GoalStatus.SUCCEEDED:
-            raise TaskFailure(f"the goal was {result.status.name}")
+            why = getattr(result, "error_string", "")  # a gripper's result has none
+            raise TaskFailure(f"the goal was {result.status.name} {why}".rstrip())
+
+    def put(self, into: Bin, grasps: Sequence[Grasp], height: float) -> None:
+        """Carry the object to a bin, release it there, and leave.
+
+        Args:
+            into: The bin.
+            grasps: The poses in which it may be put down, wherever they are.
+            height: Of the middle of the pads above the floor of the bin [m].
+        """
+        monitor, lift = self._monitor, self.options.lift
+        monitor.begin("carrying")
+        x, y, bottom = into.center
+        place = self.nearest((x, y, bottom + height + lift), grasps)
+        tool, above = self.tool_for(place.width), place.pose
+        down = replace(above, position=(x, y, bottom + height))
+        self.move_to(above, tool)
+        self.check_hold()
+        monitor.begin("lowering")
+        self.move_linear(down, tool)
+        self.check_hold()
+        monitor.begin("letting go")
+        monitor.stop_slip()
+        self.finish(self.open(place.width))
+        monitor.begin("leaving")
+        self.move_linear(above, tool)
+        if not monitor.until(lambda: into.holds(monitor.pose()), SETTLE_TIMEOUT):
+            x, y, z = monitor.pose().position
+            raise TaskFailure(f"it is at ({x:.3f}, {y:.3f}, {z:.3f}), not in the bin")
 
     def nearest(self, position: Vector3, grasps: Sequence[Grasp]) -> Grasp:
         """Return the grasp, moved to ``position``, that moves the joints least."""

@@ -54,7 +54,7 @@ class GraspMonitor:
             on_snapshot: Called with each snapshot, for recording.
         """
         self._robot = robot
-        self._item = item
+        self.item = item
         self._on_snapshot = on_snapshot
         self._subscription = robot.subscribe()
         model = robot.description.model
@@ -124,11 +124,11 @@ class GraspMonitor:
 
     def pose(self) -> Transform:
         """Return where the object is, in the root."""
-        return self._robot.scene.pose(self._item)
+        return self._robot.scene.pose(self.item)
 
     def pad_force(self) -> float:
         """Return the largest force between a pad and the object [N]."""
-        item, pads = self._item, set(itertools.chain(*self._pads.values()))
+        item, pads = self.item, set(itertools.chain(*self._pads.values()))
         return max(
             (
                 math.hypot(*contact.force)
@@ -156,8 +156,8 @@ class GraspMonitor:
     def _measure(self, snapshot: Snapshot) -> None:
         if snapshot.fault is not None:
             raise EngineError(snapshot.fault)
-        if self._item not in {item.name for item in snapshot.scene}:
-            raise ControlError(f"the object '{self._item}' is gone")
+        if self.item not in {item.name for item in snapshot.scene}:
+            raise ControlError(f"the object '{self.item}' is gone")
         self._on_snapshot(snapshot)
         if (held := self._held) is not None and self.slip is not None:
             now = self._held_at(snapshot, held.base, held.pads)
@@ -172,7 +172,7 @@ class GraspMonitor:
             position=((ax + bx) / 2.0, (ay + by) / 2.0, (az + bz) / 2.0),
             rotation=found[base].rotation,
         )
-        return middle.inverse().apply(object_pose(snapshot, self._item).position)
+        return middle.inverse().apply(object_pose(snapshot, self.item).position)
 
 
 @final

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, final
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
 from tool0.description.shapes import Box
-from tool0.description.transform import Pose, Transform, to_transform
+from tool0.description.transform import Pose, to_transform
 from tool0.errors import ModelError
 from tool0.sensing.grasp import grasp_frame
 
@@ -39,39 +39,50 @@ ATTEMPTS = 1000
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickTable:
-    """A table with an object and a bin in front of an arm, enlarged by ``scale``."""
+    """A table with an object and a bin in front of an arm, as in ``table_and_bin``."""
 
     scale: float
     """Of the distances on the table; the object and the bin keep their size."""
+    base: tuple[float, float] = (0.0, 0.0)
+    """Position of the arm's base in the root [m]."""
+    arm: str | None = None
+    """Name of the arm and its gripper; the robot's only ones, if None."""
 
     @property
     def lift(self) -> float:
         """Height at which the object is carried [m]."""
         return min(LIFT, max(LOWEST_LIFT, LIFT * self.scale))
 
+    def at(self, x: float, y: float) -> tuple[float, float]:
+        """Return the place in the root of one in the scene ``table_and_bin`` [m]."""
+        return self.base[0] + x * self.scale, self.base[1] + y * self.scale
+
     def scene(self, *, edge: float, mass: float, friction: float) -> Scene:
         """Return the scene with a cube of ``edge`` [m] and ``mass`` [kg]."""
         shipped = load_scene("table_and_bin")
+        floor = next(i for i in shipped.objects if i.name == f"{BIN}.floor")
+        x_bin, y_bin = floor.pose.xyz[:2]
         objects = []
-        x, y, _ = next(i.pose.xyz for i in shipped.objects if i.name == f"{BIN}.floor")
-        shift = (self.scale - 1.0) * x, (self.scale - 1.0) * y
         for item in shipped.objects:
+            x, y, z = item.pose.xyz
+            new_x, new_y = self.at(x, y)
+            geometry = item.geometry
             if item.name.startswith(f"{BIN}."):
-                changed = replace(item, pose=_moved(item.pose, *shift))
-            else:
-                x, y, z = item.pose.xyz
-                pose = replace(item.pose, xyz=(x * self.scale, y * self.scale, z))
-                changed = replace(item, pose=pose)
-            if item.name == TABLE and isinstance(item.geometry, Box):
-                x, y, z = item.geometry.size
-                size = (x * self.scale, y * self.scale, z)
-                changed = replace(changed, geometry=Box(size=size))
+                moved_x, moved_y = self.at(x_bin, y_bin)
+                new_x, new_y = moved_x + (x - x_bin), moved_y + (y - y_bin)
+            elif item.name == TABLE and isinstance(geometry, Box):
+                dx, dy, dz = geometry.size
+                geometry = Box(size=(dx * self.scale, dy * self.scale, dz))
+            changed = replace(
+                item,
+                geometry=geometry,
+                pose=replace(item.pose, xyz=(new_x, new_y, z)),
+            )
             if item.name == ITEM:
-                x, y, _ = changed.pose.xyz
                 changed = replace(
                     changed,
                     geometry=Box(size=(edge, edge, edge)),
-                    pose=Pose(xyz=(x, y, TABLE_TOP + edge / 2.0)),
+                    pose=Pose(xyz=(new_x, new_y, TABLE_TOP + edge / 2.0)),
                     mass=mass,
                     friction=friction,
                 )
@@ -85,24 +96,42 @@ class PickTable:
         the robot's root.
 
         Args:
-            robot: With one arm and one gripper.
+            robot: The robot.
             height: Of the object, which stands [m].
             seed: The same one yields the same poses.
         """
         rng = random.Random(seed)
         while True:
             for _ in range(ATTEMPTS):
-                x, y = rng.uniform(NEAR, FAR), rng.uniform(RIGHT, LEFT)
+                x, y = self.at(rng.uniform(NEAR, FAR), rng.uniform(RIGHT, LEFT))
                 yaw = rng.uniform(-math.pi, math.pi)
-                xyz = (x * self.scale, y * self.scale, TABLE_TOP + height / 2.0)
+                xyz = (x, y, TABLE_TOP + height / 2.0)
                 pose = Pose(xyz=xyz, rpy=(0.0, 0.0, yaw))
-                if _is_in_reach(robot, pose, self.lift):
+                if self._is_in_reach(robot, pose):
                     break
             yield pose
 
+    def _is_in_reach(self, robot: Robot, pose: Pose) -> bool:
+        """Return whether the arm reaches an object from above, and can lift it."""
+        arm = robot.arm if self.arm is None else robot.arms[self.arm]
+        gripper = robot.gripper if self.arm is None else robot.grippers[self.arm]
+        geometry = gripper.geometry
+        tool = grasp_frame(
+            robot.description.model, geometry, geometry.max_opening / 2.0, arm.tip
+        )
+        x, y, z = pose.xyz
+        rpy = (math.pi, 0.0, pose.rpy[2])
+        try:
+            for height in (z, z + self.lift):
+                grasp = to_transform(Pose(xyz=(x, y, height), rpy=rpy))
+                arm.inverse_kinematics(grasp, tool=tool)
+        except ModelError:
+            return False
+        return True
 
-def pick_table(model: RobotModel) -> PickTable:
-    """Return the table for the robot's only arm.
+
+def arm_scale(model: RobotModel) -> float:
+    """Return the length of a robot's only arm, relative to ``ARM_LENGTH``.
 
     Raises:
         ControlError: Unless the robot has one arm, built like a UR.
@@ -112,30 +141,4 @@ def pick_table(model: RobotModel) -> PickTable:
     from tool0.runtime.simulation import only_part
 
     arm = ArmGeometry(only_part(find_chains(model), "arm", model))
-    return PickTable(scale=round((arm.upper_arm + arm.forearm) / ARM_LENGTH, 2))
-
-
-def _moved(pose: Pose, dx: float, dy: float) -> Pose:
-    x, y, z = pose.xyz
-    return replace(pose, xyz=(x + dx, y + dy, z))
-
-
-def _is_in_reach(robot: Robot, pose: Pose, lift: float) -> bool:
-    """Return whether the arm reaches the object from above, and ``lift`` [m] higher."""
-    tool = grasp_frame(
-        robot.description.model,
-        robot.gripper.geometry,
-        robot.gripper.geometry.max_opening / 2.0,
-        robot.arm.tip,
-    )
-    x, y, z = pose.xyz
-    yaw = pose.rpy[2]
-    try:
-        for height in (z, z + lift):
-            grasp: Transform = to_transform(
-                Pose(xyz=(x, y, height), rpy=(math.pi, 0.0, yaw))
-            )
-            robot.arm.inverse_kinematics(grasp, tool=tool)
-    except ModelError:
-        return False
-    return True
+    return round((arm.upper_arm + arm.forearm) / ARM_LENGTH, 2)

@@ -8,10 +8,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, final
 
-from tool0.cli.demos.grasps import Bin
-from tool0.cli.demos.hand import PickOptions
 from tool0.cli.demos.monitor import GraspMonitor
-from tool0.cli.demos.picker import PickReport, pick_and_place
+from tool0.cli.demos.report import PickReport
 from tool0.description.transform import Pose, to_transform
 from tool0.sensing.snapshot import Snapshot
 
@@ -67,33 +65,37 @@ class DemoReport:
 def run_trials(
     robot: Robot,
     item: str,
-    into: Bin,
+    task: Callable[[], PickReport],
     poses: Iterator[Pose | None],
     n_picks: int,
     *,
-    options: PickOptions | None = None,
     on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
     on_pick: Callable[[PickReport], None] = lambda report: None,
 ) -> DemoReport:
-    """Pick an object from one pose after the other, starting with the arm as it is.
+    """Do a task with an object from one pose after the other.
+
+    The first trial starts with the robot as it is, the others from the same posture.
 
     Args:
-        robot: As for ``pick_and_place``.
+        robot: With one arm and one gripper, or several.
         item: The object, which is put back on the table between picks.
-        into: Where it goes.
+        task: Picks the object, such as ``pick_and_place``.
         poses: The start poses of the object; None leaves it where it is.
         n_picks: How many.
-        options: Force and speeds.
-        on_snapshot: Called with each snapshot, those between the picks too.
+        on_snapshot: Called with each snapshot between the picks.
         on_pick: Called after each pick.
 
     Raises:
-        ControlError: As ``pick_and_place``, or if the emergency stop is engaged
-            between two picks.
+        ControlError: As ``task``, or if the emergency stop is engaged between two
+            picks.
         EngineError: If the physics fails.
     """
     wall_start, sim_start = time.perf_counter(), robot.time
-    home = robot.arm.joints
+    home = {
+        name: position
+        for arm in robot.arms.values()
+        for name, position in arm.joints.items()
+    }
     reports = []
     for number in range(n_picks):
         pose = next(poses)
@@ -104,7 +106,7 @@ def run_trials(
                 T_root_item = to_transform(pose)
                 robot.scene.place(item, T_root_item.position, T_root_item.quat_wxyz)
                 monitor.wait(SETTLE)
-        report = pick_and_place(robot, item, into, options, on_snapshot)
+        report = task()
         on_pick(report)
         reports.append(report)
     return DemoReport(
@@ -118,12 +120,17 @@ def run_trials(
 
 
 def _go_back(robot: Robot, home: Mapping[str, float], monitor: GraspMonitor) -> None:
-    """Open the gripper and move the arm ``home``; after a failure it may be anywhere.
+    """Open the grippers and move the arms ``home``; after a failure they are anywhere.
 
     If that takes longer than ``RETURN_TIMEOUT``, the next pick starts elsewhere.
     """
-    opened = robot.gripper.move(opening=robot.gripper.geometry.max_opening)
-    monitor.until(lambda: opened.result is not None, RETURN_TIMEOUT)
+    opened = [
+        gripper.move(opening=gripper.geometry.max_opening)
+        for gripper in robot.grippers.values()
+    ]
+    monitor.until(
+        lambda: all(goal.result is not None for goal in opened), RETURN_TIMEOUT
+    )
     moves = robot.move_joints(home)
     monitor.until(
         lambda: all(move.result is not None for move in moves), RETURN_TIMEOUT

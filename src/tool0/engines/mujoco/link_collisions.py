@@ -123,8 +123,8 @@ class LinkShapes:
         self._link_of_geom = np.array(
             [self._order[body] for body in self._mjmodel.geom_bodyid]
         )
-        shape = (self._mjmodel.ngeom, 3)
-        self._swept = np.full(shape, np.inf), np.full(shape, -np.inf)
+        n_geoms = int(self._mjmodel.ngeom)
+        self._swept = np.full((n_geoms, 3), np.inf), np.full((n_geoms, 3), -np.inf)
 
     def sample(self, n_samples: int, seed: int) -> SampledCollisions:
         """Return how often links collide in random poses within the joints' limits."""
@@ -144,8 +144,11 @@ class LinkShapes:
                 counts[np.unique(codes[depths < 0.0])] += 1
         return SampledCollisions(
             n_samples=n_samples,
-            collided={self._pair(c): int(counts[c]) for c in np.flatnonzero(counts)},
-            near=frozenset(self._pair(code) for code in np.flatnonzero(near)),
+            collided={
+                self._pair(code): int(counts[code])
+                for code in np.flatnonzero(counts).tolist()
+            },
+            near=frozenset(map(self._pair, np.flatnonzero(near).tolist())),
         )
 
     def colliding_at(self, pose: Mapping[str, float]) -> frozenset[LinkPair]:

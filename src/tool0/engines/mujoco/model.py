@@ -51,10 +51,11 @@ MIMIC_SOLREF = (0.002, 1.0)
 closed, and passive joints do not pass their stops."""
 MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 STIFF_SOLIMP = (0.995, 0.999, 0.001, 0.5, 2.0)
-"""Impedance of loops, of stops of passive joints, and of sliding mimic joints.  Hundreds
-of newtons act there on links of a few grams: with the impedance of mimic joints that turn,
-loops open by a millimetre at 235 N (with this, 0.15 mm), and a sliding finger of 38 g falls
-0.5 mm behind at 130 N (0.05 mm); with a stiffer one, the closed pads vibrate."""
+"""Impedance of loops, of stops of passive joints, and of sliding mimic joints.
+Hundreds of newtons act there on links of a few grams.  With the impedance of mimic
+joints that turn, loops open by a millimetre at 235 N (with this, 0.15 mm), and a
+sliding finger of 38 g falls 0.5 mm behind at 130 N (0.07 mm).  With a stiffer one, the
+closed pads of a linkage vibrate."""
 
 MESH_SUFFIXES = (".stl", ".obj", ".msh")
 """Suffixes of mesh files that MuJoCo reads."""

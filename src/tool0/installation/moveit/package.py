@@ -1,25 +1,34 @@
 """The files of a MoveIt 1 configuration package.
 
 The layout is that of MoveIt's setup assistant.  Launch files and manifest are the same
-for every robot (``template``); the files in ``config`` are written from its description.
+for every robot (``template``); those in ``config`` are written from its description.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
+from tool0.description.model import TIME_TO_FULL_SPEED, RobotModel
 from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError
 from tool0.installation.moveit.semantics import (
     ALL_ARMS,
     ArmGroup,
+    Group,
     arm_groups,
     planning_groups,
     to_srdf,
 )
 
+MOVEIT_SUFFIX: Final = "_moveit_config"
+"""The end of the package's name."""
+_WITH_GAZEBO: Final = "demo_gazebo.launch"
+"""The launch file with tool0_gazebo, which is for one robot."""
+_DEPENDS_ON_GAZEBO: Final = "  <exec_depend>tool0_gazebo</exec_depend>\n"
 _TEMPLATE: Final = Path(__file__).parent / "template"
 _PLANNERS: Final = ("RRTConnect", "RRT", "RRTstar", "PRM", "LBKPIECE", "BiTRRT")
 """Planners of OMPL; the first is the default."""
@@ -35,36 +44,35 @@ Controllers = Mapping[str, Mapping[str, Any]]
 
 
 def moveit_package(
-    name: str,
     description: RobotDescription,
     *,
     disabled: Mapping[tuple[str, str], str],
     controllers: Controllers,
     action_controllers: Controllers,
-    ramp: float,
 ) -> dict[PurePosixPath, bytes]:
     """Return the files of the package ``NAME_moveit_config`` by path, below ``src``.
 
+    NAME is that of the cell, or else consists of the names of robots, or of arm and
+    gripper.
+
     Args:
-        name: The robot's name; it names the SRDF and the URDF.
         description: One robot of the catalogue, or several.
         disabled: Pairs of links not to check for collisions → reason.
         controllers: The ros_control YAML of the robot.
         action_controllers: The same with grippers driven by an action.
-        ramp: Time in which every joint can reach its largest velocity [s]: it defines
-            the limits of acceleration.
 
     Raises:
         DescriptionError: If the robot is not of the catalogue.
     """
     groups = planning_groups(description)
     arms = arm_groups(groups)
+    name = _name(description)
     config = {
         f"{name}.urdf": description.urdf,
         f"{name}.srdf": to_srdf(description, disabled),
-        "joint_limits.yaml": _joint_limits(description, ramp),
+        "joint_limits.yaml": _joint_limits(description.model, controllers),
         "kinematics.yaml": _kinematics(arms),
-        "ompl_planning.yaml": _ompl([*(group.name for group in groups)], arms),
+        "ompl_planning.yaml": _ompl(groups),
         "simple_moveit_controllers.yaml": _simple_controllers(controllers),
         "simple_moveit_gripper_action_controllers.yaml": _simple_controllers(
             action_controllers
@@ -88,33 +96,49 @@ def moveit_package(
             },
         ),
     }
-    package = PurePosixPath(f"{name}_moveit_config")
+    package = PurePosixPath(name + MOVEIT_SUFFIX)
     words = {"@robot@": name, "@group@": ALL_ARMS if len(arms) > 1 else arms[0].name}
     files = {package / "config" / file: text for file, text in config.items()}
     for path in sorted(_TEMPLATE.rglob("*")):
-        if path.is_file():
+        if path.is_file() and (description.cell is None or path.name != _WITH_GAZEBO):
             text = path.read_text(encoding="utf-8")
             for word, meaning in words.items():
                 text = text.replace(word, meaning)
+            if description.cell is not None:
+                text = text.replace(_DEPENDS_ON_GAZEBO, "")
             files[package / path.relative_to(_TEMPLATE).as_posix()] = text
     return {path: text.encode() for path, text in files.items()}
 
 
-def _joint_limits(description: RobotDescription, ramp: float) -> str:
-    model = description.model
-    limits = {
-        name: {
+def _name(description: RobotDescription) -> str:
+    """Return the name of a robot or cell, in the letters that catkin allows."""
+    cell, (first, *_) = description.cell, description.robots
+    if cell is None:
+        words = [part.name for part in first.parts]
+    else:
+        words = [cell.name] if cell.name else [r.name for r in description.robots]
+    name = re.sub(r"[^a-z0-9]+", "_", "_".join(words).lower()).strip("_")
+    return name if name[:1].isalpha() else f"robot_{name}"
+
+
+def _joint_limits(model: RobotModel, controllers: Controllers) -> str:
+    own = controllers.get("joint_limits", {})
+    limits = {}
+    for name in model.transmission_by_joint:
+        joint = model.joint(name)
+        acceleration = own.get(name, {}).get("max_acceleration", math.inf)
+        limits[name] = {
             "has_velocity_limits": True,
-            "max_velocity": model.joint(name).max_velocity,
+            "max_velocity": joint.max_velocity,
             "has_acceleration_limits": True,
-            "max_acceleration": round(model.joint(name).max_velocity / ramp, 6),
+            "max_acceleration": round(min(joint.max_acceleration, acceleration), 6),
         }
-        for name in model.transmission_by_joint
-    }
     about = (
         "Limits of the joints [rad/s, rad/s² | m/s, m/s²]; positions are in the URDF.\n"
-        "Velocities are those of the URDF.  There are no published accelerations: these\n"
-        f"reach the largest velocity in {ramp} s, the rule of tool0's own planner."
+        "Velocities are those of the URDF.  No accelerations are published: these are\n"
+        "those of tool0's own motions.  They reach full speed in\n"
+        f"{TIME_TO_FULL_SPEED} s, or less fast where the drive is too weak, as\n"
+        "`tool0 describe controllers` derives."
     )
     scaling = {
         "default_velocity_scaling_factor": 0.1,
@@ -133,26 +157,23 @@ def _kinematics(arms: list[ArmGroup]) -> str:
     return _yaml(about, {arm.name: dict(solver) for arm in arms})
 
 
-def _ompl(names: list[str], arms: list[ArmGroup]) -> str:
+def _ompl(groups: Sequence[Group]) -> str:
+    arms = arm_groups(groups)
+    joints_of = {group.name: group.joints for group in groups}
     if len(arms) > 1:
-        names.append(ALL_ARMS)
-    first_joints = {arm.name: arm.joints[:2] for arm in arms}
-    groups: dict[str, object] = {
+        joints_of[ALL_ARMS] = arms[0].joints
+    planning: dict[str, object] = {
         name: {
             "default_planner_config": _PLANNERS[0],
             "planner_configs": list(_PLANNERS),
             "longest_valid_segment_fraction": 0.005,
-            **(
-                {"projection_evaluator": f"joints({','.join(first_joints[name])})"}
-                if name in first_joints
-                else {}
-            ),
+            "projection_evaluator": f"joints({','.join(joints[:2])})",
         }
-        for name in names
+        for name, joints in joints_of.items()
     }
     planners = {name: {"type": f"geometric::{name}"} for name in _PLANNERS}
     about = "Planners of OMPL, with their default parameters, and those of each group."
-    return _yaml(about, {"planner_configs": planners, **groups})
+    return _yaml(about, {"planner_configs": planners, **planning})
 
 
 def _simple_controllers(controllers: Controllers) -> str:
@@ -172,7 +193,9 @@ def _simple_controllers(controllers: Controllers) -> str:
                 }
             )
     if not found:
-        raise ConfigError("the robot has no controllers with an action that MoveIt uses")
+        raise ConfigError(
+            "the robot has no controllers with an action that MoveIt uses"
+        )
     return _yaml(
         "Controllers whose actions execute plans; they are loaded elsewhere.",
         {"controller_list": found},

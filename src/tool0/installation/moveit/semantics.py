@@ -157,9 +157,9 @@ def to_srdf(
                 group=group.name,
                 parent_group=group.arm.name,
             )
-    for joint in description.model.movable_joints:
-        if joint.mimic is not None:
-            ET.SubElement(robot, "passive_joint", name=joint.name)
+    for follower in description.model.movable_joints:
+        if follower.mimic is not None:
+            ET.SubElement(robot, "passive_joint", name=follower.name)
     for (first, second), reason in sorted(disabled.items()):
         ET.SubElement(
             robot, "disable_collisions", link1=first, link2=second, reason=reason

@@ -67,6 +67,12 @@ class RobotPartsInfo(Struct, frozen=True, kw_only=True):
 
     name: str
     """As requests call the arm: its name in a cell, or ``arm``."""
+    title: str | None
+    """Arm and gripper of the catalogue, ``ur5 + 2f85``; null for a user's own file."""
+    prefix: str
+    """What the names of its links and joints begin with; may be empty."""
+    base: str
+    """The link that carries this robot and no other."""
     joints: list[str]
     """Its movable joints, those of its gripper included."""
     gripper: str | None

@@ -9,8 +9,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast, final
 
-from tool0.description.model import Joint, JointLimits, JointType, RobotModel
+from tool0.description.model import FLANGE, Joint, JointLimits, JointType, RobotModel
 from tool0.description.parts import (
+    base_of,
     find_arms,
     find_grippers,
     gripper_of,
@@ -122,6 +123,7 @@ def robot_info(
     robot's root [m], and ``limits`` are those that differ from the URDF's.
     """
     model = description.model
+    titles = {robot.prefix: robot.parts_title for robot in description.robots}
     return RobotInfo(
         name=model.name,
         title=description.title,
@@ -146,6 +148,9 @@ def robot_info(
         robots=[
             RobotPartsInfo(
                 name=name,
+                title=titles.get(arm.flange.removesuffix(FLANGE)),
+                prefix=arm.flange.removesuffix(FLANGE),
+                base=base_of(model, name),
                 joints=list(joints_of(model, name)),
                 gripper=gripper_of(model, name),
                 tip=arm.flange,

@@ -133,7 +133,7 @@ class RobotView:
                 self._put(self._start)
             case SavePose(name=name, robot=robot):
                 driven = joints_of_robot(self._model, self._driven(), robot)
-                self._book.save(name, driven)
+                self._book.save(name, driven, update=robot is not None)
             case DeletePose(name=name):
                 self._book.delete(name)
             case Grip(gripper=name, opening=float(opening)):

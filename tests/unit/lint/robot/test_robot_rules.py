@@ -21,8 +21,10 @@ def root_of(document: Document) -> LocatedElement:
     return document.documentElement
 
 
-@pytest.mark.parametrize("arm", arms())
-@pytest.mark.parametrize("gripper", [*grippers(), None])
+ROBOTS = [(arm, None) for arm in arms()] + [(arms()[0], name) for name in grippers()]
+
+
+@pytest.mark.parametrize(("arm", "gripper"), ROBOTS)
 @pytest.mark.parametrize("prefix", ["", "left_"])
 @pytest.mark.parametrize("safety", [False, True])
 def test_the_projects_own_robots_are_no_false_alarm(

@@ -205,14 +205,12 @@ class Drive {
     } else {
       position = joint->Position(0);
     }
-    velocity = joint->GetVelocity(0);
+    velocity = turns ? joint->GetVelocity(0) : Speed();
   }
   void ApplyEffort(double effort) {
     joint->SetForce(0, effort);
     if (!motor_) return;
-    const Vector3d along = joint->GlobalAxis(0);
-    const double speed = along.Dot(Velocity(below)) - along.Dot(Velocity(above));
-    SetMotor(dParamVel, velocity_gain_ * speed);
+    SetMotor(dParamVel, velocity_gain_ * Speed());
   }
   /// Adds an armature [kg·m² | kg], and takes over the joint's damping.
   void AddArmature(double armature, double dt, dWorldID world) {
@@ -239,6 +237,17 @@ class Drive {
 
   void SetMotor(int parameter, double value) const {
     (turns ? dJointSetAMotorParam : dJointSetLMotorParam)(motor_, parameter, value);
+  }
+  /// Returns the joint's velocity.  ODE's own of a slider is wrong while its parent turns:
+  /// it compares the centres of both bodies.
+  double Speed() const {
+    const Vector3d along = joint->GlobalAxis(0);
+    const double apart = along.Dot(Velocity(below)) - along.Dot(Velocity(above));
+    if (turns || !above) return apart;
+    const dReal *from = dBodyGetPosition(above), *to = dBodyGetPosition(below);
+    const Vector3d lever(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+    const dReal* w = dBodyGetAngularVel(above);
+    return apart - along.Dot(Vector3d(w[0], w[1], w[2]).Cross(lever));
   }
   /// Returns how fast a body turns, or its centre moves.
   Vector3d Velocity(dBodyID body) const {

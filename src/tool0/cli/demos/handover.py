@@ -1,0 +1,279 @@
+"""One arm picks an object and hands it to another, which places it in a bin."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple, final
+
+from tool0.cli.demos.grasps import Bin, finger_reach, grasps_from_above, half_height
+from tool0.cli.demos.hand import Hand, PickOptions, TaskFailure
+from tool0.cli.demos.monitor import GraspMonitor
+from tool0.cli.demos.picker import DROP, Picker, measured
+from tool0.cli.demos.report import PickReport
+from tool0.cli.demos.table import BIN, TABLE, PickTable
+from tool0.description.config import Cell, CellRobot, DescriptionConfig
+from tool0.description.scene import Scene
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose, Transform, Vector3, to_transform
+from tool0.errors import ModelError
+from tool0.sensing.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from tool0.api.robot import Robot
+
+GIVER, TAKER = "giver", "taker"
+"""Names of the two robots."""
+FORWARD, SIDEWAYS = 0.45, 0.55
+"""Where the robots meet, from either base, for an arm of scale 1 [m]."""
+HEIGHT = 0.33
+"""The same above the root [m]; lower for shorter arms."""
+APART = 0.1
+"""Distance from which a gripper approaches the other, and to which it leaves [m]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HandoverCell:
+    """Two robots side by side: the giver on the left, the taker on the right.
+
+    The grippers meet face to face, halfway between the bases and in front of them.
+    """
+
+    giver: PickTable
+    taker: PickTable
+
+    @classmethod
+    def of(cls, giver: float, taker: float) -> HandoverCell:
+        """Return the cell for arms of two scales (``arm_scale``)."""
+        largest = max(giver, taker)
+
+        def table(name: str, scale: float, side: float) -> PickTable:
+            x = FORWARD * (largest - scale)
+            return PickTable(scale=scale, base=(x, side * SIDEWAYS * scale), arm=name)
+
+        return cls(giver=table(GIVER, giver, 1.0), taker=table(TAKER, taker, -1.0))
+
+    @property
+    def meeting(self) -> Vector3:
+        """Where the object is handed over, in the root [m]."""
+        scales = self.giver.scale, self.taker.scale
+        return FORWARD * max(scales), 0.0, HEIGHT * min(1.0, *scales)
+
+    @property
+    def lift(self) -> float:
+        """Height at which the object is carried [m]."""
+        return min(self.giver.lift, self.taker.lift)
+
+    def cell(self, giver: DescriptionConfig, taker: DescriptionConfig) -> Cell:
+        """Return the two robots at their places."""
+        return Cell(
+            name="handover",
+            robots=tuple(
+                CellRobot(
+                    name=name,
+                    description=replace(description, base_xyz=(*table.base, 0.0)),
+                )
+                for name, description, table in (
+                    (GIVER, giver, self.giver),
+                    (TAKER, taker, self.taker),
+                )
+            ),
+        )
+
+    def scene(self, *, edge: float, mass: float, friction: float) -> Scene:
+        """Return a table with a cube for the giver and a bin for the taker."""
+        one, other = (
+            table.scene(edge=edge, mass=mass, friction=friction)
+            for table in (self.giver, self.taker)
+        )
+        walls = [item for item in other.objects if item.name.startswith(f"{BIN}.")]
+        tables = [
+            item
+            for item in (*one.objects, *other.objects)
+            if item.name == TABLE and isinstance(item.geometry, Box)
+        ]
+        rest = [
+            item
+            for item in one.objects
+            if item.name != TABLE and not item.name.startswith(f"{BIN}.")
+        ]
+        spans = [
+            (
+                min(item.pose.xyz[k] - _size(item.geometry)[k] / 2 for item in tables),
+                max(item.pose.xyz[k] + _size(item.geometry)[k] / 2 for item in tables),
+            )
+            for k in range(3)
+        ]
+        x, y, z = ((low + high) / 2.0 for low, high in spans)
+        dx, dy, dz = (high - low for low, high in spans)
+        table = replace(
+            tables[0], geometry=Box(size=(dx, dy, dz)), pose=Pose(xyz=(x, y, z))
+        )
+        return replace(one, objects=(table, *rest, *walls))
+
+
+def hand_over(
+    robot: Robot,
+    item: str,
+    into: Bin,
+    meeting: Vector3,
+    *,
+    options: PickOptions | None = None,
+    on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
+) -> PickReport:
+    """Pick an object, hand it to the other robot, and place it in a bin.
+
+    The giver picks it from above; the grippers meet face to face, their pads on
+    different sides of the object.  Friction alone holds it, unless the robot has grasp
+    assist.
+
+    Args:
+        robot: With two robots called giver and taker.
+        item: The name of an upright cube that can move.
+        into: Where it goes, in reach of the taker.
+        meeting: Where it is handed over, in the root [m].
+        options: Force and speeds.
+        on_snapshot: Called with each snapshot, for recording.
+
+    Raises:
+        ControlError: If there is no such object, or it cannot be gripped at all.
+        EngineError: If the physics fails.
+    """
+    options = options or PickOptions()
+    with contextlib.closing(GraspMonitor(robot, item, on_snapshot)) as monitor:
+        picker = Picker(robot, item, options, monitor, GIVER)
+        taker = Hand(robot, options, monitor, TAKER)
+        handover = _Handover(robot, monitor, picker, taker, meeting)
+
+        def task() -> None:
+            picker.take()
+            width = handover.do()
+            geometry = taker.gripper.geometry
+            below = max(
+                half_height(robot.scene[item], Transform()),
+                finger_reach(robot.description.model, geometry),
+            )
+            taker.put(into, grasps_from_above((0.0, 0.0, 0.0), width), below + DROP)
+
+        return measured(robot, picker, monitor, task)
+
+
+class _Way(NamedTuple):
+    """The frames of the two grippers where they meet, in the root."""
+
+    give: Transform
+    take: Transform
+
+
+@final
+class _Handover:
+    """From the giver's gripper to the taker's."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        monitor: GraspMonitor,
+        picker: Picker,
+        taker: Hand,
+        meeting: Vector3,
+    ) -> None:
+        self._robot = robot
+        self._monitor = monitor
+        self._picker = picker
+        self._giver, self._taker = picker.hand, taker
+        self._meeting = meeting
+
+    def do(self) -> float:
+        """Bring the object to the meeting point, and hand it over there.
+
+        Returns:
+            The width of the object between the taker's pads [m].
+        """
+        giver, taker, monitor = self._giver, self._taker, self._monitor
+        width = self._picker.width_between_pads
+        give_tool, take_tool = giver.tool_for(width), taker.tool_for(width)
+        way = self._nearest_way(give_tool, take_tool)
+        monitor.begin("meeting")
+        for goal in (
+            taker.open(),
+            giver.start(way.give, give_tool),
+            taker.start(_behind(way.take), take_tool),
+        ):
+            giver.finish(goal)
+        giver.check_hold()
+        monitor.begin("reaching for it")
+        taker.move_linear(
+            replace(way.take, position=monitor.pose().position), take_tool
+        )
+        monitor.begin("taking it")
+        taker.grip()
+        monitor.begin("handing over")
+        monitor.stop_slip()
+        giver.finish(giver.open(width))
+        taker.check_hold()
+        monitor.start_slip(taker.gripper)
+        monitor.begin("parting")
+        giver.move_linear(_behind(way.give), give_tool)
+        taker.check_hold()
+        # Back as it came: on a shorter way it might hit itself or the giver.
+        monitor.begin("withdrawing")
+        taker.move_linear(_behind(way.take), take_tool)
+        taker.move_home()
+        taker.check_hold()
+        return width
+
+    def _nearest_way(self, give_tool: Transform, take_tool: Transform) -> _Way:
+        """Return the way to meet that moves the joints least, or raise TaskFailure."""
+        best: tuple[float, _Way] | None = None
+        refused: ModelError | None = None
+        for way in self._ways():
+            try:
+                moved = sum(
+                    hand.arm.inverse_kinematics(pose, tool=tool)[0].distance
+                    for hand, pose, tool in (
+                        (self._giver, way.give, give_tool),
+                        (self._giver, _behind(way.give), give_tool),
+                        (self._taker, _behind(way.take), take_tool),
+                        (self._taker, way.take, take_tool),
+                    )
+                )
+            except ModelError as error:
+                refused = error
+                continue
+            if best is None or moved < best[0]:
+                best = moved, way
+        if best is None:
+            raise TaskFailure(f"the grippers cannot meet: {refused}")
+        return best[1]
+
+    def _ways(self) -> Iterator[_Way]:
+        """Yield the frames in which the pads of the two are on different sides."""
+        (ax, ay, _), (bx, by, _) = (
+            self._robot.pose(hand.arm.chain.base).position
+            for hand in (self._giver, self._taker)
+        )
+        towards = math.atan2(by - ay, bx - ax)
+        for turn, other in itertools.product(range(4), (1, 3)):
+            yield _Way(
+                self._facing(towards, turn * math.pi / 2.0),
+                self._facing(towards + math.pi, (turn + other) * math.pi / 2.0),
+            )
+
+    def _facing(self, yaw: float, turn: float) -> Transform:
+        """Return the frame of a level gripper, turned by ``turn`` about its axis."""
+        level = to_transform(Pose(xyz=self._meeting, rpy=(0.0, math.pi / 2.0, yaw)))
+        return level @ to_transform(Pose(rpy=(0.0, 0.0, turn)))
+
+
+def _behind(frame: Transform) -> Transform:
+    """Return the frame of a gripper that has not yet approached, or has left."""
+    return frame @ Transform(position=(0.0, 0.0, -APART))
+
+
+def _size(geometry: object) -> Vector3:
+    assert isinstance(geometry, Box)
+    return geometry.size

@@ -1,0 +1,129 @@
+"""Checks of the values in YAML files of parameters: errors name file and line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+
+from tool0.description.yaml_tree import YamlEntry
+from tool0.errors import DescriptionError, ModelError, did_you_mean, nearest_name
+
+_SIZES: Mapping[str, tuple[str, ...]] = {
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+}
+_SHAPES = ("mesh", "box", *_SIZES)
+
+
+def child_at(entry: YamlEntry, key: str, siblings: Collection[str] = ()) -> YamlEntry:
+    """Return the entry at ``key``, which ``siblings`` are not mistaken for."""
+    child = entry.find(key)
+    if child is None:
+        near = nearest_name(key, entry.children.keys() - set(siblings))
+        hint = f"; did you mean '{near}'?" if near else ""
+        name = f"'{_dotted(entry)}' has" if entry.key else "the file has"
+        raise DescriptionError(f"{name} no key '{key}'{hint}", entry.location)
+    return child
+
+
+def mapping_at(entry: YamlEntry, key: str) -> YamlEntry:
+    """Return the mapping at ``key``."""
+    child = child_at(entry, key)
+    if not child.is_mapping:
+        raise wrong_value(child, "a mapping")
+    return child
+
+
+def allow_only(entry: YamlEntry, *valid: str) -> None:
+    """Raise DescriptionError for a key that is not valid."""
+    for key, child in entry.children.items():
+        if key not in valid:
+            raise DescriptionError(
+                f"unknown key '{_dotted(child)}'{did_you_mean(key, valid)}",
+                child.location,
+            )
+
+
+def numbers_at(
+    entry: YamlEntry, keys: tuple[str, ...], *, others: bool = False
+) -> dict[str, float]:
+    """Return the numbers at ``keys``; unless ``others``, there are no other keys."""
+    if not others:
+        allow_only(entry, *keys)
+    return {key: number_of(child_at(entry, key, keys)) for key in keys}
+
+
+def check_positive(entry: YamlEntry, keys: tuple[str, ...]) -> None:
+    """Raise ModelError unless the numbers at ``keys`` are above zero."""
+    for key, value in numbers_at(entry, keys, others=True).items():
+        if not value > 0.0:
+            raise impossible_value(entry.children[key], "above zero")
+
+
+def vector_of(entry: YamlEntry, count: int) -> list[float]:
+    """Return the numbers of a list of ``count``."""
+    if len(entry.items) != count:
+        raise wrong_value(entry, f"a list of {count} numbers")
+    return [number_of(item) for item in entry.items]
+
+
+def number_of(entry: YamlEntry) -> float:
+    """Return a finite number; YAML 1.1 takes some, such as 2e-05, for text."""
+    value = entry.scalar
+    try:
+        number = math.nan if value is None or value is True else float(value)
+    except ValueError:
+        raise wrong_value(entry, "a number") from None
+    if value is False or not math.isfinite(number):
+        raise wrong_value(entry, "a finite number")
+    return number
+
+
+def _dotted(entry: YamlEntry) -> str:
+    return entry.key.replace("/", ".")
+
+
+def wrong_value(entry: YamlEntry, wanted: str) -> DescriptionError:
+    """Return the error about a value of the wrong type."""
+    return DescriptionError(
+        f"'{_dotted(entry)}' must be {wanted}, got {entry.describe()}", entry.location
+    )
+
+
+def impossible_value(entry: YamlEntry, wanted: str) -> ModelError:
+    """Return the error about a value that no robot can have."""
+    return ModelError(
+        f"'{_dotted(entry)}' must be {wanted}, got {entry.plain()}", entry.location
+    )
+
+
+def check_shape(item: YamlEntry, materials: YamlEntry | None) -> None:
+    """Raise an error unless the entry is a shape; a visual has one of ``materials``."""
+    kind = next(iter(item.children), "")
+    if kind not in _SHAPES:
+        raise DescriptionError(
+            f"a shape begins with {', '.join(_SHAPES[:-1])} or {_SHAPES[-1]}, "
+            f"got {kind or item.describe()!r}{did_you_mean(kind, _SHAPES)}",
+            item.location,
+        )
+    allow_only(item, kind, "xyz", "rpy", "scale", "material")
+    shape = item.children[kind]
+    if kind == "box":
+        size = child_at(shape, "size")
+        if min(vector_of(size, 3)) <= 0.0:
+            raise impossible_value(size, "sizes above zero")
+    elif kind == "mesh":
+        if not isinstance(shape.scalar, str):
+            raise wrong_value(shape, "the path of a mesh")
+    else:
+        check_positive(mapping_at(item, kind), _SIZES[kind])
+    for key in ("xyz", "rpy"):
+        if (pose := item.find(key)) is not None:
+            vector_of(pose, 3)
+    if materials is not None:
+        material = child_at(item, "material")
+        if material.scalar not in materials.children:
+            hint = did_you_mean(str(material.scalar), materials.children)
+            raise DescriptionError(
+                f"unknown material '{material.scalar}'{hint}", material.location
+            )

@@ -1,0 +1,160 @@
+"""The catkin packages of an arm with a gripper, for Noetic and Gazebo 11.
+
+The files are those that tool0 itself reads; the chosen robot is the default of their
+arguments.  Only the controllers are written for one robot: their gains depend on it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from tool0.description.catalogue import NO_GRIPPER, Part
+from tool0.description.packages import BUNDLED
+from tool0.description.robot import CatalogueRobot
+from tool0.errors import ConfigError
+
+PACKAGES: Final = ("tool0_description", "tool0_gazebo")
+UPSTREAM_PACKAGES: Final = ("ur_description", "robotiq_2f_85_gripper_visualization")
+"""Packages whose meshes can replace ours."""
+_HOME: Final = "home"
+"""The pose at the start."""
+_NOT_WRITTEN: Final = re.compile(
+    r"(native_)?controllers(_gripper_action)?\.yaml|gains\.yaml"
+)
+"""Files of the configuration that only the program reads: parts of controllers."""
+_LAST_DEPENDENCY: Final = b"  <exec_depend>xacro</exec_depend>\n"
+
+Files = dict[PurePosixPath, bytes]
+"""Path below the folder of packages → content."""
+
+
+def robot_packages(
+    robots: Sequence[CatalogueRobot],
+    *,
+    controllers: str,
+    action_controllers: str,
+    upstream_meshes: bool = False,
+) -> Files:
+    """Return the files of tool0_description and, for a single robot, tool0_gazebo.
+
+    Args:
+        robots: The robot that launch files bring up by default, without prefix, or
+            those of a cell.
+        controllers: Their ros_control YAML.
+        action_controllers: The same with the gripper driven by an action.
+        upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default,
+            and those packages are dependencies.
+
+    Raises:
+        ConfigError: If a folder of your own cannot be put among the built-in ones.
+    """
+    own = [_own_part(part) for robot in robots for part in robot.parts]
+    robot = robots[0]
+    packages = PACKAGES[:1] if robot.name else PACKAGES
+    gripper = NO_GRIPPER if robot.gripper is None else robot.gripper.name
+    defaults = {
+        "arm": robot.arm.name,
+        "gripper": gripper,
+        "meshes": "upstream" if upstream_meshes else "tool0",
+        "initial_joint_positions": " ".join(
+            f"-J {joint} {position}"
+            for joint, position in robot.arm.load("poses").get(_HOME, {}).items()
+        ),
+    }
+    files = {
+        PurePosixPath(path.relative_to(BUNDLED).as_posix()): path.read_bytes()
+        for package in packages
+        for path in _files_in(BUNDLED / package)
+    }
+    files = {path: _with_defaults(data, defaults) for path, data in files.items()}
+    for part_files in own:
+        files |= part_files
+    config = PurePosixPath("tool0_gazebo/config")
+    texts = {
+        "controllers": controllers,
+        "controllers_gripper_action": action_controllers,
+    }
+    for kind, text in texts.items() if "tool0_gazebo" in packages else ():
+        name = f"{robot.arm.name}_{gripper}_{kind}.yaml"
+        files[config / name] = _for_gazebo(text, robot.gripper, kind).encode()
+    if upstream_meshes:
+        _depend_on_upstream(files)
+    return files
+
+
+def _files_in(folder: Path) -> list[Path]:
+    """Return the files of a package or a part of it, without leftovers of tools."""
+    return [
+        path
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+        and not _NOT_WRITTEN.fullmatch(path.name)
+        and not any(
+            name.startswith((".", "__pycache__"))
+            for name in path.relative_to(folder).parts
+        )
+    ]
+
+
+def _with_defaults(data: bytes, defaults: Mapping[str, str]) -> bytes:
+    """Return a file with other default values of arguments, if it declares them."""
+    for name, value in defaults.items():
+        declared = rf'(<(?:xacro:)?arg name="{name}" default=")[^"]+(")'
+        data = re.sub(declared.encode(), rf"\g<1>{value}\g<2>".encode(), data)
+    return data
+
+
+def _own_part(part: Part) -> Files:
+    """Return the files of your own arm or gripper; none for a built-in one.
+
+    Raises:
+        ConfigError: If it is called like a built-in one, or is no name for a file.
+    """
+    if part.is_built_in:
+        return {}
+    below = PurePosixPath(f"tool0_description/config/{part.kind}s", part.name)
+    if (BUNDLED / below).exists():
+        raise ConfigError(
+            f"'{part.folder}' is called like a built-in {part.kind}; rename the folder"
+        )
+    if not re.fullmatch(r"\w+", part.name, re.ASCII):
+        raise ConfigError(
+            f"'{part.folder}': the name of the folder becomes part of names in ROS; "
+            "use letters, digits and underscores"
+        )
+    return {
+        below / path.relative_to(part.folder).as_posix(): path.read_bytes()
+        for path in _files_in(part.folder)
+    }
+
+
+def _for_gazebo(text: str, gripper: Part | None, kind: str) -> str:
+    """Return the YAML of controllers with the gripper's own part for native Gazebo.
+
+    The file ``native_<kind>.yaml`` in the gripper's folder replaces the controllers of
+    the same names.
+    """
+    path = None if gripper is None else gripper.folder / f"native_{kind}.yaml"
+    if path is None or not path.is_file():
+        return text
+    import yaml
+
+    native = path.read_text(encoding="utf-8")
+    for name in yaml.safe_load(native):
+        block = rf"(?:^#.*\n)*^{name}:.*\n(?:(?:[ #].*)?\n)*?(?=^#.*\n|^\S|\Z)"
+        text = re.sub(block, "", text, flags=re.MULTILINE)
+    return f"{text.rstrip()}\n\n{native}"
+
+
+def _depend_on_upstream(files: Files) -> None:
+    depends = "".join(
+        f'  <exec_depend condition="$ROS_VERSION == 1">{name}</exec_depend>\n'
+        for name in sorted(UPSTREAM_PACKAGES)
+    )
+    manifest = PurePosixPath("tool0_description", "package.xml")
+    files[manifest] = files[manifest].replace(
+        _LAST_DEPENDENCY, depends.encode() + _LAST_DEPENDENCY
+    )
