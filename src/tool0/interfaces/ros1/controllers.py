@@ -158,7 +158,7 @@ class JointTrajectoryBridge:
         setpoint = snapshot.controller_setpoints.get(self._name)
         if setpoint is None:
             return
-        if self._rate.is_due(snapshot.time):
+        if self._rate.is_due(snapshot.time) and self._publisher.get_num_connections():
             message = msg.JointTrajectoryControllerState()
             self._publisher.publish(self._filled(message, setpoint.state()))
         self._action.publish(
@@ -244,7 +244,8 @@ class JointStatePublisher:
         self._publisher = ros.publisher("joint_states", JointState, queue_size=100)
 
     def publish(self, snapshot: Snapshot) -> None:
-        if not self._rate.is_due(snapshot.time):
+        is_due = self._rate.is_due(snapshot.time)
+        if not (is_due and self._publisher.get_num_connections()):
             return
         joints = self._spec.message(
             snapshot.joint_names, snapshot.position, snapshot.velocity, snapshot.effort
