@@ -198,7 +198,7 @@ def test_a_demo_is_repeated_by_enter() -> None:
             for _ in range(2):
                 assert "in the bin after" in program.stdout.readline()
                 assert program.stdout.readline().startswith("1 of 1 in the bin; ")
-                assert "Enter repeats the pick" in program.stderr.readline()
+                assert "Enter repeats the demo" in program.stderr.readline()
             program.send_signal(signal.SIGINT)
         assert program.wait(30.0) == OK
 
