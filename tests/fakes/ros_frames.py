@@ -41,7 +41,10 @@ def assert_agrees(
     target: str,
     source: str,
 ) -> None:
-    """Assert that a pose is that of the link ``source`` in ``target``, about at rest."""
+    """Assert that a pose is that of the link ``source`` in ``target``.
+
+    The robot has to be nearly at rest: pose and positions are not of one instant.
+    """
     poses = link_poses(model, position)
     expected = poses[target].inverse() @ poses[source]
     np.testing.assert_allclose(found.position, expected.position, atol=1e-3)
