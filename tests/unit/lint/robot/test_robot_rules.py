@@ -7,8 +7,8 @@ import pytest
 
 from tool0.description.catalogue import arms, grippers
 from tool0.description.expansion import expand
-from tool0.description.packages import BUNDLED
 from tool0.description.model import JointType
+from tool0.description.packages import BUNDLED
 from tool0.description.robot import assemble
 from tool0.description.xml_source import LocatedElement, parse_file, parse_text
 from tool0.lint.robot_file import robot_findings, xacro_findings
@@ -36,8 +36,7 @@ def test_the_projects_own_robots_are_no_false_alarm(
     # True of fingers that slide: plain Gazebo cannot couple them (docs/workspace.md).
     types = robot.model.joint_by_name
     assert all(
-        finding.rule == "loose-mimic"
-        and types[finding.key].type is JointType.PRISMATIC
+        finding.rule == "loose-mimic" and types[finding.key].type is JointType.PRISMATIC
         for finding in found
     )
 
