@@ -10,12 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 import tool0
-from tool0.cli.demos.grasps import find_bin
 from tool0.cli.demos.hand import PickOptions, TaskFailure
 from tool0.cli.demos.monitor import GraspMonitor
-from tool0.cli.demos.picker import Picker, pick_and_place
-from tool0.cli.demos.table import PickTable
-from tool0.cli.demos.trials import DemoReport, run_trials
+from tool0.cli.demos.picker import Picker
+from tool0.cli.demos.setup import Demo, Trial, handover_demo, pick_demo
+from tool0.cli.demos.trials import DemoReport
 from tool0.description.forward_kinematics import link_poses
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
 from tool0.sensing.grasp import pad_links
@@ -134,22 +133,35 @@ def two_kilograms() -> float:
     return 1e3 * held.slip if held.failure is None else math.inf
 
 
-def picks(engine: str, n_picks: int, seed: int) -> DemoReport:
+PICKERS = (
+    ("ur5", "2f85"),
+    ("ur3e", "hande"),
+    ("ur5e", "2f140"),
+    ("ur10e", "hande"),
+    ("ur20", "2f140"),
+)
+"""Arms with their grippers."""
+GIVER, TAKER = "ur5+2f85", "ur10e+hande"
+
+
+def picks(
+    engine: str, n_picks: int, seed: int, arm: str = "ur5", gripper: str = "2f85"
+) -> DemoReport:
     """Pick a cube from random poses on the table and place it in the bin."""
+    description = tool0.DescriptionConfig(arm=arm, gripper=gripper)
+    return _played(pick_demo(Trial(), description), engine, n_picks, seed)
+
+
+def handovers(engine: str, n: int, seed: int) -> DemoReport:
+    """Hand a cube from one arm to another, from random poses on the table."""
+    return _played(handover_demo(Trial(), GIVER, TAKER), engine, n, seed)
+
+
+def _played(demo: Demo, engine: str, n: int, seed: int) -> DemoReport:
     with tool0.bringup(
-        engine=engine,
-        scene="table_and_bin",
-        realtime=False,
+        description=demo.description, engine=engine, scene=demo.scene, realtime=False
     ) as robot:
-        height = robot.scene["cube"].geometry.size[2]
-        into = find_bin(robot.scene.objects, "bin")
-        return run_trials(
-            robot,
-            "cube",
-            lambda: pick_and_place(robot, "cube", into),
-            PickTable(scale=1.0).random_poses(robot, height, seed),
-            n_picks,
-        )
+        return demo.play(robot, n, seed=seed)
 
 
 def trials(gripper: str = "2f85") -> Iterator[tuple[str, Shape, float]]:

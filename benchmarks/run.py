@@ -25,9 +25,11 @@ from benchmarks import (
     streams,
     tick,
 )
-from tool0.description.catalogue import arms
+from tool0.description.catalogue import arms, grippers
 from tool0.installation.gazebo.status import gazebo_status
 from tool0.installation.ros1.packages import ros1_status
+
+N_HANDOVERS = 20
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ def figures() -> Iterator[Figure]:
     for name, opening in rest.OPENINGS.items():
         velocity = rest.rms_velocity(opening, "mujoco")
         yield Figure(f"gripper at rest, {name}: rms [rad/s]", velocity, 1e-4, 1e-6)
-    yield from _grasp_figures("mujoco", n_picks=100)
+    yield from _grasp_figures("mujoco", n_picks=50)
     held = grasping.two_kilograms()
     yield Figure("mujoco: slip of 2 kg held at 235 N, linkage [mm]", held, 0.1, 0.05)
     yield from _drive_figures()
@@ -107,15 +109,21 @@ def _grasp_figures(engine: str, n_picks: int) -> Iterator[Figure]:
     yield Figure(f"{engine}: worst error of its speed [%]", 1e2 * speed, 10.0, 2.0)
     delay = grip.detection_delay(engine)
     yield Figure(f"{engine}: from contact to knowing it [s]", delay, 0.2, 0.15)
-    trials = grasping.all_trials(engine)
-    yield Figure(f"{engine}: of 10 things shaken at 2 g, dropped", trials.dropped, 0, 0)
-    yield Figure(f"{engine}: worst slip in 5 s [mm]", 1e3 * trials.slip, 0.1, 0.05)
-    shaken = 1e3 * trials.shaken
-    yield Figure(f"{engine}: worst slip, shaken for 3 s [mm]", shaken, 5.0, 1.0)
-    report = grasping.picks(engine, n_picks, seed=1)
-    bound = math.floor(0.98 * n_picks) if n_picks >= 100 else 0.9 * n_picks
-    name = f"{engine}: picks of {n_picks} from random poses that succeed"
-    yield Figure(name, report.n_succeeded, bound, n_picks)
+    for gripper in grippers():
+        trials = grasping.all_trials(engine, gripper)
+        name = f"{engine}: {gripper}"
+        yield Figure(f"{name}: things shaken at 2 g, dropped", trials.dropped, 0, 0)
+        yield Figure(f"{name}: worst slip in 5 s [mm]", 1e3 * trials.slip, 0.15, 0.05)
+        shaken = 1e3 * trials.shaken
+        yield Figure(f"{name}: worst slip, shaken for 3 s [mm]", shaken, 5.0, 1.0)
+    for arm, gripper in grasping.PICKERS:
+        report = grasping.picks(engine, n_picks, 1, arm, gripper)
+        name = f"{engine}: {arm} + {gripper}: of {n_picks} picks succeed"
+        bound = math.floor(0.98 * n_picks) if engine == "mujoco" else n_picks
+        yield Figure(name, report.n_succeeded, bound, n_picks)
+    report = grasping.handovers(engine, N_HANDOVERS, seed=1)
+    name = f"{engine}: of {N_HANDOVERS} handovers succeed"
+    yield Figure(name, report.n_succeeded, N_HANDOVERS - 1, N_HANDOVERS)
 
 
 def _drive_figures() -> Iterator[Figure]:
@@ -154,7 +162,7 @@ def _gazebo_figures() -> Iterator[Figure]:
         yield Figure(
             f"Gazebo: gripper at rest, {name}: rms [rad/s]", velocity, 1e-3, 1e-4
         )
-    yield from _grasp_figures("gazebo", n_picks=20)
+    yield from _grasp_figures("gazebo", n_picks=10)
     mimic = rest.mimic_error("gazebo")
     yield Figure("Gazebo: mimic error at 0.8 rad/s [rad]", mimic.moving, 3e-4, 1e-4)
     yield Figure("Gazebo: mimic error at rest [rad]", mimic.at_rest, 1e-5, 1e-6)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 import json
 import select
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TextIO, TypedDict, final
+from typing import TYPE_CHECKING, Literal, TextIO, final
 
 from tool0.cli import GOAL_FAILED, OK
 from tool0.cli.bringup import quiet_overruns
@@ -22,25 +21,14 @@ from tool0.runtime.config import SimulationConfig
 from tool0.user_data import require_writable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from tool0.api.robot import Robot
-    from tool0.cli.demos.grasps import Bin
-    from tool0.cli.demos.hand import PickOptions
     from tool0.cli.demos.report import PickReport
+    from tool0.cli.demos.setup import Demo, Trial
     from tool0.cli.demos.trials import DemoReport
-    from tool0.description.scene import Scene
-    from tool0.description.transform import Pose
     from tool0.sensing.snapshot import Snapshot
 
 PAGE_TIMEOUT = 300.0
 """Longest wait for a browser that has loaded the scene [wall s]."""
-
-
-class _Cube(TypedDict):
-    edge: float
-    mass: float
-    friction: float
 
 
 @final
@@ -81,6 +69,19 @@ class DemoArguments:
         if self.n < 1:
             raise ConfigError(f"--n must be 1 or more, got {self.n}")
 
+    @property
+    def trial(self) -> Trial:
+        """The cube, and how it is gripped and carried."""
+        from tool0.cli.demos.setup import Trial
+
+        return Trial(
+            size=self.size,
+            mass=self.mass,
+            friction=self.friction,
+            force=self.force,
+            speed=self.speed,
+        )
+
 
 def pick(
     arguments: DemoArguments = DemoArguments(),
@@ -94,7 +95,9 @@ def pick(
     and Ctrl-C ends it.  Headless, it runs as fast as possible and ends.
     """
     _check_files(arguments)  # first: the picks take minutes
-    return _run(_pick_demo(arguments, description), arguments, panel)
+    from tool0.cli.demos.setup import pick_demo
+
+    return _run(pick_demo(arguments.trial, description), arguments, panel)
 
 
 def handover(
@@ -112,96 +115,12 @@ def handover(
         taker: The arm that places.
     """
     _check_files(arguments)
-    return _run(_handover_demo(arguments, giver, taker), arguments, panel)
+    from tool0.cli.demos.setup import handover_demo
+
+    return _run(handover_demo(arguments.trial, giver, taker), arguments, panel)
 
 
 demo = {"pick": pick, "handover": handover}
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Demo:
-    """A robot, what is around it, and its task."""
-
-    description: DescriptionConfig
-    scene: Scene
-    poses: Callable[[Robot], Iterator[Pose]]
-    """Random start poses of the cube."""
-    task: Callable[[Robot, Bin, Callable[[Snapshot], None]], PickReport]
-    """Does it once."""
-
-
-def _pick_demo(arguments: DemoArguments, description: DescriptionConfig) -> _Demo:
-    from tool0.cli.demos.picker import pick_and_place
-    from tool0.cli.demos.table import ITEM, PickTable
-
-    table = PickTable(scale=_scale(description))
-    options = _options(arguments, table.lift)
-    return _Demo(
-        description=description,
-        scene=table.scene(**_cube(arguments)),
-        poses=lambda robot: table.random_poses(
-            robot, arguments.size, arguments.seed or 0
-        ),
-        task=lambda robot, into, on_snapshot: pick_and_place(
-            robot, ITEM, into, options, on_snapshot
-        ),
-    )
-
-
-def _handover_demo(arguments: DemoArguments, giver: str, taker: str) -> _Demo:
-    from tool0.cli.demos.handover import GIVER, TAKER, HandoverCell, hand_over
-    from tool0.cli.demos.table import ITEM
-    from tool0.description.cell_file import parse_robots
-
-    given = {GIVER: giver, TAKER: taker}
-    robots = parse_robots([f"{name}={parts}" for name, parts in given.items()]).robots
-    one, other = (robot.description for robot in robots)
-    for name, description in zip(given, (one, other), strict=True):
-        if description.gripper is None:
-            raise ConfigError(
-                f"--{name} '{given[name]}' has no gripper; write ARM+GRIPPER, such as "
-                "ur5+2f85"
-            )
-    places = HandoverCell.of(_scale(one), _scale(other))
-    options = _options(arguments, places.lift)
-    return _Demo(
-        description=DescriptionConfig(cell=places.cell(one, other)),
-        scene=places.scene(**_cube(arguments)),
-        poses=lambda robot: places.giver.random_poses(
-            robot, arguments.size, arguments.seed or 0
-        ),
-        task=lambda robot, into, on_snapshot: hand_over(
-            robot,
-            ITEM,
-            into,
-            places.meeting,
-            options=options,
-            on_snapshot=on_snapshot,
-        ),
-    )
-
-
-def _scale(description: DescriptionConfig) -> float:
-    """Return the size of an arm; the description is read for it."""
-    from tool0.cli.demos.table import arm_scale
-    from tool0.description.robot import load_description
-
-    return arm_scale(load_description(description).model)
-
-
-def _options(arguments: DemoArguments, lift: float) -> PickOptions:
-    from tool0.cli.demos.hand import PickOptions
-
-    return PickOptions(force=arguments.force, speed=arguments.speed, lift=lift)
-
-
-def _cube(arguments: DemoArguments) -> _Cube:
-    return {
-        "edge": arguments.size,
-        "mass": arguments.mass,
-        "friction": arguments.friction,
-    }
 
 
 def _check_files(arguments: DemoArguments) -> None:
@@ -215,7 +134,7 @@ def _check_files(arguments: DemoArguments) -> None:
         require_encoder(arguments.video)
 
 
-def _run(what: _Demo, arguments: DemoArguments, panel: PanelOptions) -> int:
+def _run(what: Demo, arguments: DemoArguments, panel: PanelOptions) -> int:
     from tool0.api.bringup import bringup
 
     simulation = SimulationConfig(
@@ -274,26 +193,19 @@ def _wants_replay() -> bool:
         return not stop.is_set and sys.stdin.readline() != ""
 
 
-def _play(robot: Robot, what: _Demo, arguments: DemoArguments) -> DemoReport:
-    from tool0.cli.demos.grasps import find_bin
+def _play(robot: Robot, what: Demo, arguments: DemoArguments) -> DemoReport:
     from tool0.cli.demos.monitor import FrameRecorder
-    from tool0.cli.demos.table import BIN, ITEM
-    from tool0.cli.demos.trials import run_trials
 
     recorder = FrameRecorder()
-    into = find_bin(robot.scene.objects, BIN)
-    poses = what.poses(robot)
 
     def on_snapshot(snapshot: Snapshot) -> None:
         if arguments.video is not None:
             recorder.record(snapshot)
 
-    report = run_trials(
+    report = what.play(
         robot,
-        ITEM,
-        lambda: what.task(robot, into, on_snapshot),
-        poses if arguments.seed is not None else itertools.chain([None], poses),
         arguments.n,
+        seed=arguments.seed,
         on_snapshot=on_snapshot,
         on_pick=_print_pick if arguments.format == "text" else lambda pick: None,
     )

@@ -1,0 +1,147 @@
+"""The demos: a robot, what is around it, and its task."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+from tool0.cli.demos.grasps import Bin, find_bin
+from tool0.cli.demos.hand import PickOptions
+from tool0.cli.demos.handover import GIVER, TAKER, HandoverCell, hand_over
+from tool0.cli.demos.picker import pick_and_place
+from tool0.cli.demos.report import PickReport
+from tool0.cli.demos.table import BIN, ITEM, PickTable, arm_scale
+from tool0.cli.demos.trials import DemoReport, run_trials
+from tool0.description.cell_file import parse_robots
+from tool0.description.config import DescriptionConfig
+from tool0.description.robot import load_description
+from tool0.description.scene import Scene
+from tool0.description.transform import Pose
+from tool0.errors import ConfigError
+from tool0.sensing.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from tool0.api.robot import Robot
+
+OnSnapshot = Callable[[Snapshot], None]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """The cube, and how it is gripped and carried."""
+
+    size: float = 0.045
+    """Edge of the cube [m]."""
+    mass: float = 0.1
+    """[kg]"""
+    friction: float = 1.0
+    """Coefficient of friction."""
+    force: float = 60.0
+    """At each pad [N]."""
+    speed: float = 0.7
+    """Of joints between two poses, part of the fastest."""
+
+    def scene_of(self, place: PickTable | HandoverCell) -> Scene:
+        """Return the scene with the cube."""
+        return place.scene(edge=self.size, mass=self.mass, friction=self.friction)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Demo:
+    """A robot, what is around it, and its task."""
+
+    description: DescriptionConfig
+    scene: Scene
+    poses: Callable[[Robot, int], Iterator[Pose]]
+    """Random start poses of the cube, for a seed."""
+    task: Callable[[Robot, Bin, OnSnapshot], PickReport]
+    """Does it once."""
+
+    def play(
+        self,
+        robot: Robot,
+        n: int,
+        *,
+        seed: int | None = None,
+        on_snapshot: OnSnapshot = lambda snapshot: None,
+        on_pick: Callable[[PickReport], None] = lambda report: None,
+    ) -> DemoReport:
+        """Do the task ``n`` times, and report.
+
+        Args:
+            robot: As described, with the scene.
+            n: Number of trials.
+            seed: Of the random start poses; without one, the first is the scene's.
+            on_snapshot: Called with each snapshot.
+            on_pick: Called after each trial.
+        """
+        into = find_bin(robot.scene.objects, BIN)
+        poses = self.poses(robot, seed or 0)
+        return run_trials(
+            robot,
+            ITEM,
+            lambda: self.task(robot, into, on_snapshot),
+            poses if seed is not None else itertools.chain([None], poses),
+            n,
+            on_snapshot=on_snapshot,
+            on_pick=on_pick,
+        )
+
+
+def pick_demo(trial: Trial, description: DescriptionConfig) -> Demo:
+    """Return the picks from a table, with a robot of one arm and one gripper."""
+    table = PickTable(scale=_scale(description))
+    options = _options(trial, table.lift)
+    return Demo(
+        description=description,
+        scene=trial.scene_of(table),
+        poses=lambda robot, seed: table.random_poses(robot, trial.size, seed),
+        task=lambda robot, into, on_snapshot: pick_and_place(
+            robot, ITEM, into, options, on_snapshot
+        ),
+    )
+
+
+def handover_demo(trial: Trial, giver: str, taker: str) -> Demo:
+    """Return the handovers between two robots, each ``ARM+GRIPPER``.
+
+    Raises:
+        ConfigError: If one is not written like that.
+    """
+    given = {GIVER: giver, TAKER: taker}
+    robots = parse_robots([f"{name}={parts}" for name, parts in given.items()]).robots
+    one, other = (robot.description for robot in robots)
+    for name, description in zip(given, (one, other), strict=True):
+        if description.gripper is None:
+            raise ConfigError(
+                f"--{name} '{given[name]}' has no gripper; write ARM+GRIPPER, such as "
+                "ur5+2f85"
+            )
+    places = HandoverCell.of(_scale(one), _scale(other))
+    options = _options(trial, places.lift)
+    return Demo(
+        description=DescriptionConfig(cell=places.cell(one, other)),
+        scene=trial.scene_of(places),
+        poses=lambda robot, seed: places.giver.random_poses(robot, trial.size, seed),
+        task=lambda robot, into, on_snapshot: hand_over(
+            robot,
+            ITEM,
+            into,
+            places.meeting,
+            options=options,
+            on_snapshot=on_snapshot,
+        ),
+    )
+
+
+def _scale(description: DescriptionConfig) -> float:
+    """Return the size of an arm; the description is read for it."""
+    return arm_scale(load_description(description).model)
+
+
+def _options(trial: Trial, lift: float) -> PickOptions:
+    return PickOptions(force=trial.force, speed=trial.speed, lift=lift)
