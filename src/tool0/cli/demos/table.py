@@ -32,7 +32,11 @@ LOWEST_LIFT = 0.1
 NEAR, FAR = 0.40, 0.65
 """Range of x of random poses on that table [m]."""
 RIGHT, LEFT = -0.10, 0.30
-"""Range of y [m]: clear of the bin."""
+"""Range of y [m]."""
+BIN_Y, BIN_HALF_WIDTH = -0.32, 0.10
+"""Of the bin [m]."""
+GAP = 0.12
+"""Distance of an object's centre from the bin, for a gripper beside it [m]."""
 ATTEMPTS = 1000
 
 
@@ -101,9 +105,11 @@ class PickTable:
             seed: The same one yields the same poses.
         """
         rng = random.Random(seed)
+        # The bin keeps its size, so on a small table it reaches further.
+        right = max(RIGHT, BIN_Y + (BIN_HALF_WIDTH + GAP) / self.scale)
         while True:
             for _ in range(ATTEMPTS):
-                x, y = self.at(rng.uniform(NEAR, FAR), rng.uniform(RIGHT, LEFT))
+                x, y = self.at(rng.uniform(NEAR, FAR), rng.uniform(right, LEFT))
                 yaw = rng.uniform(-math.pi, math.pi)
                 xyz = (x, y, TABLE_TOP + height / 2.0)
                 pose = Pose(xyz=xyz, rpy=(0.0, 0.0, yaw))
