@@ -11,7 +11,7 @@ from tool0.cli.edge import flush, interruptible, report
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "bringup": ("bringup", "bring up a robot in simulation, with its controllers"),
     "view": ("panel", "show a robot in a web page without physics, and pose it"),
-    "demo": ("demo", "run a complete task: pick a cube and place it in a bin"),
+    "demo": ("demo", "run a complete task: pick a cube, or hand it over"),
     "describe": (
         "describe",
         "write the robot as a tree, a table, URDF or MJCF, or its controllers",
