@@ -13,7 +13,7 @@ import tool0
 from tool0.cli.demos.hand import PickOptions, TaskFailure
 from tool0.cli.demos.monitor import GraspMonitor
 from tool0.cli.demos.picker import Picker
-from tool0.cli.demos.setup import Demo, Trial, handover_demo, pick_demo
+from tool0.cli.demos.setup import Cube, Demo, handover_demo, pick_demo
 from tool0.cli.demos.trials import DemoReport
 from tool0.description.forward_kinematics import link_poses
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
@@ -149,12 +149,12 @@ def picks(
 ) -> DemoReport:
     """Pick a cube from random poses on the table and place it in the bin."""
     description = tool0.DescriptionConfig(arm=arm, gripper=gripper)
-    return _played(pick_demo(Trial(), description), engine, n_picks, seed)
+    return _played(pick_demo(Cube(), PickOptions(), description), engine, n_picks, seed)
 
 
 def handovers(engine: str, n: int, seed: int) -> DemoReport:
     """Hand a cube from one arm to another, from random poses on the table."""
-    return _played(handover_demo(Trial(), GIVER, TAKER), engine, n, seed)
+    return _played(handover_demo(Cube(), PickOptions(), GIVER, TAKER), engine, n, seed)
 
 
 def _played(demo: Demo, engine: str, n: int, seed: int) -> DemoReport:

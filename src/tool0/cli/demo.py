@@ -22,8 +22,9 @@ from tool0.user_data import require_writable
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot
+    from tool0.cli.demos.hand import PickOptions
     from tool0.cli.demos.report import PickReport
-    from tool0.cli.demos.setup import Demo, Trial
+    from tool0.cli.demos.setup import Cube, Demo
     from tool0.cli.demos.trials import DemoReport
     from tool0.sensing.snapshot import Snapshot
 
@@ -70,17 +71,18 @@ class DemoArguments:
             raise ConfigError(f"--n must be 1 or more, got {self.n}")
 
     @property
-    def trial(self) -> Trial:
-        """The cube, and how it is gripped and carried."""
-        from tool0.cli.demos.setup import Trial
+    def cube(self) -> Cube:
+        """What is picked."""
+        from tool0.cli.demos.setup import Cube
 
-        return Trial(
-            size=self.size,
-            mass=self.mass,
-            friction=self.friction,
-            force=self.force,
-            speed=self.speed,
-        )
+        return Cube(edge=self.size, mass=self.mass, friction=self.friction)
+
+    @property
+    def options(self) -> PickOptions:
+        """How it is gripped and carried."""
+        from tool0.cli.demos.hand import PickOptions
+
+        return PickOptions(force=self.force, speed=self.speed)
 
 
 def pick(
@@ -97,7 +99,9 @@ def pick(
     _check_files(arguments)  # first: the picks take minutes
     from tool0.cli.demos.setup import pick_demo
 
-    return _run(pick_demo(arguments.trial, description), arguments, panel)
+    return _run(
+        pick_demo(arguments.cube, arguments.options, description), arguments, panel
+    )
 
 
 def handover(
@@ -117,7 +121,9 @@ def handover(
     _check_files(arguments)
     from tool0.cli.demos.setup import handover_demo
 
-    return _run(handover_demo(arguments.trial, giver, taker), arguments, panel)
+    return _run(
+        handover_demo(arguments.cube, arguments.options, giver, taker), arguments, panel
+    )
 
 
 demo = {"pick": pick, "handover": handover}

@@ -10,10 +10,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
-from tool0.description.expansion import read_parameters
 from tool0.description.model import Inertial, JointLimits, check_inertia, check_mass
 from tool0.description.yaml_checks import (
     allow_only,
+    check_files,
     check_positive,
     check_shape,
     child_at,
@@ -41,10 +41,7 @@ def check_gripper_files(files: Mapping[str, Path]) -> None:
         DescriptionError: If a key is missing or unknown, or a value is no number.
         ModelError: If no gripper can have the value.
     """
-    for name, check in _CHECKS.items():
-        path = files.get(name)
-        if path is not None and path.is_file():
-            check(read_parameters(path))
+    check_files(files, _CHECKS)
 
 
 def _check_kinematics(root: YamlEntry) -> None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
 
+from tool0.description.expansion import read_parameters
 from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import DescriptionError, ModelError, did_you_mean, nearest_name
 
@@ -13,6 +15,16 @@ _SIZES: Mapping[str, tuple[str, ...]] = {
     "sphere": ("radius",),
 }
 _SHAPES = ("mesh", "box", *_SIZES)
+
+
+def check_files(
+    files: Mapping[str, Path], checks: Mapping[str, Callable[[YamlEntry], None]]
+) -> None:
+    """Check files by name; those without a check, or that do not exist, are skipped."""
+    for name, check in checks.items():
+        path = files.get(name)
+        if path is not None and path.is_file():
+            check(read_parameters(path))
 
 
 def child_at(entry: YamlEntry, key: str, siblings: Collection[str] = ()) -> YamlEntry:

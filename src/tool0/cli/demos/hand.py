@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, final
 
 from tool0.cli.demos.grasps import Bin, Grasp
 from tool0.cli.demos.monitor import GraspMonitor
-from tool0.control.goal import GoalStatus
+from tool0.control.goal import GoalResult, GoalStatus
 from tool0.description.transform import Transform, Vector3
 from tool0.errors import ModelError, Tool0Error
 from tool0.hardware.limits import DriveLimits
@@ -131,8 +131,8 @@ class Hand:
             raise TaskFailure(f"the motion is not done after {MOTION_TIMEOUT:g} s")
         result = goal.result
         if result is not None and result.status is not GoalStatus.SUCCEEDED:
-            why = getattr(result, "error_string", "")  # a gripper's result has none
-            raise TaskFailure(f"the goal was {result.status.name} {why}".rstrip())
+            why = f": {result.error_string}" if isinstance(result, GoalResult) else ""
+            raise TaskFailure(f"the goal was {result.status.name}{why}")
 
     def put(self, into: Bin, grasps: Sequence[Grasp], height: float) -> None:
         """Carry the object to a bin, release it there, and leave.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
 from tool0.cli.demos.grasps import Bin, find_bin
@@ -30,23 +30,19 @@ OnSnapshot = Callable[[Snapshot], None]
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Trial:
-    """The cube, and how it is gripped and carried."""
+class Cube:
+    """What is picked."""
 
-    size: float = 0.045
-    """Edge of the cube [m]."""
+    edge: float = 0.045
+    """[m]"""
     mass: float = 0.1
     """[kg]"""
     friction: float = 1.0
     """Coefficient of friction."""
-    force: float = 60.0
-    """At each pad [N]."""
-    speed: float = 0.7
-    """Of joints between two poses, part of the fastest."""
 
     def scene_of(self, place: PickTable | HandoverCell) -> Scene:
         """Return the scene with the cube."""
-        return place.scene(edge=self.size, mass=self.mass, friction=self.friction)
+        return place.scene(edge=self.edge, mass=self.mass, friction=self.friction)
 
 
 @final
@@ -92,21 +88,21 @@ class Demo:
         )
 
 
-def pick_demo(trial: Trial, description: DescriptionConfig) -> Demo:
+def pick_demo(cube: Cube, options: PickOptions, description: DescriptionConfig) -> Demo:
     """Return the picks from a table, with a robot of one arm and one gripper."""
     table = PickTable(scale=_scale(description))
-    options = _options(trial, table.lift)
+    options = replace(options, lift=table.lift)
     return Demo(
         description=description,
-        scene=trial.scene_of(table),
-        poses=lambda robot, seed: table.random_poses(robot, trial.size, seed),
+        scene=cube.scene_of(table),
+        poses=lambda robot, seed: table.random_poses(robot, cube.edge, seed),
         task=lambda robot, into, on_snapshot: pick_and_place(
             robot, ITEM, into, options, on_snapshot
         ),
     )
 
 
-def handover_demo(trial: Trial, giver: str, taker: str) -> Demo:
+def handover_demo(cube: Cube, options: PickOptions, giver: str, taker: str) -> Demo:
     """Return the handovers between two robots, each ``ARM+GRIPPER``.
 
     Raises:
@@ -122,11 +118,11 @@ def handover_demo(trial: Trial, giver: str, taker: str) -> Demo:
                 "ur5+2f85"
             )
     places = HandoverCell.of(_scale(one), _scale(other))
-    options = _options(trial, places.lift)
+    options = replace(options, lift=places.lift)
     return Demo(
         description=DescriptionConfig(cell=places.cell(one, other)),
-        scene=trial.scene_of(places),
-        poses=lambda robot, seed: places.giver.random_poses(robot, trial.size, seed),
+        scene=cube.scene_of(places),
+        poses=lambda robot, seed: places.giver.random_poses(robot, cube.edge, seed),
         task=lambda robot, into, on_snapshot: hand_over(
             robot,
             ITEM,
@@ -141,7 +137,3 @@ def handover_demo(trial: Trial, giver: str, taker: str) -> Demo:
 def _scale(description: DescriptionConfig) -> float:
     """Return the size of an arm; the description is read for it."""
     return arm_scale(load_description(description).model)
-
-
-def _options(trial: Trial, lift: float) -> PickOptions:
-    return PickOptions(force=trial.force, speed=trial.speed, lift=lift)
