@@ -113,7 +113,7 @@ def _grasp_figures(engine: str, n_picks: int) -> Iterator[Figure]:
         trials = grasping.all_trials(engine, gripper)
         name = f"{engine}: {gripper}"
         yield Figure(f"{name}: things shaken at 2 g, dropped", trials.dropped, 0, 0)
-        yield Figure(f"{name}: worst slip in 5 s [mm]", 1e3 * trials.slip, 0.15, 0.05)
+        yield Figure(f"{name}: worst slip in 5 s [mm]", 1e3 * trials.slip, 0.1, 0.05)
         shaken = 1e3 * trials.shaken
         yield Figure(f"{name}: worst slip, shaken for 3 s [mm]", shaken, 5.0, 1.0)
     for arm, gripper in grasping.PICKERS:
@@ -138,7 +138,7 @@ def _drive_figures() -> Iterator[Figure]:
     path = max(motions.path for motions in moved)
     yield Figure("derived gains, rated payload: path [mrad]", 1e3 * path, 50.0, 20.0)
     final = max(motions.final for motions in moved)
-    yield Figure("derived gains, rated payload: final [mrad]", 1e3 * final, 10.0, 2.0)
+    yield Figure("derived gains, rated payload: final [mrad]", 1e3 * final, 2.0, 1.0)
 
 
 def _gazebo_figures() -> Iterator[Figure]:
