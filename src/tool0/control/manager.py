@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from tool0.control.config import Controller, ControllerConfig, ControllerSpec
+from tool0.control.law import Law
 from tool0.control.parameters import Gains, RobotJoints
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Joint
@@ -140,6 +141,24 @@ class ControllerManager:
             else:
                 for index, value in zip(indices, values, strict=True):
                     command[index] = value
+
+    def laws(self) -> list[tuple[Law, tuple[int, ...]]] | None:
+        """Return the law of each running controller, in load order, and its joints.
+
+        None if one of them has no law at the moment.
+        """
+        found: list[tuple[Law, tuple[int, ...]]] = []
+        for _, controller, _, indices in self._running:
+            law = controller.law()
+            if law is None:
+                return None
+            found.append((law, indices))
+        return found
+
+    def observe(self, state: JointState) -> None:
+        """Tell the running controllers the state of the last tick."""
+        for _, controller, *_ in self._running:
+            controller.observe(state)
 
     def _refresh(self) -> None:
         self._running = [

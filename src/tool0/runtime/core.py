@@ -60,6 +60,7 @@ class Core:
         self.engine = engine
         self.hardware = hardware
         self.manager = manager
+        self._kernel = Kernel(engine, hardware, manager)
         self.scene = SceneObjects(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
@@ -84,10 +85,16 @@ class Core:
 
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
-        state, engine, hardware = self.state, self.engine, self.hardware
+        self.settle()
+        state = self.state
         self.scene.wrenches.tick(self.time)
         self.manager.update(state, self.control_period)
-        for _ in range(self._steps_per_tick):
+        self._finish_tick(state, self._steps_per_tick)
+
+    def _finish_tick(self, state: JointState, n_steps: int) -> None:
+        """Execute the last steps of a tick, from ``state`` on."""
+        engine, hardware, before = self.engine, self.hardware, self._before
+        for _ in range(n_steps):
             before = state
             engine.write(hardware.efforts(state))
             engine.step()
@@ -96,6 +103,46 @@ class Core:
         self.ticks += 1
         for sensor in self._sensors:
             sensor.tick(before, state, self._forces)
+
+    def advance(self, most: int) -> int:
+        """Tick at least once and up to ``most`` times; return how many times.
+
+        The kernel executes what it can; after a tick in Python, this returns.
+        """
+        kernel = self._kernel
+        if not kernel.is_loaded and not self._load_kernel():
+            self.tick()
+            return 1
+        done, result = kernel.run(most)
+        self.ticks += done
+        self.state = kernel.tick_start()
+        self.manager.observe(self.state)
+        if result is RunResult.DONE:
+            self.state = self.engine.read()
+            return done
+        left = kernel.steps_left
+        if result is RunResult.EVENT and not left:
+            self.state = self.engine.read()
+            self.tick()
+        else:
+            self.settle()
+            self._finish_tick(self.engine.read(), left)
+        return done + 1
+
+    def settle(self) -> None:
+        """Give controllers and drives their state back, if the kernel has it.
+
+        Whatever reads or changes them between two ticks needs this first.
+        """
+        if self._kernel.is_loaded:
+            self._before = self._kernel.step_start()
+            self._kernel.store()
+
+    def _load_kernel(self) -> bool:
+        """Let the kernel execute the next ticks; return whether it can."""
+        if self._sensors or not self.scene.wrenches.is_idle:
+            return False
+        return self._kernel.load(self.state)
 
     def look_at_contacts(self) -> None:
         """Find joints that push without moving, and grips, between two ticks."""

@@ -1,0 +1,1 @@
+"""The compiled tick: laws, drives and physics steps without Python."""
