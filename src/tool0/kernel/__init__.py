@@ -1,1 +1,1 @@
-"""The compiled tick: laws, drives and physics steps without Python."""
+"""The control kernel: C sources, their compilation, and what packs their structs."""

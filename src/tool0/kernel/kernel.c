@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "kernel.h"
+#include "export.h"
 #include "robot.h"
 
 /* Sum of squares from which Python decides whether a state has diverged. */
@@ -65,7 +65,7 @@ static int step(Robot *robot)
 
    If `steps_left` is not 0 then, the laws of one further tick are executed, and so many
    of its steps are left. */
-TOOL0_API int tool0_run(Robot *robot, int most, int *done)
+TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
 {
     int n = robot->n_joints;
     robot->steps_left = 0;

@@ -43,43 +43,20 @@ class Kernel:
         """Load nothing yet; ``period`` is that of a tick [s]."""
         self._engine, self._hardware, self._manager = engine, hardware, manager
         self._period = period
-        self._library: Library | None = None
-        if engine.stepper is not None:
-            self._library = load_library()
+        self._library = None if engine.stepper is None else library.load()
         self._program: Program | None = None
-        self._running: object = None
-        """The running controllers that the program was made for."""
-        self._stepper: NativeStepper | None = None
         self.is_loaded = False
 
     def load(self, state: JointState) -> bool:
         """Take over from ``state`` on; return False if only Python can tick."""
-        stepper = self._engine.stepper
-        if self._library is None or stepper is None:
+        stepper, laws = self._engine.stepper, self._manager.laws()
+        if self._library is None or stepper is None or laws is None:
             return False
-        laws = self._manager.laws()
-        if laws is None:
-            return False
-        if self._program is None or self._manager.running_set is not self._running:
-            self._running, self._stepper = self._manager.running_set, None
-            self._program = Program(
-                laws, self._hardware, dt=self._engine.dt, period=self._period
+        program = self._program
+        if program is None or not program.fits(laws):
+            program = self._program = Program(
+                self._library, laws, self._hardware, self._engine.dt, self._period
             )
-            self._done = c_int()
-            self._arguments = byref(self._program.robot.struct), byref(self._done)
-        self._program.load([law for law, _ in laws], state, stepper.steps())
+        program.load(laws, stepper, state)
         self.is_loaded = True
         return True
-
-    def run(self, most: int) -> tuple[int, RunResult]:
-        """Execute up to ``most`` ticks; return how many, and why no more."""
-        program, stepper, library = self._program, self._engine.stepper, self._library
-        assert program is not None and stepper is not None and library is not None
-        if stepper is not self._stepper:
-            self._stepper = stepper
-            program.robot.set_stepper(stepper)
-        robot, done = self._arguments
-        result = library.tool0_run(robot, most, done)
-        struct = program.robot.struct
-        stepper.note_steps(struct.steps, program.robot.effort.tolist())
-        return self._done.value, result
