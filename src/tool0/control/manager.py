@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from tool0.control.config import Controller, ControllerConfig, ControllerSpec
-from tool0.control.law import Law
 from tool0.control.parameters import Gains, RobotJoints
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Joint
@@ -127,6 +126,9 @@ class ControllerManager:
         self._loaded: dict[str, _Loaded] = {}
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
         """Name and controller, and its slots of the command."""
+        self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
+        """In load order, with the joints that they command; another tuple whenever a
+        controller starts or stops."""
         self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
@@ -142,19 +144,6 @@ class ControllerManager:
                 for index, value in zip(indices, values, strict=True):
                     command[index] = value
 
-    def laws(self) -> list[tuple[Law, tuple[int, ...]]] | None:
-        """Return the law of each running controller, in load order, and its joints.
-
-        None if one of them has no law at the moment.
-        """
-        found: list[tuple[Law, tuple[int, ...]]] = []
-        for _, controller, _, indices in self._running:
-            law = controller.law()
-            if law is None:
-                return None
-            found.append((law, indices))
-        return found
-
     def observe(self, state: JointState) -> None:
         """Tell the running controllers the state of the last tick."""
         for _, controller, *_ in self._running:
@@ -167,6 +156,9 @@ class ControllerManager:
             if item.controller is not None
             for claims in [item.indices if item.claims else ()]
         ]
+        self.running_controllers = tuple(
+            (controller, claims) for _, controller, _, claims in self._running
+        )
         self._statuses = tuple(map(self.status, self._loaded))
 
     # ---- loading ------------------------------------------------------------------

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from ctypes import addressof
+from ctypes import CDLL, addressof, byref, c_int
+from enum import IntEnum
 from typing import final
 
 import numpy as np
 
+from tool0.control.config import Controller
 from tool0.control.law import CommandLaw, IdleLaw, Law, TrajectoryLaw
 from tool0.control.sampler import pieces_from
 from tool0.hardware.engine import JointState, NativeStepper
@@ -28,13 +30,13 @@ from tool0.kernel.memory import (
 class RobotMemory:
     """The struct of one robot, with its state between ticks."""
 
-    def __init__(self, n_joints: int, laws: Sequence[LawStruct]) -> None:
-        self.laws = (LawStruct * len(laws))(*laws)
+    def __init__(self, n_joints: int, n_laws: int) -> None:
+        self.laws = (LawStruct * n_laws)()
         self.command: FloatArray = np.zeros(n_joints)
         self.effort: FloatArray = np.zeros(n_joints)
         self._tick: FloatArray = np.zeros((3, n_joints))
         self._step: FloatArray = np.zeros((3, n_joints))
-        self.struct = struct = RobotStruct(n_joints=n_joints, n_laws=len(laws))
+        self.struct = struct = RobotStruct(n_joints=n_joints, n_laws=n_laws)
         struct.laws = addressof(self.laws)
         struct.command = self.command.ctypes.data
         struct.effort = self.effort.ctypes.data
@@ -73,12 +75,16 @@ class _LoadedLaw:
 
     def __init__(self, law: TrajectoryLaw | CommandLaw, joints: Sequence[int]) -> None:
         self._memory = LawMemory(law, joints)
-        self.struct = LawStruct()
-        self._memory.fill(self.struct, law)
+        self._struct = LawStruct()
         self._law = law
         self._rows = law.pid and law.pid.rows
         self._packed: tuple[object, object] | None = None
         self._known_until = -math.inf
+
+    def use(self, struct: LawStruct) -> None:
+        """Use this struct, which is new."""
+        self._struct = struct
+        self._memory.fill(struct, self._law)
 
     def load(self, law: TrajectoryLaw | CommandLaw, time: float) -> None:
         """Take the law as it is at ``time`` [s]."""
@@ -96,7 +102,7 @@ class _LoadedLaw:
             memory.last_errors[0] = law.last_errors
 
     def _load_motion(self, law: TrajectoryLaw, time: float) -> None:
-        memory, struct, monitor = self._memory, self.struct, law.monitor
+        memory, struct, monitor = self._memory, self._struct, law.monitor
         motion = law.sampler, monitor
         if motion != self._packed or time >= self._known_until:
             self._packed, self._known_until = motion, math.inf
@@ -127,47 +133,103 @@ class _LoadedLaw:
             law.monitor.note_arrived(arrived)
 
 
+class Result(IntEnum):
+    """Why a run of the kernel ended."""
+
+    DONE = 0
+    """All ticks are executed."""
+    EVENT = 1
+    """Python executes the next tick, or the steps that are left of this one."""
+    CHECK = 2
+    """Python checks whether the state has diverged, and then as ``EVENT``."""
+
+
+_RESULTS = tuple(Result)
+
+
 @final
 class Program:
-    """The running controllers and drives of one robot in the kernel's memory."""
+    """The running controllers and drives of one robot in the kernel's memory.
+
+    From ``load`` to ``store``, their state is there, and the objects in Python are out
+    of date.
+    """
 
     def __init__(
         self,
-        laws: Sequence[tuple[Law, Sequence[int]]],
+        compiled: CDLL,
+        running: Sequence[tuple[Controller, Sequence[int]]],
+        laws: Sequence[Law],
         hardware: RobotHardware,
         *,
         dt: float,
         period: float,
     ) -> None:
-        """Allocate the memory for these laws, with their joints; nothing is loaded.
+        """Allocate the memory; nothing is loaded.
 
-        ``dt`` [s] is the length of a step, ``period`` [s] that of a tick.
+        Args:
+            compiled: The library.
+            running: The running controllers in load order, with their joints.
+            laws: One for each of them.
+            hardware: The drives.
+            dt: Length of a step of the engine [s].
+            period: Length of a tick [s].
         """
+        self.running = running
         self._hardware = hardware
         self._laws = [
             None if isinstance(law, IdleLaw) else _LoadedLaw(law, joints)
-            for law, joints in laws
+            for law, (_, joints) in zip(laws, running, strict=True)
         ]
         self._drives = NativeDrives(hardware)
-        self.robot = robot = RobotMemory(
-            len(hardware.joint_names), [law.struct for law in self._laws if law]
-        )
-        for law, struct in zip(filter(None, self._laws), robot.laws, strict=True):
-            law.struct = struct
-        robot.struct.dt, robot.struct.period = dt, period
-        robot.struct.steps_per_tick = round(period / dt)
-        robot.struct.drives = addressof(self._drives.struct)
+        loaded = [law for law in self._laws if law is not None]
+        self._robot = RobotMemory(len(hardware.joint_names), len(loaded))
+        for law, struct in zip(loaded, self._robot.laws, strict=True):
+            law.use(struct)
+        self._struct = struct = self._robot.struct
+        struct.dt, struct.period = dt, period
+        struct.steps_per_tick = round(period / dt)
+        struct.drives = addressof(self._drives.struct)
+        self._stepper: NativeStepper | None = None
+        self._run = compiled.tool0_run
+        self._done = c_int()
+        self._arguments = byref(struct), byref(self._done)
 
-    def load(self, laws: Sequence[Law], state: JointState, steps: int) -> None:
-        """Take over the controllers and drives; ``steps`` are those of the engine."""
-        robot = self.robot
-        robot.struct.steps = steps
+    def load(
+        self, laws: Sequence[Law], state: JointState, stepper: NativeStepper
+    ) -> None:
+        """Take over the controllers and drives in ``state``."""
         for loaded, law in zip(self._laws, laws, strict=True):
             if loaded is not None and not isinstance(law, IdleLaw):
                 loaded.load(law, state.time)
         self._drives.load()
-        robot.command[:] = self._hardware.command
-        robot.effort[:] = state.effort
+        self._robot.command[:] = self._hardware.command
+        self._robot.effort[:] = state.effort
+        self._struct.steps = stepper.steps()
+
+    def run(self, most: int, stepper: NativeStepper) -> tuple[Result, int]:
+        """Execute up to ``most`` ticks; return how it ended, and how many were."""
+        if stepper is not self._stepper:
+            self._stepper = stepper
+            self._robot.set_stepper(stepper)
+        robot, done = self._arguments
+        result = self._run(robot, most, done)
+        stepper.note_steps(self._struct.steps, self._robot.effort.tolist())
+        return _RESULTS[result], self._done.value
+
+    @property
+    def steps_left(self) -> int:
+        """Steps of a tick, whose laws are executed, that Python must execute."""
+        left: int = self._struct.steps_left
+        return left
+
+    def tick_start(self) -> JointState:
+        """Return the state at the start of the last tick, or of an unfinished one."""
+        return self._robot.tick_start()
+
+    def step_start(self) -> JointState:
+        """Return the state at the start of the last step."""
+        return self._robot.step_start()
 
     def store(self) -> None:
         """Give controllers and drives their state back."""
@@ -175,4 +237,4 @@ class Program:
             if law is not None:
                 law.store()
         self._drives.store()
-        self._hardware.command[:] = self.robot.command.tolist()
+        self._hardware.command[:] = self._robot.command.tolist()

@@ -20,6 +20,8 @@ from tool0.errors import ConfigError, ControlError, did_you_mean
 from tool0.hardware.engine import Contact, Engine, JointState
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.kernel.kernel import Kernel
+from tool0.kernel.program import Program, Result
 from tool0.runtime.joint_motion import (
     joints_by_controller,
     planned_motion,
@@ -60,7 +62,9 @@ class Core:
         self.engine = engine
         self.hardware = hardware
         self.manager = manager
-        self._kernel = Kernel(engine, hardware, manager)
+        self._kernel = Kernel(engine, hardware, manager, self.control_period)
+        self._program: Program | None = None
+        """What executes the ticks, while it has the state of controllers and drives."""
         self.scene = SceneObjects(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
@@ -109,24 +113,27 @@ class Core:
 
         The kernel executes what it can; after a tick in Python, this returns.
         """
-        kernel = self._kernel
-        if not kernel.is_loaded and not self._load_kernel():
+        program, stepper = self._program, self.engine.stepper
+        if program is None and not self._sensors and self.scene.wrenches.is_idle:
+            program = self._program = self._kernel.load(self.state)
+        if program is None or stepper is None:
             self.tick()
             return 1
-        done, result = kernel.run(most)
+        result, done = program.run(most, stepper)
         self.ticks += done
-        self.state = kernel.tick_start()
+        self.state = program.tick_start()
         self.manager.observe(self.state)
-        if result is RunResult.DONE:
+        if result is Result.DONE:
             self.state = self.engine.read()
             return done
-        left = kernel.steps_left
-        if result is RunResult.EVENT and not left:
-            self.state = self.engine.read()
+        left = program.steps_left
+        self.settle()
+        state = self.engine.read()
+        if result is Result.EVENT and not left:
+            self.state = state
             self.tick()
         else:
-            self.settle()
-            self._finish_tick(self.engine.read(), left)
+            self._finish_tick(state, left)
         return done + 1
 
     def settle(self) -> None:
@@ -134,15 +141,10 @@ class Core:
 
         Whatever reads or changes them between two ticks needs this first.
         """
-        if self._kernel.is_loaded:
-            self._before = self._kernel.step_start()
-            self._kernel.store()
-
-    def _load_kernel(self) -> bool:
-        """Let the kernel execute the next ticks; return whether it can."""
-        if self._sensors or not self.scene.wrenches.is_idle:
-            return False
-        return self._kernel.load(self.state)
+        program, self._program = self._program, None
+        if program is not None:
+            self._before = program.step_start()
+            program.store()
 
     def look_at_contacts(self) -> None:
         """Find joints that push without moving, and grips, between two ticks."""
