@@ -1,0 +1,1 @@
+"""The compiled tick: bit-identical to that of Python, without its overhead."""
