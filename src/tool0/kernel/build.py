@@ -227,6 +227,7 @@ def _sources(folder: Path) -> list[Path]:
 
 def _install_compiler() -> None:
     """Install ziglang for this Python, unless a compiler works."""
+    import importlib
     import subprocess
 
     try:
@@ -241,20 +242,21 @@ def _install_compiler() -> None:
             raise KernelBuildError(
                 f"pip cannot install '{ZIG}' (see above); install gcc or clang"
             ) from None
+        importlib.invalidate_caches()
 
 
-def main(words: Sequence[str]) -> int:
-    """Do what the command line says."""
+def main(words: Sequence[str], folder: Path = FOLDER) -> int:
+    """Do what the command line says, and return the exit status."""
     if words not in ([], ["--install-compiler"]):
         print(__doc__, file=sys.stderr)
         return 2
     try:
-        open_library()
+        open_library(folder)
     except KernelUnusableError:
         try:
             if words:
                 _install_compiler()
-            path = build()
+            path = build(folder)
         except KernelBuildError as error:
             print(f"tool0: cannot compile the kernel: {error}", file=sys.stderr)
             return 1
