@@ -41,6 +41,7 @@ TOOL0_EXPORT double both(double x) { return sin(x) * cos(x); }
 TOOL0_EXPORT double square(double x) { return pow(x, 2.0); }
 TOOL0_EXPORT double root(double x) { return sqrt(x); }
 TOOL0_EXPORT double fused(double x) { return x * x - 0.7; }
+TOOL0_EXPORT double rounded(double x) { return (x + 1e16) - 1e16; }
 """
 
 
@@ -81,6 +82,7 @@ def test_results_are_those_of_python_to_the_bit(tmp_path: Path) -> None:
         "square": lambda x: x**2.0,
         "root": math.sqrt,
         "fused": lambda x: x * x - 0.7,
+        "rounded": lambda x: (x + 1e16) - 1e16,
     }
     rng = random.Random(7)
     values = [rng.uniform(0.0, 10.0 ** rng.randint(-3, 4)) for _ in range(3000)]
