@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
@@ -126,6 +126,8 @@ class ControllerManager:
         self._loaded: dict[str, _Loaded] = {}
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
         """Name and controller, and its slots of the command."""
+        self._setpoints: tuple[tuple[str, Callable[[], Setpoint | None]], ...] = ()
+        """Name of each running controller, and what returns its setpoint."""
         self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
@@ -148,6 +150,9 @@ class ControllerManager:
             if item.controller is not None
             for claims in [item.indices if item.claims else ()]
         ]
+        self._setpoints = tuple(
+            (name, controller.setpoint) for name, controller, *_ in self._running
+        )
         self._statuses = tuple(map(self.status, self._loaded))
 
     # ---- loading ------------------------------------------------------------------
@@ -353,8 +358,8 @@ class ControllerManager:
         """Return the setpoints of the running controllers that command a position."""
         return {
             name: setpoint
-            for name, controller, *_ in self._running
-            if (setpoint := controller.setpoint()) is not None
+            for name, current in self._setpoints
+            if (setpoint := current()) is not None
         }
 
     def spec(self, name: str) -> ControllerSpec:
