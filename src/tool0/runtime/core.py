@@ -266,13 +266,17 @@ class Core:
         self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
 
-    def drift(self) -> float:
-        """Return the largest drift of an uncommanded joint from its start.
+    def drift(self, at_least: float = 0.0) -> float:
+        """Return the largest drift of an uncommanded joint from its start [rad | m].
 
-        [rad | m]; 0 if every joint was commanded.
+        ``at_least`` if that is larger, as for joints that were all commanded.
         """
-        changes = map(sub, self._uncommanded(self.state.position), self._their_start)
-        return max(map(abs, changes), default=0.0)
+        position, start = self._uncommanded(self.state.position), self._their_start
+        position, start = self._uncommanded(self.state.position), self._their_start
+        if math.dist(position, start) <= at_least:  # no joint is further than all are
+            return at_least
+        largest: float = max(map(abs, map(sub, position, start)))
+        return max(at_least, largest)
 
     def _watch_drift(self) -> None:
         """Note which joints were not commanded, and where they started."""

@@ -338,7 +338,7 @@ class Loop:
 
     def _publish(self) -> None:
         core, meter, overruns = self._core, self._meter, self._pacer.overruns
-        self.max_drift = max(self.max_drift, core.drift())
+        self.max_drift = core.drift(self.max_drift)
         time = core.time
         if meter.measure(time, overruns):
             self._announce_lag()
