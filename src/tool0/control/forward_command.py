@@ -106,7 +106,11 @@ class ForwardCommandController:
             self._command,
             self.pid,
             not self._is_position,
-            [k for k, j in enumerate(joints) if wraps and j.type is JointType.CONTINUOUS],
+            [
+                k
+                for k, j in enumerate(joints)
+                if wraps and j.type is JointType.CONTINUOUS
+            ],
             self._last_errors,
         )
 

@@ -106,7 +106,9 @@ class LawMemory:
     Gains, feed-forward and joints are the same for all robots.
     """
 
-    def __init__(self, law: TrajectoryLaw | CommandLaw, joints: Sequence[int], n: int = 1) -> None:
+    def __init__(
+        self, law: TrajectoryLaw | CommandLaw, joints: Sequence[int], n: int = 1
+    ) -> None:
         """Allocate it; ``joints`` are the engine's numbers of the law's joints."""
         k = len(joints)
         self._kind = LawKind.TRAJECTORY

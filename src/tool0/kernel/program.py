@@ -133,7 +133,7 @@ class _LoadedLaw:
             law.monitor.note_arrived(arrived)
 
 
-class Result(IntEnum):
+class Ended(IntEnum):
     """Why a run of the kernel ended."""
 
     DONE = 0
@@ -144,7 +144,7 @@ class Result(IntEnum):
     """Python checks whether the state has diverged, and then as ``EVENT``."""
 
 
-_RESULTS = tuple(Result)
+_RESULTS = tuple(Ended)
 
 
 @final
@@ -207,7 +207,7 @@ class Program:
         self._robot.effort[:] = state.effort
         self._struct.steps = stepper.steps()
 
-    def run(self, most: int, stepper: NativeStepper) -> tuple[Result, int]:
+    def run(self, most: int, stepper: NativeStepper) -> tuple[Ended, int]:
         """Execute up to ``most`` ticks; return how it ended, and how many were."""
         if stepper is not self._stepper:
             self._stepper = stepper

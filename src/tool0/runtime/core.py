@@ -21,7 +21,7 @@ from tool0.hardware.engine import Contact, Engine, JointState
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
-from tool0.kernel.program import Program, Result
+from tool0.kernel.program import Ended, Program
 from tool0.runtime.joint_motion import (
     joints_by_controller,
     planned_motion,
@@ -62,12 +62,12 @@ class Core:
         self.engine = engine
         self.hardware = hardware
         self.manager = manager
-        self._kernel = Kernel(engine, hardware, manager, self.control_period)
-        self._program: Program | None = None
-        """What executes the ticks, while it has the state of controllers and drives."""
         self.scene = SceneObjects(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
+        self._kernel = Kernel(engine, hardware, manager, self.control_period)
+        self._program: Program | None = None
+        """What executes the ticks, while it has the state of controllers and drives."""
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
         self._initial = list(initial_position)
         self._start = self._initial
@@ -119,17 +119,20 @@ class Core:
         if program is None or stepper is None:
             self.tick()
             return 1
+        steps = stepper.steps()
         result, done = program.run(most, stepper)
         self.ticks += done
-        self.state = program.tick_start()
-        self.manager.observe(self.state)
-        if result is Result.DONE:
-            self.state = self.engine.read()
-            return done
+        state = self.state
+        if stepper.steps() > steps:
+            self.state = program.tick_start()
+            self.manager.observe(self.state)
+            if result is Ended.DONE:
+                self.state = self.engine.read()
+                return done
+            state = self.engine.read()
         left = program.steps_left
         self.settle()
-        state = self.engine.read()
-        if result is Result.EVENT and not left:
+        if result is Ended.EVENT and not left:
             self.state = state
             self.tick()
         else:

@@ -134,6 +134,8 @@ class Loop:
     def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
         """Let ``duration`` simulated seconds pass, or fewer if ``until`` returns True.
 
+        It is called at every snapshot, and when a goal ends: not after every tick.
+
         Raises:
             EngineError: If the physics failed; a reset makes it run again.
             ControlError: If the loop is paused or closed meanwhile.
@@ -151,7 +153,7 @@ class Loop:
                 continue
             try:
                 while self.steps < end and self._is_running and not until():
-                    self._cycle(math.ceil(end - self.steps))
+                    self._cycle(end - self.steps)
                 self._publish()
             finally:
                 self._owner.release()
@@ -260,7 +262,7 @@ class Loop:
                 self._cycle(pacer.tick())
                 pacer.tick_further(self.steps - start - 1)
 
-    def _cycle(self, most: int) -> None:
+    def _cycle(self, most: float) -> None:
         """Drain; then tick up to ``most`` times, unless an operation pauses that."""
         if not self._mailbox.empty():
             self._drain()
@@ -268,12 +270,12 @@ class Loop:
                 return
         self._tick(most)
 
-    def _tick(self, most: int) -> None:
+    def _tick(self, most: float) -> None:
         """Tick up to ``most`` times and up to the next snapshot; publish it if due."""
         core, start = self._core, self._core.ticks
-        most = min(most, self._snapshot_ticks - start % self._snapshot_ticks)
+        left = self._snapshot_ticks - start % self._snapshot_ticks
         try:
-            done = core.advance(most)
+            done = core.advance(math.ceil(min(most, left)))
         except Exception as error:  # a bug in a controller must not lose the robot
             if not isinstance(error, EngineError):
                 logger.exception("the control tick failed")
