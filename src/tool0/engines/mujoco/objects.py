@@ -250,12 +250,14 @@ class ObjectStates:
     def __init__(self, model: Any, data: Any, scene: Scene) -> None:
         """View ``model`` and ``data``, compiled with ``scene``."""
         self._model = model
-        self._names = tuple(item.name for item in scene.objects)
+        self.names = tuple(item.name for item in scene.objects)
         movable = [item.name for item in scene.objects if item.mass is not None]
         # Free joints are the last ones, in the scene's order: 7 positions, 6 speeds.
         self._starts = {name: (7 * k, 6 * k) for k, name in enumerate(movable)}
-        self._position = data.qpos[model.nq - 7 * len(movable) :]  # views
-        self._velocity = data.qvel[model.nv - 6 * len(movable) :]
+        self.position = data.qpos[model.nq - 7 * len(movable) :]  # views
+        """Of the free joints, each with 7 numbers."""
+        self.velocity = data.qvel[model.nv - 6 * len(movable) :]
+        """Of the free joints, each with 6 numbers."""
         self._warm_start = data.qacc_warmstart[model.nv - 6 * len(movable) :]
         self._static_at_start = {
             item.name: ObjectState(
@@ -264,19 +266,24 @@ class ObjectStates:
             for item in scene.objects
             if item.mass is None
         }
-        self._static = dict(self._static_at_start)
+        self.static = dict(self._static_at_start)
+        """The states of the others, by name."""
+
+    def is_movable(self, name: str) -> bool:
+        """Return whether an object has a mass."""
+        return name in self._starts
 
     def read(self) -> tuple[ObjectState, ...]:
         """Return the state of each object, in the scene's order."""
         if not self._starts:
-            return tuple(self._static.values())
-        position, velocity = self._position.tolist(), self._velocity.tolist()
-        starts, static = self._starts, self._static
+            return tuple(self.static.values())
+        position, velocity = self.position.tolist(), self.velocity.tolist()
+        starts, static = self._starts, self.static
         return tuple(
             static[name]
             if name in static
             else _state(name, position, velocity, *starts[name])
-            for name in self._names
+            for name in self.names
         )
 
     def place(self, state: ObjectState) -> None:
@@ -287,8 +294,8 @@ class ObjectStates:
         i, j = self._starts[state.name]
         w, x, y, z = state.quat_wxyz
         angular = _rotated((w, -x, -y, -z), state.angular)
-        self._position[i : i + 7] = (*state.position, *state.quat_wxyz)
-        self._velocity[j : j + 6] = (*state.linear, *angular)
+        self.position[i : i + 7] = (*state.position, *state.quat_wxyz)
+        self.velocity[j : j + 6] = (*state.linear, *angular)
         self._warm_start[j : j + 6] = 0.0
 
     def reset(self) -> None:
@@ -298,13 +305,13 @@ class ObjectStates:
 
     def copy_static_poses(self, other: ObjectStates) -> None:
         """Put static objects where ``other`` has them, if it has them."""
-        for name in self._static.keys() & other._static.keys():
-            self._put(other._static[name])
+        for name in self.static.keys() & other.static.keys():
+            self._put(other.static[name])
 
     def _put(self, state: ObjectState) -> None:
         body = self._model.body(state.name)
         body.pos[:], body.quat[:] = state.position, state.quat_wxyz
-        self._static[state.name] = state
+        self.static[state.name] = state
 
 
 def _state(
