@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from tool0.api.bringup import bringup
     from tool0.api.connect import connect
     from tool0.api.controller import ControllerHandle, GoalHandle
+    from tool0.api.grasps import Bin, find_bin
     from tool0.api.gripper import Gripper
     from tool0.api.recording import Recording
     from tool0.api.robot import JointValues, Robot
     from tool0.api.scene import SceneHandle
     from tool0.api.sensors import CameraHandle, ForceTorque
-    from tool0.cli.demos.grasps import Bin, find_bin
     from tool0.cli.demos.hand import PickOptions
     from tool0.cli.demos.picker import pick_and_place
     from tool0.cli.demos.report import PickReport
@@ -157,7 +157,7 @@ __all__ = [
 _HOMES = {
     "Arm": "tool0.api.arm",
     "ArmChain": "tool0.kinematics.chain",
-    "Bin": "tool0.cli.demos.grasps",
+    "Bin": "tool0.api.grasps",
     "Branch": "tool0.kinematics.inverse",
     "CameraHandle": "tool0.api.sensors",
     "CameraImage": "tool0.sensing.cameras",
@@ -236,7 +236,7 @@ _HOMES = {
     "connect": "tool0.api.connect",
     "encode_depth": "tool0.sensing.cameras",
     "encode_png": "tool0.sensing.cameras",
-    "find_bin": "tool0.cli.demos.grasps",
+    "find_bin": "tool0.api.grasps",
     "pick_and_place": "tool0.cli.demos.picker",
 }
 
