@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from tool0.api.robot import JointValues, Robot
     from tool0.api.scene import SceneHandle
     from tool0.api.sensors import CameraHandle, ForceTorque
+    from tool0.batch.batch import Batch
     from tool0.cli.demos.hand import PickOptions
     from tool0.cli.demos.picker import pick_and_place
     from tool0.cli.demos.report import PickReport
@@ -71,6 +72,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Arm",
     "ArmChain",
+    "Batch",
     "Bin",
     "Branch",
     "CameraHandle",
@@ -157,6 +159,7 @@ __all__ = [
 _HOMES = {
     "Arm": "tool0.api.arm",
     "ArmChain": "tool0.kinematics.chain",
+    "Batch": "tool0.batch.batch",
     "Bin": "tool0.api.grasps",
     "Branch": "tool0.kinematics.inverse",
     "CameraHandle": "tool0.api.sensors",

@@ -117,11 +117,19 @@ class Core:
         self._note_command(controller, goal.joint_names, bounds)
         return self._started(accepted)
 
-    def command_trajectory(self, controller: str, goal: TrajectoryGoal) -> None:
-        """Follow a trajectory without a goal, as ROS's topic does."""
+    def command_trajectory(
+        self,
+        controller: str,
+        goal: TrajectoryGoal,
+        bounds: Mapping[str, DriveLimits] | None = None,
+    ) -> None:
+        """Follow a trajectory without a goal, as ROS's topic does.
+
+        ``bounds`` are as for ``follow``.
+        """
         trajectory = self._drivable(controller, JointTrajectoryController)
         trajectory.command(goal, self.time)
-        self._note_command(controller, goal.joint_names)
+        self._note_command(controller, goal.joint_names, bounds)
 
     def move_joints(
         self, positions: Mapping[str, float], speed: float, controller: str | None

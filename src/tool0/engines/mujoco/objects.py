@@ -88,6 +88,46 @@ def _compile_alone(
         ) from error
 
 
+def change_mass(
+    model: Any, item: SceneObject, scene: Scene, known_files: Mapping[str, bytes]
+) -> None:
+    """Give an object of a compiled model the mass of ``item``, one of ``scene``."""
+    alone = _compile_alone(item, scene, known_files).body(item.name)
+    body = model.body(item.name)
+    body.mass[:], body.inertia[:] = alone.mass, alone.inertia
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
+def change_friction(
+    model: Any, robot: RobotModel, item: SceneObject, scene: Scene
+) -> None:
+    """Give an object of a compiled model the friction of ``item``, one of ``scene``."""
+    friction = {
+        geom: other.friction for other in scene.objects for geom, _ in _geoms(other)
+    }
+    friction |= {pad: mu for pad, mu in _pads(robot)}
+    own = [model.geom(name).id for name, _ in _geoms(item)]
+    model.geom_friction[own, 0] = item.friction
+    pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+    for number, pair in enumerate(pairs):
+        if not set(own).isdisjoint(pair):
+            mu = min(friction[model.geom(geom).name] for geom in pair)
+            model.pair_friction[number, :2] = mu
+
+
+def _pads(robot: RobotModel) -> list[tuple[str, float]]:
+    """Return the name and the friction of each shape of a pad."""
+    return [
+        (
+            collision_name(link, number),
+            1.0 if link.surface.mu1 is None else link.surface.mu1,
+        )
+        for link in robot.links
+        if link.surface is not None
+        for number in range(len(link.collisions))
+    ]
+
+
 def free_joint_name(name: str) -> str:
     """Return the name of an object's free joint."""
     return f"{name}/free"  # no object's name has a slash
@@ -105,15 +145,8 @@ def _add_objects(
     # Static objects come first: messages about overlaps rely on this order.
     for item in sorted(scene.objects, key=lambda item: item.mass is not None):
         _add_object(spec, item, scene, known_files)
-    pads = [
-        (collision_name(link, number), link.surface)
-        for link in model.links
-        if link.surface is not None
-        for number in range(len(link.collisions))
-    ]
     named = [(item, _geoms(item)) for item in scene.objects]
-    for (item, geoms), (pad, surface) in itertools.product(named, pads):
-        mu = 1.0 if surface.mu1 is None else surface.mu1
+    for (item, geoms), (pad, mu) in itertools.product(named, _pads(model)):
         for geom, _ in geoms:
             pair = _add_pair(spec, geom, pad, min(item.friction, mu))
             pair.condim = GRIP_CONDIM
