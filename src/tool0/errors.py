@@ -91,6 +91,10 @@ class RosUnavailableError(Tool0Error):
     """ROS is not installed, or its master does not answer."""
 
 
+class GymUnavailableError(Tool0Error, ImportError):
+    """Gymnasium is not installed."""
+
+
 class DivergenceError(EngineError):
     """The physics state, or what drives it, is not finite or grows without bound."""
 

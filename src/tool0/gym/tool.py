@@ -146,4 +146,4 @@ def quaternions(R: Array) -> Array:
         table[:, i, j] = table[:, j, i] = value
     quat = table[np.arange(len(R)), largest]
     quat = quat / np.sqrt((quat * quat).sum(axis=1))[:, None]
-    return np.where(quat[:, :1] < 0.0, -quat, quat)
+    return np.asarray(np.where(quat[:, :1] < 0.0, -quat, quat))

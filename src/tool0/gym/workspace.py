@@ -117,7 +117,7 @@ class Workspace:
 
     @property
     def hover_height(self) -> float:
-        """Height of the tcp above the table at which the fingers pass over cubes [m]."""
+        """Height of the tcp above the table where fingers pass over cubes [m]."""
         return max(self.grasp_height, self.reach) + self.edge + HOVER
 
     @property
@@ -199,7 +199,7 @@ class Workspace:
         return q if bool(np.isfinite(q).all()) else None
 
     def _flange(self, position: Array, yaw: float) -> Array:
-        """Return the pose of the flange in the arm's base, (4, 4), for one of the tcp."""
+        """Return the pose of the flange in the arm's base, (4, 4), of one of the tcp."""
         T = np.eye(4)
         T[:3, :3] = downward(np.array([yaw]))[0]
         T[:3, 3] = position
