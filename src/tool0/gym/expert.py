@@ -159,9 +159,10 @@ def _grasp(copies: Copies, state: State) -> _Grasp:
     grasp[:, 2] = np.maximum(
         cube[:, 2] - edge / 2.0 + space.grasp_height, TABLE_TOP + space.grasp_height
     )
-    beside = _length(tcp[:, :2] - cube[:, :2])
+    # Commanded, not measured: a step that waits for the arm to settle would oscillate.
+    beside = _length(pose.position[:, :2] - cube[:, :2])
     twist = np.abs(wrapped(yaw - pose.yaw))
-    is_low = tcp[:, 2] < grasp[:, 2] + space.edge
+    is_low = pose.position[:, 2] < grasp[:, 2] + space.edge
     slack = np.where(is_low, NEAR, 1.0)
     aligned = (beside < slack * ALIGNED) & (twist < slack * PARALLEL)
     hover = TABLE_TOP + space.hover_height
@@ -170,8 +171,9 @@ def _grasp(copies: Copies, state: State) -> _Grasp:
     # Straight up first, if the fingers are beside something.
     stuck = ~aligned & (tcp[:, 2] < hover - 0.02)
     aim[:, :2] = np.where(stuck[:, None], pose.position[:, :2], aim[:, :2])
-    there = aligned & (np.abs(tcp[:, 2] - grasp[:, 2]) < ALIGNED)
-    closing = (state.opening_target < 0.8 * edge) & (beside < HELD)
+    there = aligned & (_length(tcp - grasp) < ALIGNED)
+    closing = state.opening_target < 0.8 * edge
+    closing &= _length(tcp[:, :2] - cube[:, :2]) < HELD
     closing &= np.abs(tcp[:, 2] - grasp[:, 2]) < HELD
     missed = closing & (state.opening < 0.6 * edge)
     close = (there | closing) & ~missed
@@ -198,19 +200,19 @@ def _place(copies: Copies, state: State) -> Target:
     goal = copies.task.desired(state)
     cube, pose = state.object_position[:, 0], space.tool.pose(copies.target)
     in_hand = cube - state.tcp_position
-    beside = _length(cube[:, :2] - goal[:, :2])
     carry = TABLE_TOP + space.grasp_height + space.lift
-    above = beside < ALIGNED
     # The cube goes up, across, and down.
-    high = state.tcp_position[:, 2] > carry - 0.03
-    is_across = high | (beside < NEAR * ALIGNED)
+    high = pose.position[:, 2] > carry - 0.03
+    off = _length(pose.position[:, :2] + in_hand[:, :2] - goal[:, :2])
+    above = off < np.where(high, 0.5, NEAR) * ALIGNED
+    is_across = high | above
     across = goal[:, :3] - in_hand
     across[:, 2] = np.where(above, goal[:, 2] + DROP - in_hand[:, 2], carry)
     up = pose.position.copy()
     up[:, 2] = carry
     aim = np.where(is_across[:, None], across, up)
     low = np.abs(cube[:, 2] - goal[:, 2]) < 2.0 * DROP
-    placed = (beside < NEAR * ALIGNED) & low
+    placed = (_length(cube[:, :2] - goal[:, :2]) < NEAR * ALIGNED) & low
     position = np.where(held[:, None], aim, target.position)
     opening = np.where(held, 0.0, target.opening)
     # It is there: let go of it, then leave.
