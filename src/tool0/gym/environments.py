@@ -27,6 +27,8 @@ RENDER_MODES = ["rgb_array"]
 class TaskEnv(gymnasium.Env[Any, Any]):
     """One copy of a task: what ``gymnasium.make`` returns, inside its wrappers."""
 
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012  # theirs
+
     def __init__(
         self, task: str, render_mode: str | None = None, **options: object
     ) -> None:
@@ -42,10 +44,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         """
         self.render_mode = _checked_render_mode(render_mode)
         read = read_options(options)
-        self.metadata = {
-            "render_modes": RENDER_MODES,
-            "render_fps": read.control_rate,
-        }
+        self.metadata = {**self.metadata, "render_fps": read.control_rate}
         self.copies = Copies(task, 1, read)
         self._observer = Observer(self.copies)
         self.observation_space = self._observer.space

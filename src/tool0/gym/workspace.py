@@ -199,7 +199,7 @@ class Workspace:
         return q if bool(np.isfinite(q).all()) else None
 
     def _flange(self, position: Array, yaw: float) -> Array:
-        """Return the pose of the flange in the arm's base, (4, 4), of one of the tcp."""
+        """Return the flange's pose in the arm's base, (4, 4), for a pose of the tcp."""
         T = np.eye(4)
         T[:3, :3] = downward(np.array([yaw]))[0]
         T[:3, 3] = position
