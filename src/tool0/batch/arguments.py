@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tool0.control.goal_check import INSTANT
 from tool0.errors import ControlError
 from tool0.kinematics.chain import Array
 
@@ -95,26 +97,25 @@ class Arguments:
             )
         return given
 
-    def number(self, name: str, value: float, least: float = 0.0) -> float:
-        """Return a number above ``least``, or raise ControlError."""
+    def duration(self, value: float) -> float:
+        """Return a duration [s] that is no INSTANT, or raise ControlError."""
+        name = "duration"
         if not isinstance(value, int | float | np.floating | np.integer):
             raise self._error(f"'{name}' must be a number, got {value!r:.80}")
-        if not least < float(value) < float("inf"):
+        if not INSTANT < float(value) < math.inf:
             raise self._error(
-                f"'{name}' must be above {least:g} and finite, got {value}"
+                f"'{name}' must be above {INSTANT:g} s and finite, got {value}"
             )
         return float(value)
 
-    def times(self, name: str, values: ArrayLike) -> list[float]:
-        """Return increasing times above 0 [s], or raise ControlError."""
+    def times(self, values: ArrayLike) -> list[float]:
+        """Return increasing times after an INSTANT [s], or raise ControlError."""
         given = np.asarray(values, dtype=np.float64)
-        if (
-            given.ndim != 1
-            or not given.size
-            or not (np.diff(given, prepend=0.0) > 0.0).all()
-        ):
+        steps = np.diff(given, prepend=INSTANT) if given.ndim == 1 else np.zeros(0)
+        if not given.size or not (steps > 0.0).all():
             raise self._error(
-                f"'{name}' must be increasing numbers above 0 s, got {values!r:.80}"
+                f"'times' must be numbers above {INSTANT:g} s, each above the one "
+                f"before, got {values!r:.80}"
             )
         return [float(value) for value in given]
 

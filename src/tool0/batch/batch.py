@@ -309,7 +309,7 @@ class Batch:
             ControlError: If a shape, a number or a joint is wrong; nothing has moved.
         """
         check = Arguments(self._n, "command")
-        duration = check.number("duration", duration)
+        duration = check.duration(duration)
         names, parts = self._parts(joints)
         rows = check.which(which)
         shape, axes = (len(names),), f" for joints {', '.join(names)}"
@@ -347,7 +347,7 @@ class Batch:
         check = Arguments(self._n, "follow")
         names, parts = self._parts(joints)
         rows = check.which(which)
-        points = check.times("times", times)
+        points = check.times(times)
         shape = (len(points), len(names))
         axes = f" for joints {', '.join(names)}"
         q = check.rows("positions", positions, shape, rows, axes)
@@ -450,7 +450,7 @@ class Batch:
 
     def run(self, duration: float) -> None:
         """Advance all copies by ``duration`` [s], rounded to whole control periods."""
-        time = Arguments(self._n, "run").number("duration", duration)
+        time = Arguments(self._n, "run").duration(duration)
         self.step(max(0, math.ceil(time / self.control_period - 0.5)))
 
     def reset(

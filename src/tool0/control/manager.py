@@ -126,6 +126,9 @@ class ControllerManager:
         self._loaded: dict[str, _Loaded] = {}
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
         """Name and controller, and its slots of the command."""
+        self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
+        """In load order, with the joints that they command; another tuple whenever a
+        controller starts or stops."""
         self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
@@ -141,6 +144,11 @@ class ControllerManager:
                 for index, value in zip(indices, values, strict=True):
                     command[index] = value
 
+    def observe(self, state: JointState) -> None:
+        """Tell the running controllers the state of the last tick."""
+        for _, controller, *_ in self._running:
+            controller.observe(state)
+
     def _refresh(self) -> None:
         self._running = [
             (name, item.controller, as_slice(claims), claims)
@@ -148,6 +156,9 @@ class ControllerManager:
             if item.controller is not None
             for claims in [item.indices if item.claims else ()]
         ]
+        self.running_controllers = tuple(
+            (controller, claims) for _, controller, _, claims in self._running
+        )
         self._statuses = tuple(map(self.status, self._loaded))
 
     # ---- loading ------------------------------------------------------------------

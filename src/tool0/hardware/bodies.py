@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -146,6 +146,41 @@ STANDARD_GRAVITY: Vector3 = (0.0, 0.0, -9.81)
 """Acceleration of free fall [m/s²], as MuJoCo has it by default; Gazebo has 9.8."""
 
 
+class DynamicBody(NamedTuple):
+    """A moving body, in a frame that is rotated so that its joint acts along z."""
+
+    parent: int
+    """Index of the body that carries it; -1 is the world."""
+    is_prismatic: bool
+    master: int
+    """Index of the joint that drives its joint."""
+    multiplier: float
+    """Ratio of the velocities of its joint and of the master."""
+    placement: tuple[float, ...]
+    """The joint's axes x, y, z and origin in the parent's frame, 12 floats."""
+    mass: float
+    center: Vector3
+
+
+class DynamicSpring(NamedTuple):
+    """A spring in a joint."""
+
+    joint: int
+    master: int
+    multiplier: float
+    stiffness: float
+    reference: float
+
+
+class DynamicsTable(NamedTuple):
+    """The constants of ``JointDynamics.static_effort``."""
+
+    gravity: float
+    """[m/s²]"""
+    bodies: tuple[DynamicBody, ...]
+    springs: tuple[DynamicSpring, ...]
+
+
 @final
 class JointDynamics:
     """Gravity and spring loads and mass matrix, including mimic joints in their master.
@@ -189,6 +224,24 @@ class JointDynamics:
             x, y, z = (turn.T @ body.inertia.center).tolist()
             self._center.append((x, y, z))
             self._tensor.append(turn.T @ body.inertia.tensor @ turn)
+
+    @property
+    def table(self) -> DynamicsTable:
+        """The constants of ``static_effort``."""
+        bodies = tuple(
+            DynamicBody(parent, prismatic, master, ratio, placement, mass, center)
+            for parent, prismatic, (master, ratio), placement, mass, center in zip(
+                self._parent,
+                self._prismatic,
+                self._masters,
+                self._placement,
+                self._mass,
+                self._center,
+                strict=True,
+            )
+        )
+        springs = tuple(DynamicSpring(*spring) for spring in self._springs)
+        return DynamicsTable(self._gravity, bodies, springs)
 
     def static_effort(self, position: Sequence[float]) -> list[float]:
         """Return the effort that balances gravity and springs, shape (n_joints,).

@@ -222,8 +222,40 @@ class Engine(Protocol):
     def step(self) -> None:
         """Advance simulated time by ``dt``."""
 
+    @property
+    def stepper(self) -> NativeStepper | None:
+        """How compiled code steps it; None if only ``step`` does.
+
+        Another one whenever addresses change.
+        """
+
     def close(self) -> None:
         """End the engine and its processes; closing twice is allowed."""
+
+
+class NativeStepper(NamedTuple):
+    """How compiled code steps an engine in this process, by addresses.
+
+    The joints come first in ``position`` and ``velocity``, in the engine's order.
+    """
+
+    step: int
+    """Of a C function ``void step(const void *model, void *data)``."""
+    model: int
+    data: int
+    position: int
+    """Of the measured positions [rad | m]."""
+    velocity: int
+    """Of the velocities, those of objects included [rad/s | m/s]."""
+    n_velocities: int
+    motors: int
+    """Of the efforts that the engine applies [N·m | N]."""
+    motor_joints: tuple[int, ...]
+    """The joint that each motor drives."""
+    steps: Callable[[], int]
+    """Returns the steps of the engine since its time was 0."""
+    note_steps: Callable[[int, list[float]], None]
+    """Tells the engine the steps since its time was 0, and the last effort."""
 
 
 LARGEST_VELOCITY = 1e4

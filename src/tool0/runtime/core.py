@@ -20,6 +20,8 @@ from tool0.errors import ConfigError, ControlError, did_you_mean
 from tool0.hardware.engine import Contact, Engine, JointState
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.kernel.kernel import Kernel
+from tool0.kernel.program import Ended, Program
 from tool0.runtime.joint_motion import (
     joints_by_controller,
     planned_motion,
@@ -63,6 +65,9 @@ class Core:
         self.scene = SceneObjects(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
+        self._kernel = Kernel(engine, hardware, manager, self.control_period)
+        self._program: Program | None = None
+        """What executes the ticks, while it has the state of controllers and drives."""
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
         self._initial = list(initial_position)
         self._start = self._initial
@@ -84,10 +89,16 @@ class Core:
 
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
-        state, engine, hardware = self.state, self.engine, self.hardware
+        self.settle()
+        state = self.state
         self.scene.wrenches.tick(self.time)
         self.manager.update(state, self.control_period)
-        for _ in range(self._steps_per_tick):
+        self._finish_tick(state, self._steps_per_tick)
+
+    def _finish_tick(self, state: JointState, n_steps: int) -> None:
+        """Execute the last steps of a tick, from ``state`` on."""
+        engine, hardware, before = self.engine, self.hardware, self._before
+        for _ in range(n_steps):
             before = state
             engine.write(hardware.efforts(state))
             engine.step()
@@ -96,6 +107,47 @@ class Core:
         self.ticks += 1
         for sensor in self._sensors:
             sensor.tick(before, state, self._forces)
+
+    def advance(self, most: int) -> int:
+        """Tick at least once and up to ``most`` times; return how many times.
+
+        The kernel executes what it can; after a tick in Python, this returns.
+        """
+        program, stepper = self._program, self.engine.stepper
+        if program is None and not self._sensors and self.scene.wrenches.is_idle:
+            program = self._program = self._kernel.load(self.state)
+        if program is None or stepper is None:
+            self.tick()
+            return 1
+        steps = stepper.steps()
+        result, done = program.run(most, stepper)
+        self.ticks += done
+        state = self.state
+        if stepper.steps() > steps:
+            self.state = program.tick_start()
+            self.manager.observe(self.state)
+            if result is Ended.DONE:
+                self.state = self.engine.read()
+                return done
+            state = self.engine.read()
+        left = program.steps_left
+        self.settle()
+        if result is Ended.EVENT and not left:
+            self.state = state
+            self.tick()
+        else:
+            self._finish_tick(state, left)
+        return done + 1
+
+    def settle(self) -> None:
+        """Give controllers and drives their state back, if the kernel has it.
+
+        Whatever reads or changes them between two ticks needs this first.
+        """
+        program, self._program = self._program, None
+        if program is not None:
+            self._before = program.step_start()
+            program.store()
 
     def look_at_contacts(self) -> None:
         """Find joints that push without moving, and grips, between two ticks."""
