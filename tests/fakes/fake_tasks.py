@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from pathlib import Path
+import time
 from typing import Any, ClassVar
 
 import gymnasium
@@ -17,7 +17,7 @@ RATE = 20
 class Walk(gymnasium.Env[Any, Any]):
     """A point that has to come near the origin; it starts where the seed says."""
 
-    metadata: ClassVar[dict[str, Any]] = {"render_fps": RATE}
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "render_fps": RATE}
     observation_space = spaces.Dict(
         {
             "position": spaces.Box(-9.0, 9.0, (2,)),
@@ -66,9 +66,13 @@ PICTURES = "fake_tasks:Pictures-v0"
 
 
 class Homeward:
-    """Goes to the origin; how fast is drawn once per episode."""
+    """Goes to the origin; how fast is drawn once per episode.
+
+    TOOL0_TEST_PACE is the time that an episode takes at least [wall s].
+    """
 
     def __init__(self, seed: int) -> None:
+        time.sleep(float(os.environ.get("TOOL0_TEST_PACE", "0")))
         self._speed = np.random.default_rng(seed).uniform(0.2, 1.0)
 
     def __call__(self, observation: Any) -> Any:
@@ -76,16 +80,6 @@ class Homeward:
 
 
 def deadly(seed: int) -> Homeward:
-    """Kill the worker, once: the first that makes the file that a variable names."""
-    try:
-        Path(os.environ["TOOL0_DEADLY"]).touch(exist_ok=False)
-    except FileExistsError:
-        return Homeward(seed)
-    os.kill(os.getpid(), signal.SIGKILL)
-    raise AssertionError
-
-
-def always_deadly(seed: int) -> Homeward:
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 

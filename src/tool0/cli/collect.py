@@ -97,10 +97,13 @@ class _Display:
         """Return itself."""
         return self
 
-    def __exit__(self, *failure: object) -> None:
-        """End the bar's line."""
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """End the bar's line; after Ctrl-C, say what remains."""
         if self._bar is not None:
-            self._bar.__exit__(*failure)
+            self._bar.__exit__(kind)
+        if kind is KeyboardInterrupt:
+            text = "interrupted: the same command continues"
+            print(text, file=self._stream, flush=True)
 
     def show(self, progress: Progress) -> None:
         """Show it."""

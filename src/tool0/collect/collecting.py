@@ -199,14 +199,16 @@ class _Schedule:
             self._executor.submit(self._waiting.popleft())
 
     def _return(self, item: Finished) -> None:
+        self._waiting.appendleft(item.chunk)
+        if not item.trouble:
+            return
+        logger.warning("a worker is replaced: %s", item.trouble)
         self._failures[item.chunk] += 1
         if self._failures[item.chunk] == _ATTEMPTS:
             raise CollectError(
                 f"{_ATTEMPTS} workers ended in episodes {item.chunk.first} to "
                 f"{item.chunk.end - 1}: {item.trouble}"
             )
-        logger.warning("a worker is replaced: %s", item.trouble)
-        self._waiting.appendleft(item.chunk)
 
     def _add(self) -> None:
         while (first := self._dataset.manifest.n_episodes) in self._messages:

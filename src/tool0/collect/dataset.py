@@ -90,7 +90,7 @@ class Dataset:
         Raises:
             OSError: If the disk is full, for example.
         """
-        rows, paths, first_frame = [], [], self._n_frames
+        rows, files, first_frame = [], {}, self._n_frames
         for sent, content in episodes:
             row, file = sent, content
             if self._is_lerobot:
@@ -98,11 +98,33 @@ class Dataset:
             first_frame += row["length"]
             digest = hashlib.sha256(file).hexdigest()
             rows.append({**row, "bytes": len(file), "sha256": digest})
-            paths.append(self._folder / _data_path(row["episode_index"]))
-            _write(_part(paths[-1]), file)
-        for path in paths:
+            files[self._folder / _data_path(row["episode_index"])] = file
+        logs = [self._folder / log for log in self._logs]
+        sizes = [log.stat().st_size for log in logs]
+        try:
+            self._write(rows, files)
+        except OSError:
+            with contextlib.suppress(OSError):
+                for log, size in zip(logs, sizes, strict=True):
+                    os.truncate(log, size)
+                for path in files:
+                    path.unlink(missing_ok=True)
+                    _part(path).unlink(missing_ok=True)
+            raise
+        self._n_episodes += len(rows)
+        self._n_frames = first_frame
+        self._n_succeeded += sum(row["success"] for row in rows)
+        self._n_bytes += sum(row["bytes"] for row in rows)
+
+    def _write(
+        self, rows: Sequence[Mapping[str, Any]], files: Mapping[Path, bytes]
+    ) -> None:
+        """Write files first and rows last, each step when the one before is on disk."""
+        for path, file in files.items():
+            _write(_part(path), file)
+        for path in files:
             _part(path).replace(path)
-        for folder in {path.parent for path in paths}:
+        for folder in {path.parent for path in files}:
             _flush_folder(folder)
         for log in self._logs:
             lines = "".join(f"{json.dumps(self._logged(log, row))}\n" for row in rows)
@@ -110,10 +132,6 @@ class Dataset:
                 stream.write(lines.encode())
                 stream.flush()
                 os.fsync(stream.fileno())
-        self._n_episodes += len(rows)
-        self._n_frames = first_frame
-        self._n_succeeded += sum(row["success"] for row in rows)
-        self._n_bytes += sum(row["bytes"] for row in rows)
 
     def _logged(self, log: str, row: Mapping[str, Any]) -> dict[str, Any]:
         """Return what a log keeps of a row."""

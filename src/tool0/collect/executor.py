@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol, final
 
@@ -21,7 +21,15 @@ class Finished:
     message: bytes | None
     """None if the worker ended without one."""
     trouble: str = ""
-    """How it ended."""
+    """How it ended; empty if the chunk was not begun."""
+
+
+def lost(chunks: Iterable[Chunk], trouble: str) -> list[Finished]:
+    """Return the chunks of a worker that ended; it was at the first."""
+    return [
+        Finished(chunk, None, "" if number else trouble)
+        for number, chunk in enumerate(chunks)
+    ]
 
 
 class Executor(Protocol):

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, final
 
-from tool0.collect.executor import QUEUED, Finished
+from tool0.collect.executor import QUEUED, Finished, lost
 from tool0.collect.packets import framed, take_frame, unpacked
 from tool0.collect.settings import Settings, differences, programs
 from tool0.collect.worker import Chunk, arguments
@@ -104,7 +104,7 @@ class LocalWorkers:
         self._folder.cleanup()
 
     def _started(self, number: int) -> _Process:
-        command = [sys.executable, "-m", "tool0.collect.worker", self._path]
+        command = [sys.executable, "-m", "tool0.collect.local_worker", self._path]
         return _Process(
             ChildProcess(
                 [*command, str(number), self._arguments],
@@ -155,7 +155,7 @@ class LocalWorkers:
         process.close()
         number = self._processes.index(process)
         self._processes[number] = self._started(number)
-        return [Finished(chunk, None, trouble) for chunk in process.chunks]
+        return lost(process.chunks, trouble)
 
 
 def _end_of(child: ChildProcess) -> str:

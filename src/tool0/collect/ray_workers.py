@@ -17,9 +17,10 @@ import tempfile
 import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
+from functools import cache
 from typing import Any, Final, final
 
-from tool0.collect.executor import QUEUED, Finished
+from tool0.collect.executor import QUEUED, Finished, lost
 from tool0.collect.packets import unpacked
 from tool0.collect.settings import Settings, differences, programs
 from tool0.collect.worker import Chunk, Worker, arguments
@@ -144,7 +145,7 @@ class RayWorkers:
                 f"tool0[ray]:\n{trouble}"
             )
         self._actors[self._actors.index(actor)] = self._started()
-        return [Finished(chunk, None, trouble) for _, chunk in actor.chunks]
+        return lost([chunk for _, chunk in actor.chunks], trouble)
 
     def _check_start(self, waited: float) -> None:
         """Raise CollectError if there has been no worker for a long time."""
@@ -170,8 +171,8 @@ def _connected(address: str, n_workers: int | None) -> Iterator[Any]:
         if address == LOCAL:
             folder = tempfile.mkdtemp(prefix="tool0-ray-")
             exits.callback(shutil.rmtree, folder, ignore_errors=True)
-            token = {"RAY_AUTH_TOKEN": secrets.token_hex(32)}
-            exits.enter_context(_environment({**_OWN_CLUSTER, **token}))
+            token = {"RAY_AUTH_TOKEN": _token()}
+            exits.enter_context(_environment(_OWN_CLUSTER | token))
             n_processors = n_workers or len(os.sched_getaffinity(0))
             options |= {"num_cpus": n_processors, "include_dashboard": False}
             options |= {"_temp_dir": folder}
@@ -198,6 +199,12 @@ def _connected(address: str, n_workers: int | None) -> Iterator[Any]:
                 "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER=0 before, or start it yourself"
             )
         yield ray
+
+
+@cache
+def _token() -> str:
+    """Return what other users of this machine do not know; Ray reads it only once."""
+    return secrets.token_hex(32)
 
 
 def _imported() -> Any:

@@ -91,7 +91,9 @@ class Rollout(AbstractContextManager["Rollout"]):
         mode: dict[str, Any] = {
             "autoreset_mode": gymnasium.vector.AutoresetMode.DISABLED
         }
-        ours = mode if spec.vector_entry_point else {"vector_kwargs": mode}
+        ours: dict[str, Any] = (
+            mode if spec.vector_entry_point else {"vector_kwargs": mode}
+        )
         if spec.namespace == "tool0":
             ours["threads"] = 1  # other processes use the other processors
         self._envs: Any = gymnasium.make_vec(spec, num_envs=n_copies, **ours, **options)

@@ -1,25 +1,20 @@
-"""What a worker does, whoever runs it: the episodes of a chunk, as a message.
-
-Run as a program it belongs to ``LocalWorkers``: it answers on a Unix socket.
-"""
+"""What a worker does, whoever runs it: the episodes of a chunk, as a message."""
 
 from __future__ import annotations
 
-import os
 import sys
 import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, final
+from pathlib import Path
+from typing import Any, final
 
 from tool0.collect import parquet
-from tool0.collect.packets import framed, packed, take_frame
+from tool0.collect.packets import packed
 from tool0.collect.policy import loaded
 from tool0.collect.rollout import Rollout
 from tool0.collect.settings import Settings, episode_seed, programs
 from tool0.errors import Tool0Error
-
-_RECEIVED: Final = 1 << 16
 
 
 @final
@@ -38,7 +33,7 @@ class Chunk:
 
 def arguments(settings: Settings, n_copies: int) -> dict[str, Any]:
     """Return the arguments of a ``Worker``, as JSON holds them."""
-    paths = [os.path.abspath(path) for path in sys.path]
+    paths = [str(Path(path).absolute()) for path in sys.path]
     return {"settings": settings.to_json(), "n_copies": n_copies, "paths": paths}
 
 
@@ -96,26 +91,3 @@ class Worker:
             found[index] = parquet.encoded(episode, index, settings.format)
         rows, files = zip(*(found[index] for index in sorted(found)), strict=True)
         return list(rows), list(files)
-
-
-def main() -> None:
-    """Answer on the socket that the first argument names, until it closes."""
-    import json
-    import socket
-
-    path, number, values = sys.argv[1:]
-    worker = Worker(**json.loads(values))
-    with socket.socket(socket.AF_UNIX) as connection:
-        connection.connect(path)
-        connection.sendall(framed(packed({"worker": int(number)})))
-        connection.sendall(framed(worker.hello()))
-        buffer = bytearray()
-        while received := connection.recv(_RECEIVED):
-            buffer += received
-            while (message := take_frame(buffer)) is not None:
-                first, end = json.loads(message)
-                connection.sendall(framed(worker.collect(first, end)))
-
-
-if __name__ == "__main__":
-    main()
