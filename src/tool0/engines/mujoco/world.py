@@ -87,8 +87,8 @@ class MujocoWorld:
         mujoco.mj_forward(self._model, self._data)
         self._warn_of_overlaps()
 
-    def object_states(self) -> tuple[ObjectState, ...]:
-        return self._states.read()
+    def object_states(self) -> Sequence[ObjectState]:
+        return self._states.record()
 
     def spawn(self, item: SceneObject) -> None:
         check_new_name(self._objects, item.name)
