@@ -207,6 +207,11 @@ class NativeDrives:
         )
         self._hardware.restore(self._setup, state)
 
+    @property
+    def drive_limits(self) -> Mapping[int, DriveLimits]:
+        """The limits of goals, by joint."""
+        return self._setup.drive_limits
+
     def set_drive_limits(self, index: int, limits: DriveLimits | None) -> None:
         """Limit a drive as RobotHardware does, in this copy alone."""
         current = dict(self._setup.drive_limits)

@@ -115,23 +115,35 @@ class Core:
 
         The kernel executes what it can; after a tick in Python, this returns.
         """
-        program, stepper = self._program, self.engine.stepper
-        if program is None and not self._sensors and self.scene.wrenches.is_idle:
-            program = self._program = self._kernel.load(self.state)
+        program, stepper = self.program(), self.engine.stepper
         if program is None or stepper is None:
             self.tick()
             return 1
-        steps = stepper.steps()
-        result, done = program.run(most, stepper)
+        return self.ran(*program.run(most, stepper))
+
+    def program(self) -> Program | None:
+        """Let the kernel execute the coming ticks; None if only Python can."""
+        if self._program is None and not self._sensors and self.scene.wrenches.is_idle:
+            self._program = self._kernel.load(self.state)
+        return self._program
+
+    def ran(self, result: Ended, done: int) -> int:
+        """Follow a run of the program by ``done`` ticks; return how many they are now.
+
+        After an event, Python executes one tick more.
+        """
+        program, stepper = self._program, self.engine.stepper
+        assert program is not None
+        assert stepper is not None
         self.ticks += done
         state = self.state
-        if stepper.steps() > steps:
+        if program.note_steps(stepper):
             self.state = program.tick_start()
             self.manager.observe(self.state)
-            if result is Ended.DONE:
-                self.state = self.engine.read()
-                return done
             state = self.engine.read()
+        if result is Ended.DONE:
+            self.state = state
+            return done
         left = program.steps_left
         self.settle()
         if result is Ended.EVENT and not left:
@@ -171,11 +183,19 @@ class Core:
         self._note_command(controller, goal.joint_names, bounds)
         return self._started(accepted)
 
-    def command_trajectory(self, controller: str, goal: TrajectoryGoal) -> None:
-        """Follow a trajectory without a goal, as ROS's topic does."""
+    def command_trajectory(
+        self,
+        controller: str,
+        goal: TrajectoryGoal,
+        bounds: Mapping[str, DriveLimits] | None = None,
+    ) -> None:
+        """Follow a trajectory without a goal, as ROS's topic does.
+
+        ``bounds`` are as for ``follow``.
+        """
         trajectory = self._drivable(controller, JointTrajectoryController)
         trajectory.command(goal, self.time)
-        self._note_command(controller, goal.joint_names)
+        self._note_command(controller, goal.joint_names, bounds)
 
     def move_joints(
         self, positions: Mapping[str, float], speed: float, controller: str | None
