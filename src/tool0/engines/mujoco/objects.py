@@ -7,8 +7,9 @@ after the robot's joints, so the robot's values are the first of every array.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, final
 
@@ -38,7 +39,7 @@ from tool0.engines.mujoco.model import (
     quat_wxyz,
 )
 from tool0.errors import ModelError
-from tool0.hardware.engine import ObjectState
+from tool0.hardware.engine import ObjectState, RecordedObjects
 
 OBJECT_SOLREF = (0.004, 1.0)
 """Time constant of contacts between objects, ground and links [s]: a fifth of
@@ -266,24 +267,23 @@ class ObjectStates:
             for item in scene.objects
             if item.mass is None
         }
-        self.static = dict(self._static_at_start)
+        self.static: Mapping[str, ObjectState] = self._static_at_start
         """The states of the others, by name."""
 
     def is_movable(self, name: str) -> bool:
         """Return whether an object has a mass."""
         return name in self._starts
 
-    def read(self) -> tuple[ObjectState, ...]:
-        """Return the state of each object, in the scene's order."""
+    def record(self) -> Sequence[ObjectState]:
+        """Return the state of each object, in the scene's order.
+
+        This copies numbers; the reader's thread computes the states.
+        """
         if not self._starts:
-            return tuple(self.static.values())
-        position, velocity = self.position.tolist(), self.velocity.tolist()
-        starts, static = self._starts, self.static
-        return tuple(
-            static[name]
-            if name in static
-            else _state(name, position, velocity, *starts[name])
-            for name in self.names
+            return tuple(self.static.values()) if self.static else ()
+        position, velocity = self.position.tobytes(), self.velocity.tobytes()
+        return RecordedObjects(
+            partial(_states, self.names, self._starts, self.static, position, velocity)
         )
 
     def place(self, state: ObjectState) -> None:
@@ -311,7 +311,25 @@ class ObjectStates:
     def _put(self, state: ObjectState) -> None:
         body = self._model.body(state.name)
         body.pos[:], body.quat[:] = state.position, state.quat_wxyz
-        self.static[state.name] = state
+        self.static = {**self.static, state.name: state}  # records have the old one
+
+
+def _states(
+    names: tuple[str, ...],
+    starts: Mapping[str, tuple[int, int]],
+    static: Mapping[str, ObjectState],
+    packed_position: bytes,
+    packed_velocity: bytes,
+) -> tuple[ObjectState, ...]:
+    """Return the state of each object from the free joints' numbers."""
+    position = np.frombuffer(packed_position).tolist()
+    velocity = np.frombuffer(packed_velocity).tolist()
+    return tuple(
+        static[name]
+        if name in static
+        else _state(name, position, velocity, *starts[name])
+        for name in names
+    )
 
 
 def _state(

@@ -91,8 +91,8 @@ class MujocoWorld:
         mujoco.mj_forward(self._model, self._data)
         self._warn_of_overlaps()
 
-    def object_states(self) -> tuple[ObjectState, ...]:
-        return self.states.read()
+    def object_states(self) -> Sequence[ObjectState]:
+        return self.states.record()
 
     def spawn(self, item: SceneObject) -> None:
         check_new_name(self._objects, item.name)
