@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from batch_rig import Beside
 from numpy.typing import NDArray
+from promised import require_gl
 
 import tool0
 from tool0.kernel import library
@@ -154,6 +155,7 @@ def test_implausible_motions_are_refused() -> None:
 
 
 def test_images_show_the_present_state() -> None:
+    require_gl()
     with tool0.Batch(2, scene="table_and_cubes") as batch:
         columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
         batch.command(batch.position[:, columns] + 0.3, duration=0.1, which=[1])
