@@ -66,6 +66,8 @@ def figures() -> Iterator[Figure]:
     many = batch.cost()
     name = f"batch of {batch.N_COPIES} on {batch.THREADS} threads: steps/s ÷ raw"
     yield Figure(name, many.ratio, 0.85, 0.95)
+    same = many.same_threads
+    yield Figure("the same ÷ raw on as many threads at once", same, 0.85, 0.95)
     yield Figure("the same, with actions and arrays", many.with_actions, 0.75, 0.9)
     yield Figure("memory of a copy [MB]", many.bytes_per_copy / 1e6, 2.0, 1.0)
     eight = f"{cells.N_ROBOTS} robots"
