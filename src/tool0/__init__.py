@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from tool0.api.bringup import bringup
     from tool0.api.connect import connect
     from tool0.api.controller import ControllerHandle, GoalHandle
+    from tool0.api.grasps import Bin, find_bin
     from tool0.api.gripper import Gripper
     from tool0.api.recording import Recording
     from tool0.api.robot import JointValues, Robot
     from tool0.api.scene import SceneHandle
     from tool0.api.sensors import CameraHandle, ForceTorque
     from tool0.batch.batch import Batch
-    from tool0.cli.demos.grasps import Bin, find_bin
     from tool0.cli.demos.hand import PickOptions
     from tool0.cli.demos.picker import pick_and_place
     from tool0.cli.demos.report import PickReport
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from tool0.description.transform import Pose, Transform
     from tool0.errors import (
         ClaimError,
+        CollectError,
         ConfigError,
         ControlError,
         DescriptionError,
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
         EngineUnavailableError,
         GoalRejectedError,
         GoalTimeoutError,
+        GymUnavailableError,
         LimitsError,
         ModelError,
         RenderError,
@@ -81,6 +83,7 @@ __all__ = [
     "CellRobot",
     "CheckReport",
     "ClaimError",
+    "CollectError",
     "ConfigError",
     "Contact",
     "ControlConfig",
@@ -106,6 +109,7 @@ __all__ = [
     "GraspState",
     "Gripper",
     "GripperResult",
+    "GymUnavailableError",
     "InverseKinematics",
     "JointLimits",
     "JointSetpoint",
@@ -160,7 +164,7 @@ _HOMES = {
     "Arm": "tool0.api.arm",
     "ArmChain": "tool0.kinematics.chain",
     "Batch": "tool0.batch.batch",
-    "Bin": "tool0.cli.demos.grasps",
+    "Bin": "tool0.api.grasps",
     "Branch": "tool0.kinematics.inverse",
     "CameraHandle": "tool0.api.sensors",
     "CameraImage": "tool0.sensing.cameras",
@@ -168,6 +172,7 @@ _HOMES = {
     "CellRobot": "tool0.description.config",
     "CheckReport": "tool0.lint.check",
     "ClaimError": "tool0.errors",
+    "CollectError": "tool0.errors",
     "ConfigError": "tool0.errors",
     "Contact": "tool0.hardware.engine",
     "ControlConfig": "tool0.runtime.config",
@@ -193,6 +198,7 @@ _HOMES = {
     "GraspState": "tool0.sensing.grasp",
     "Gripper": "tool0.api.gripper",
     "GripperResult": "tool0.control.goal",
+    "GymUnavailableError": "tool0.errors",
     "InverseKinematics": "tool0.kinematics.inverse",
     "JointLimits": "tool0.description.model",
     "JointSetpoint": "tool0.sensing.snapshot",
@@ -239,7 +245,7 @@ _HOMES = {
     "connect": "tool0.api.connect",
     "encode_depth": "tool0.sensing.cameras",
     "encode_png": "tool0.sensing.cameras",
-    "find_bin": "tool0.cli.demos.grasps",
+    "find_bin": "tool0.api.grasps",
     "pick_and_place": "tool0.cli.demos.picker",
 }
 

@@ -14,6 +14,8 @@ Tool0Error
 │   ├── GoalRejectedError       carries a reason; edges map it to ROS codes
 │   ├── GoalTimeoutError        a goal is still active; a TimeoutError too
 │   └── RequestError            a value of the wrong type or out of bounds
+├── GymUnavailableError         Gymnasium is not installed; an ImportError too
+├── CollectError                episodes cannot be collected
 ├── RenderError                 no picture or video can be made
 └── TransportError              a peer misbehaved, or an address is taken
 """
@@ -91,6 +93,10 @@ class RosUnavailableError(Tool0Error):
     """ROS is not installed, or its master does not answer."""
 
 
+class GymUnavailableError(Tool0Error, ImportError):
+    """Gymnasium is not installed."""
+
+
 class DivergenceError(EngineError):
     """The physics state, or what drives it, is not finite or grows without bound."""
 
@@ -141,6 +147,10 @@ class RequestError(ControlError):
         super().__init__(f"{method}: {problem}")
         self.method = method
         self.problem = problem
+
+
+class CollectError(Tool0Error):
+    """Episodes cannot be collected; those that were are kept."""
 
 
 class RenderError(Tool0Error):
