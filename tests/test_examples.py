@@ -104,7 +104,7 @@ PRINTED = {
         r"tools apart: \d\.\d\d m",
         "stopped: True",
     ],
-    "17_batch": [
+    "18_batch": [
         r"forces on the pads of copy 5: \[(49|50|51)\. (49|50|51)\.\] N",
         "0.05 kg lifted with 25 N 50 N 100 N 200 N",
         "3.00 kg lifted with 100 N 200 N",
