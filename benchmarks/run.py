@@ -11,6 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from benchmarks import (
+    batch,
     cells,
     drives,
     gazebo,
@@ -58,6 +59,19 @@ class Figure:
 def figures() -> Iterator[Figure]:
     """Measure one after the other."""
     yield from _speed_figures()
+    yield Figure(
+        "steps/s ÷ raw mj_step, holding", tick.speed_ratio(moving=False), 0.45, 0.75
+    )
+    yield Figure(
+        "steps/s ÷ raw mj_step, moving", tick.speed_ratio(moving=True), 0.45, 0.75
+    )
+    many = batch.cost()
+    name = f"batch of {batch.N_COPIES} on {batch.THREADS} threads: steps/s ÷ raw"
+    yield Figure(name, many.ratio, 0.85, 0.95)
+    same = many.same_threads
+    yield Figure("the same ÷ raw on as many threads at once", same, 0.85, 0.95)
+    yield Figure("the same, with actions and arrays", many.with_actions, 0.75, 0.9)
+    yield Figure("memory of a copy [MB]", many.bytes_per_copy / 1e6, 2.0, 1.0)
     eight = f"{cells.N_ROBOTS} robots"
     yield Figure(f"{eight}: start-up ÷ that of one", cells.start_ratio(), 5.0, 2.5)
     for name in golden.SCENARIOS:
