@@ -238,7 +238,7 @@ def _push(copies: Copies, state: State) -> Target:
     heading = np.arctan2(along[:, 1], along[:, 0])
     half = np.remainder(heading - pose.yaw + np.pi / 2.0, np.pi) - np.pi / 2.0
     yaw, twist = pose.yaw + half, np.abs(half)
-    low = TABLE_TOP + space.grasp_height + space.advance
+    low = space.lowest + space.advance
     hover = TABLE_TOP + space.hover_height + space.advance
     clear = _behind(space)
     is_low = tcp[:, 2] < low + 0.01

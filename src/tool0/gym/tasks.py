@@ -35,6 +35,8 @@ RELEASED = 0.006
 """Least opening beyond a cube's edge that has released it [m]."""
 APART = 0.13
 """Least distance of two cubes at the start: the open gripper fits between [m]."""
+SLIDING = 0.4
+"""Friction coefficient of a cube to push: with 1, one that is pushed tips over."""
 PUSH_WAY = (0.08, 0.20)
 """Range of the way to push, for an arm of scale 1 [m]."""
 HELD = 0.025
@@ -281,7 +283,7 @@ class Push:
         self._workspace = workspace
 
     def scene(self) -> Scene:
-        return self._workspace.scene(self.objects)
+        return self._workspace.scene(self.objects, friction=SLIDING)
 
     def draw(self, rng: np.random.Generator) -> Start:
         low, high = self._workspace.area()

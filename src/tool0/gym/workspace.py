@@ -116,6 +116,11 @@ class Workspace:
     # ---- places on the table --------------------------------------------------------
 
     @property
+    def lowest(self) -> float:
+        """Least height of the tcp in the root [m]: the finger tips clear the table."""
+        return TABLE_TOP + self.reach + CLEARANCE
+
+    @property
     def hover_height(self) -> float:
         """Height of the tcp above the table where fingers pass over cubes [m]."""
         return max(self.grasp_height, self.reach) + self.edge + HOVER
@@ -209,7 +214,13 @@ class Workspace:
 
     # ---- the scene ------------------------------------------------------------------
 
-    def scene(self, cubes: tuple[str, ...], *, with_bin: bool = False) -> Scene:
+    def scene(
+        self,
+        cubes: tuple[str, ...],
+        *,
+        friction: float = CUBE_FRICTION,
+        with_bin: bool = False,
+    ) -> Scene:
         """Return the table with cubes of these names, and perhaps the bin."""
         whole = self.table.scene(edge=self.edge, mass=CUBE_MASS, friction=CUBE_FRICTION)
         fixed = [
@@ -224,7 +235,7 @@ class Workspace:
                 geometry=Box(size=(self.edge, self.edge, self.edge)),
                 pose=Pose(xyz=(float(x), float(high[1]), TABLE_TOP + self.edge / 2.0)),
                 mass=CUBE_MASS,
-                friction=CUBE_FRICTION,
+                friction=friction,
                 rgba=PALETTE[k % len(PALETTE)],
             )
             for k, (name, x) in enumerate(
