@@ -27,7 +27,6 @@ from tool0.gym.tasks import (
     is_holding,
 )
 from tool0.gym.tool import ToolPose, downward, rotation_vector, turned_by
-from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 from tool0.kinematics.geometry import wrapped
 
@@ -240,7 +239,7 @@ def _push(copies: Copies, state: State) -> Target:
     yaw, twist = pose.yaw + half, np.abs(half)
     low = space.lowest + space.advance
     hover = TABLE_TOP + space.hover_height + space.advance
-    clear = _behind(space)
+    clear = space.run_up
     is_low = tcp[:, 2] < low + 0.01
     slack = np.where(is_low, 2.0, 1.0)
     ready = (behind > 0.4 * edge) & (behind < clear + 0.03)
@@ -258,11 +257,6 @@ def _push(copies: Copies, state: State) -> Target:
     speed = np.where(pushing, PUSH_SLOW, 1.0)
     opening = np.full(copies.n, PUSH_OPENING * edge)
     return Target(aim, yaw, opening, speed)
-
-
-def _behind(space: Workspace) -> float:
-    """Return how far behind a cube the tool goes down to push it [m]."""
-    return 0.71 * space.edge + 0.03
 
 
 def _length(vectors: Array) -> Array:

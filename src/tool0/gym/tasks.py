@@ -289,11 +289,15 @@ class Push:
         low, high = self._workspace.area()
         shortest, longest = (way * self._workspace.scale for way in PUSH_WAY)
         shortest = max(shortest, 2.0 * PUSHED)
-        place = goal = _on_table(self._workspace, rng, low, high)
-        while not shortest <= math.dist(place, goal) <= longest:
+        while True:
             place = _on_table(self._workspace, rng, low, high)
             goal = _on_table(self._workspace, rng, low, high)
-        return Start(place[None], _yaws(rng, 1), goal)
+            way = math.dist(place, goal)
+            if not shortest <= way <= longest:
+                continue
+            behind = place + (place - goal) * self._workspace.run_up / way
+            if (low <= behind[:2]).all() and (behind[:2] <= high).all():
+                return Start(place[None], _yaws(rng, 1), goal)
 
     def achieved(self, state: State) -> Array:
         return state.object_position[:, 0]

@@ -47,6 +47,8 @@ CUBE_MASS, CUBE_FRICTION = 0.1, 1.0
 """[kg], coefficient; unless they are randomised."""
 HOVER = 0.02
 """Least distance of the finger tips from cubes that they pass over [m]."""
+RUN_UP = 0.03
+"""The same from its nearest corner, which leaves room for the fingers [m]."""
 ATTEMPTS = 200
 """Draws of a place before the last one is taken."""
 
@@ -124,6 +126,11 @@ class Workspace:
     def hover_height(self) -> float:
         """Height of the tcp above the table where fingers pass over cubes [m]."""
         return max(self.grasp_height, self.reach) + self.edge + HOVER
+
+    @property
+    def run_up(self) -> float:
+        """Distance from a cube's middle at which a tool goes down to push it [m]."""
+        return 0.71 * self.edge + RUN_UP
 
     @property
     def lift(self) -> float:
