@@ -12,11 +12,11 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-_ROOT = Path(__file__).resolve().parent
-sys.path.insert(0, str(_ROOT / "tools"))
+sys.path.insert(0, str(Path(__file__).resolve().parent / "tools"))
 
 import web
 
+_ROOT = Path(__file__).resolve().parent
 SKIP_PAGE = "TOOL0_SKIP_PANEL"
 """Set to 1, no page is made: the package has the one that is there, or none."""
 SKIP_KERNEL = "TOOL0_SKIP_KERNEL"

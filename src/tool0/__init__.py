@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from tool0.description.transform import Pose, Transform
     from tool0.errors import (
         ClaimError,
+        CollectError,
         ConfigError,
         ControlError,
         DescriptionError,
@@ -82,6 +83,7 @@ __all__ = [
     "CellRobot",
     "CheckReport",
     "ClaimError",
+    "CollectError",
     "ConfigError",
     "Contact",
     "ControlConfig",
@@ -170,6 +172,7 @@ _HOMES = {
     "CellRobot": "tool0.description.config",
     "CheckReport": "tool0.lint.check",
     "ClaimError": "tool0.errors",
+    "CollectError": "tool0.errors",
     "ConfigError": "tool0.errors",
     "Contact": "tool0.hardware.engine",
     "ControlConfig": "tool0.runtime.config",

@@ -15,6 +15,7 @@ Tool0Error
 │   ├── GoalTimeoutError        a goal is still active; a TimeoutError too
 │   └── RequestError            a value of the wrong type or out of bounds
 ├── GymUnavailableError         Gymnasium is not installed; an ImportError too
+├── CollectError                episodes cannot be collected
 ├── RenderError                 no picture or video can be made
 └── TransportError              a peer misbehaved, or an address is taken
 """
@@ -146,6 +147,10 @@ class RequestError(ControlError):
         super().__init__(f"{method}: {problem}")
         self.method = method
         self.problem = problem
+
+
+class CollectError(Tool0Error):
+    """Episodes cannot be collected; those that were are kept."""
 
 
 class RenderError(Tool0Error):

@@ -72,7 +72,10 @@ class Beside:
 
     @property
     def cores(self) -> list[Core]:
-        return [robot.simulation.core for robot in self.robots]
+        found = [robot.simulation.core for robot in self.robots]
+        for core in found:
+            core.settle()
+        return found
 
     def command(
         self,

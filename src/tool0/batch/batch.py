@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tool0.batch.arguments import Arguments, Indices, Which
+from tool0.batch.copies import Copies
 from tool0.batch.frames import GripperFrames, LinkFrames
 from tool0.control.goal_check import check_names, check_position, position_range
 from tool0.control.manager import GRIPPER_KIND, TRAJECTORY_KIND, why_not_driven
@@ -29,7 +30,6 @@ from tool0.engines.registry import make_engine
 from tool0.errors import (
     ConfigError,
     ControlError,
-    EngineError,
     LimitsError,
     did_you_mean,
 )
@@ -46,7 +46,7 @@ from tool0.sensing.grasp import pad_links
 from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
-    from tool0.engines.mujoco.world import MujocoWorld
+    from tool0.engines.mujoco.copies import ObjectArrays
 
 Item = TypeVar("Item")
 FrozenArray = TypeVar("FrozenArray", bound=NDArray[Any])
@@ -123,12 +123,17 @@ class Batch:
             raise
         ground = self._cores[0].engine.world.ground
         self._cameras = Cameras(self._model, cameras, ground, lambda: self._snapshot(0))
-        self._worlds = [_mujoco_world(core) for core in self._cores]
-        self._diverged = np.zeros(self._n, dtype=bool)
+        from tool0.engines.mujoco.copies import joint_views, mujoco_engine
+
+        self._engines = [mujoco_engine(core.engine) for core in self._cores]
+        self._worlds = [engine.world for engine in self._engines]
+        views = [joint_views(engine) for engine in self._engines]
+        self._copies = Copies(self._cores, views, self._threads)
         self._chains: dict[str, LinkFrames] = {}
         self._tcp_frames: dict[str, GripperFrames] = {}
-        self._read: dict[str, Array] = {}
-        """What was read since the state last changed."""
+        self._joints: tuple[Array, Array, Array] | None = None
+        self._object_arrays: ObjectArrays | None = None
+        """What was read since the state last changed, these two."""
         self._is_closed = False
 
     # ---- what it is -----------------------------------------------------------------
@@ -164,11 +169,10 @@ class Batch:
 
         Those of every running trajectory controller that drives no gripper.
         """
-        driven = {gripper.joint for gripper in self._model.grippers}
         return tuple(
             joint
-            for name, joints in self._trajectory_controllers.items()
-            if driven.isdisjoint(joints)
+            for joints in self._trajectory_controllers.values()
+            if self._driven_by_grippers.isdisjoint(joints)
             for joint in joints
         )
 
@@ -187,27 +191,27 @@ class Batch:
     @property
     def time(self) -> Array:
         """Simulated time of each copy since its reset [s], shape (n,)."""
-        return self._kept("time", lambda core: core.time)
+        return _frozen(self._copies.time)
 
     @property
     def position(self) -> Array:
         """Joint positions [rad | m], shape (n, n_joints)."""
-        return self._kept("position", lambda core: core.state.position)
+        return self._states()[0]
 
     @property
     def velocity(self) -> Array:
         """Joint velocities [rad/s | m/s], shape (n, n_joints)."""
-        return self._kept("velocity", lambda core: core.state.velocity)
+        return self._states()[1]
 
     @property
     def effort(self) -> Array:
         """Efforts that the drives applied in the last step [N·m | N], (n, n_joints)."""
-        return self._kept("effort", lambda core: core.state.effort)
+        return self._states()[2]
 
     @property
     def diverged(self) -> NDArray[np.bool_]:
         """Copies whose physics failed, shape (n,): each stands still until a reset."""
-        return _frozen(self._diverged.copy())
+        return _frozen(self._copies.has_diverged.copy())
 
     def tool_pose(self, robot: str | None = None) -> tuple[Array, Array]:
         """Return position [m], (n, 3), and quat_wxyz, (n, 4), of tool0 in the root.
@@ -252,22 +256,22 @@ class Batch:
     @property
     def object_position(self) -> Array:
         """Positions of the objects in the root [m], shape (n, n_objects, 3)."""
-        return self._objects("position", lambda state: state.position)
+        return self._objects().position
 
     @property
     def object_quat(self) -> Array:
         """Their orientations, w, x, y, z, shape (n, n_objects, 4)."""
-        return self._objects("quat", lambda state: state.quat_wxyz)
+        return self._objects().quat
 
     @property
     def object_linear(self) -> Array:
         """Their velocities in the root's axes [m/s], shape (n, n_objects, 3)."""
-        return self._objects("linear", lambda state: state.linear)
+        return self._objects().linear
 
     @property
     def object_angular(self) -> Array:
         """Their angular velocities in these axes [rad/s], shape (n, n_objects, 3)."""
-        return self._objects("angular", lambda state: state.angular)
+        return self._objects().angular
 
     def pad_forces(self, gripper: str | None = None) -> Array:
         """Return the normal force on each pad in the last step [N], shape (n, 2).
@@ -392,38 +396,35 @@ class Batch:
         fastest, strongest = geometry.speed[1], geometry.force[1]
         speeds = check.rows("speed", fastest if speed is None else speed, (), rows)
         forces = check.rows("force", strongest if force is None else force, (), rows)
-        targets = [geometry.position(value) for value in openings]
-        bounds = [
-            DriveLimits(gripper=geometry, speed=limit, force=strength)
-            for limit, strength in zip(
-                speeds[rows].tolist(), forces[rows].tolist(), strict=True
-            )
-        ]
+        for value in openings:
+            geometry.position(value)  # raises
+        limits: dict[tuple[float, float], DriveLimits] = {}
+        bounds = []
+        for pair in zip(speeds[rows].tolist(), forces[rows].tolist(), strict=True):
+            if pair not in limits:
+                speed_, force_ = pair
+                limits[pair] = DriveLimits(gripper=geometry, speed=speed_, force=force_)
+            bounds.append(limits[pair])
         name, kind = self._gripper_controller(geometry)
         joint = geometry.joint
         effort = None
         if force is not None:
             effort = self._cores[0].hardware.limits[joint].effort
         self._change()
-        for i, end, target, bound in zip(
-            rows.tolist(), openings, targets, bounds, strict=True
-        ):
-            core = self._cores[i]
-            if kind == GRIPPER_KIND:
+        motions = zip(rows.tolist(), openings, bounds, strict=True)
+        if kind == GRIPPER_KIND:
+            for i, end, bound in motions:
+                core, target = self._copies.core(i), geometry.position(end)
                 core.command_gripper(name, target, effort, bound)
-                continue
-            controller = core.trajectory_controller(name)
-            column = controller.spec.joints.index(joint)
-            here = controller.query_state(core.time).positions[column]
-            point = direct_motion(
-                geometry,
-                geometry.opening(here),
-                end,
-                bound.speed or fastest,
-                core.control_period,
-            )
-            goal = TrajectoryGoal(points=[point], joint_names=[joint])
-            core.command_trajectory(name, goal, {joint: bound})
+        elif not self._grip(rows, name, openings, bounds):
+            for i, end, bound in motions:
+                core = self._copies.core(i)
+                controller = core.trajectory_controller(name)
+                column = controller.spec.joints.index(joint)
+                here = controller.query_state(core.time).positions[column]
+                point = self._grip_point(bound, here, end)
+                goal = TrajectoryGoal(points=[point], joint_names=[joint])
+                core.command_trajectory(name, goal, {joint: bound})
 
     # ---- time -----------------------------------------------------------------------
 
@@ -440,13 +441,7 @@ class Batch:
                 f"Batch.step: 'ticks' must be a whole number, 0 or more, got {ticks!r}"
             )
         self._change()
-        for i in np.flatnonzero(~self._diverged).tolist():
-            core = self._cores[i]
-            try:
-                for _ in range(ticks):
-                    core.tick()
-            except EngineError:
-                self._diverged[i] = True
+        self._copies.step(int(ticks))
 
     def run(self, duration: float) -> None:
         """Advance all copies by ``duration`` [s], rounded to whole control periods."""
@@ -483,8 +478,7 @@ class Batch:
             ]
         self._change()
         for i, start in zip(rows.tolist(), starts, strict=True):
-            self._cores[i].reset(start, keep_time=False)
-            self._diverged[i] = False
+            self._copies.reset(i, start)
 
     # ---- the scene ------------------------------------------------------------------
 
@@ -592,21 +586,23 @@ class Batch:
         """Forget what was read: the state is about to change."""
         if self._is_closed:
             raise ControlError("the batch is closed")
-        self._read.clear()
+        self._joints = self._object_arrays = None
 
-    def _kept(self, name: str, read: Callable[[Core], object]) -> Array:
-        """Return what ``read`` returns for each copy, read once per state."""
-        if name not in self._read:
-            self._read[name] = _frozen(np.array([read(core) for core in self._cores]))
-        return self._read[name]
+    def _states(self) -> tuple[Array, Array, Array]:
+        """Return positions, velocities and efforts of the joints."""
+        if self._joints is None:
+            position, velocity, effort = map(_frozen, self._copies.states())
+            self._joints = position, velocity, effort
+        return self._joints
 
-    def _objects(self, name: str, part: Callable[[ObjectState], object]) -> Array:
-        def read(core: Core) -> list[object]:
-            return [part(state) for state in core.engine.world.object_states()]
+    def _objects(self) -> ObjectArrays:
+        from tool0.engines.mujoco.copies import ObjectArrays, object_arrays
 
-        width = 4 if name == "quat" else 3
-        shape = (self._n, len(self.object_names), width)
-        return self._kept(f"object_{name}", read).reshape(shape)
+        if self._object_arrays is None:
+            self._object_arrays = ObjectArrays(
+                *map(_frozen, object_arrays(self._engines))
+            )
+        return self._object_arrays
 
     def _positions(self) -> dict[str, Array]:
         """Return each joint's positions, shape (n,)."""
@@ -650,6 +646,10 @@ class Batch:
             raise ControlError(
                 f"there is no object '{name}'{did_you_mean(name, self.object_names)}"
             )
+
+    @cached_property
+    def _driven_by_grippers(self) -> frozenset[str]:
+        return frozenset(gripper.joint for gripper in self._model.grippers)
 
     @cached_property
     def _trajectory_controllers(self) -> dict[str, tuple[str, ...]]:
@@ -724,6 +724,8 @@ class Batch:
         for part in parts:
             q = positions[..., part.columns]
             qd = None if velocities is None else velocities[..., part.columns]
+            if len(times) == 1 and self._start_native(rows, part, q, qd, times[0]):
+                continue
             for i in rows.tolist():
                 points = [
                     TrajectoryPoint(
@@ -734,7 +736,80 @@ class Batch:
                     for m, time in enumerate(times)
                 ]
                 goal = TrajectoryGoal(points=points, joint_names=part.joints)
-                self._cores[i].command_trajectory(part.controller, goal)
+                self._copies.core(i).command_trajectory(part.controller, goal)
+
+    def _start_native(
+        self,
+        rows: Indices,
+        part: _Part,
+        positions: Array,
+        velocities: Array | None,
+        duration: float,
+    ) -> bool:
+        """Start motions to one point in the kernel; False if only Python can."""
+        if not self._driven_by_grippers.isdisjoint(part.joints):
+            return False  # it also lifts the limits of the drive
+        number, joints = self._running[part.controller]
+        return self._copies.start(
+            rows,
+            number,
+            [joints.index(joint) for joint in part.joints],
+            durations=np.full(len(rows), duration),
+            positions=positions[rows, 0],
+            velocities=None if velocities is None else velocities[rows, 0],
+        )
+
+    def _grip(
+        self,
+        rows: Indices,
+        controller: str,
+        openings: Sequence[float],
+        bounds: Sequence[DriveLimits],
+    ) -> bool:
+        """Move grippers in the kernel; return False if only Python can."""
+        joint = bounds[0].gripper.joint if bounds else ""
+        number, joints = self._running[controller]
+        column = joints.index(joint) if bounds else 0
+        here = self._copies.desired(rows, number, column)
+        if here is None:
+            return False
+        points = [
+            self._grip_point(bound, at, end)
+            for bound, at, end in zip(bounds, here.tolist(), openings, strict=True)
+        ]
+        target = np.array([point.positions for point in points]).reshape(-1, 1)
+        has_started = self._copies.start(
+            rows,
+            number,
+            [column],
+            durations=np.array([point.time_from_start for point in points]),
+            positions=target,
+            velocities=np.zeros_like(target),
+        )
+        if has_started:
+            index = self.joint_names.index(joint) if bounds else 0
+            for i, bound in zip(rows.tolist(), bounds, strict=True):
+                self._copies.set_drive_limits(i, index, bound)
+        return has_started
+
+    def _grip_point(
+        self, bounds: DriveLimits, here: float, end: float
+    ) -> TrajectoryPoint:
+        """Return the motion to an opening [m] from the joint's setpoint."""
+        gripper = bounds.gripper
+        speed = bounds.speed or gripper.speed[1]
+        start = gripper.opening(here)
+        return direct_motion(gripper, start, end, speed, self.control_period)
+
+    @cached_property
+    def _running(self) -> dict[str, tuple[int, tuple[str, ...]]]:
+        """Number and joints of each running controller, in load order."""
+        manager = self._cores[0].manager
+        names = [s.name for s in manager.list() if s.state == "running"]
+        return {
+            name: (number, manager.spec(name).joints)
+            for number, name in enumerate(names)
+        }
 
     def _gripper_controller(self, gripper: ParallelGripper) -> tuple[str, str]:
         """Return name and kind of the running controller that drives a gripper."""
@@ -748,7 +823,7 @@ class Batch:
 
     def _snapshot(self, i: int) -> Snapshot:
         """Return the state of one copy, for its image."""
-        core = self._cores[i]
+        core = self._copies.observed(i)
         state = core.state
         return Snapshot(
             time=core.time,
@@ -788,14 +863,6 @@ def _check_starts(joints: Sequence[Joint], positions: Array, rows: Indices) -> N
                     f"Batch.reset: position {positions[i, k]} of joint '{joint.name}' "
                     f"in copy {i} is outside [{limits.lower}, {limits.upper}]"
                 )
-
-
-def _mujoco_world(core: Core) -> MujocoWorld:
-    from tool0.engines.mujoco.world import MujocoWorld
-
-    world = core.engine.world
-    assert isinstance(world, MujocoWorld)
-    return world
 
 
 def _frozen(values: FrozenArray) -> FrozenArray:

@@ -12,6 +12,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "bringup": ("bringup", "bring up a robot in simulation, with its controllers"),
     "view": ("panel", "show a robot in a web page without physics, and pose it"),
     "demo": ("demo", "run a complete task: pick a cube, or hand it over"),
+    "collect": ("collect", "collect episodes of a task, with processes or Ray"),
     "describe": (
         "describe",
         "write the robot as a tree, a table, URDF or MJCF, or its controllers",

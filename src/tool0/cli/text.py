@@ -144,13 +144,17 @@ class ProgressBar:
         """End the bar's line, so that the next output starts on its own line."""
         self._end_line()
 
-    def __call__(self, activity: str, fraction: float) -> None:
-        """Show that ``fraction`` of the activity is done, from 0 to 1."""
+    def __call__(self, activity: str, fraction: float, detail: str = "") -> None:
+        """Show that ``fraction`` of the activity is done, from 0 to 1.
+
+        A terminal also shows ``detail``, which may change.
+        """
         if activity != self._activity and self._activity:
             self._end_line()
         is_new, self._activity = activity != self._activity, activity
         if self._is_terminal:
-            self._draw(activity, min(max(fraction, 0.0), 1.0))
+            text = f"{activity}: {detail}" if detail else activity
+            self._draw(text, min(max(fraction, 0.0), 1.0))
         elif is_new:
             print(activity, file=self._stream, flush=True)
 

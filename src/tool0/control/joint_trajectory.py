@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
@@ -163,6 +163,12 @@ class JointTrajectoryController:
 
     def observe(self, state: JointState) -> None:
         self._state = state
+
+    def adopt(self, splines: Mapping[int, JointSpline], now: float) -> None:
+        """Continue with the motions of joints, by number, that the kernel started."""
+        self._end_goal(PREEMPTED)
+        merged = [splines.get(k, old) for k, old in enumerate(self._sampler.splines)]
+        self._sampler = TrajectorySampler(merged, now)
 
     def _end_goal(self, result: GoalResult) -> None:
         """End the active goal, if there is one; if it is aborted, stop."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
@@ -129,6 +129,8 @@ class ControllerManager:
         self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
         """In load order, with the joints that they command; another tuple whenever a
         controller starts or stops."""
+        self._setpoints: tuple[tuple[str, Callable[[], Setpoint | None]], ...] = ()
+        """Name of each running controller, and what returns its setpoint."""
         self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
@@ -158,6 +160,9 @@ class ControllerManager:
         ]
         self.running_controllers = tuple(
             (controller, claims) for _, controller, _, claims in self._running
+        )
+        self._setpoints = tuple(
+            (name, controller.setpoint) for name, controller, *_ in self._running
         )
         self._statuses = tuple(map(self.status, self._loaded))
 
@@ -364,8 +369,8 @@ class ControllerManager:
         """Return the setpoints of the running controllers that command a position."""
         return {
             name: setpoint
-            for name, controller, *_ in self._running
-            if (setpoint := controller.setpoint()) is not None
+            for name, current in self._setpoints
+            if (setpoint := current()) is not None
         }
 
     def spec(self, name: str) -> ControllerSpec:

@@ -286,28 +286,46 @@ class JointDynamics:
 
         At ``position``, with the rotors' inertia; rows of mimic joints are 0.
         """
-        frames = np.array(self.frames(position)).reshape(-1, 12)
-        axes, origins = frames[:, 6:9], frames[:, 9:12]
+        frames = self.frames(position)
         matrix = np.diag(self._armature)
-        for body in range(self._n):
-            rotation = frames[body, :9].reshape(3, 3).T
-            center = rotation @ np.array(self._center[body]) + origins[body]
-            linear = np.zeros((self._n, 3))  # the body's motion per joint velocity
-            angular = np.zeros((self._n, 3))
-            joint = body
-            while joint >= 0:
-                master, multiplier = self._masters[joint]
-                axis = multiplier * axes[joint]
-                if self._prismatic[joint]:
-                    linear[master] += axis
-                else:
-                    linear[master] += np.cross(axis, center - origins[joint])
-                    angular[master] += axis
-                joint = self._parent[joint]
+        for body, frame in enumerate(frames):
+            rotation = np.array(frame[:9]).reshape(3, 3).T
+            x, y, z = (rotation @ np.array(self._center[body])).tolist()
+            x, y, z = x + frame[9], y + frame[10], z + frame[11]
+            linear, angular = self._jacobian(frames, body, (x, y, z))
             tensor = rotation @ self._tensor[body] @ rotation.T
             matrix += self._mass[body] * linear @ linear.T
             matrix += angular @ tensor @ angular.T
         return matrix
+
+    def _jacobian(
+        self, frames: Sequence[tuple[float, ...]], body: int, point: Vector3
+    ) -> tuple[Matrix, Matrix]:
+        """Return the velocities of a body per joint velocity, shape (n_joints, 3).
+
+        Those of the ``point`` on it [m/rad | m/m], and its angular ones; both in the
+        axes of the ``frames``, by master.
+        """
+        linear = [[0.0, 0.0, 0.0] for _ in frames]
+        angular = [[0.0, 0.0, 0.0] for _ in frames]
+        px, py, pz = point
+        joint = body
+        while joint >= 0:
+            x, y, z, ox, oy, oz = frames[joint][6:]
+            master, multiplier = self._masters[joint]
+            x, y, z = multiplier * x, multiplier * y, multiplier * z
+            way = linear[master]
+            if self._prismatic[joint]:
+                way[0], way[1], way[2] = way[0] + x, way[1] + y, way[2] + z
+            else:
+                rx, ry, rz = px - ox, py - oy, pz - oz
+                way[0] += y * rz - z * ry
+                way[1] += z * rx - x * rz
+                way[2] += x * ry - y * rx
+                turn = angular[master]
+                turn[0], turn[1], turn[2] = turn[0] + x, turn[1] + y, turn[2] + z
+            joint = self._parent[joint]
+        return np.array(linear), np.array(angular)
 
     def frames(self, position: Sequence[float]) -> list[tuple[float, ...]]:
         """Return each body's axes x, y, z and origin in the root, 12 floats each.

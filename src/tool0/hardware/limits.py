@@ -95,21 +95,20 @@ class EffortLimiter:
         """The limits set by goals, by the joint's index."""
         return self._drive_limits
 
-    def velocities(self, n_joints: int) -> list[float | None]:
-        """Return the velocities that the speed limiters remember, by joint."""
-        found: list[float | None] = [None] * n_joints
-        for i, limiter in self._speed_limiters.items():
-            found[i] = limiter.before
-        return found
+    @property
+    def velocities(self) -> dict[int, float | None]:
+        """What the speed limiters remember, by the joint's index."""
+        return {i: limiter.before for i, limiter in self._speed_limiters.items()}
 
     def restore(
         self,
         drive_limits: Mapping[int, DriveLimits],
-        velocities: Sequence[float | None],
+        velocities: Mapping[int, float | None],
     ) -> None:
-        """Continue with these limits of goals, and ``velocities`` by joint."""
-        for i in self._drive_limits.keys() | drive_limits.keys():
-            self.set_drive_limits(i, drive_limits.get(i))
+        """Continue with these limits of goals, and ``velocities`` to remember."""
+        if drive_limits != self._drive_limits:
+            for i in self._drive_limits.keys() | drive_limits.keys():
+                self.set_drive_limits(i, drive_limits.get(i))
         for i, limiter in self._speed_limiters.items():
             limiter.before = velocities[i]
 

@@ -86,8 +86,8 @@ class DriveState(NamedTuple):
     [N·m | N], shape (n_joints,)."""
     compensation: list[float]
     """The same of the compensated drives; empty if it is to be computed."""
-    velocities: Sequence[float | None]
-    """Velocities that the speed limiters remember, shape (n_joints,)."""
+    velocities: Mapping[int, float | None]
+    """What the speed limiters remember, by joint."""
     servos: list[ServoState]
 
 
@@ -267,7 +267,7 @@ class RobotHardware:
             self._steps,
             self._gravity_effort,
             [effort for _, effort in self._compensation],
-            self._limiter.velocities(len(self.command)),
+            self._limiter.velocities,
             [servo.state for servo in self._servos.values()],
         )
 
@@ -278,8 +278,7 @@ class RobotHardware:
         """Continue from ``setup`` and ``state``; claims and commands stay."""
         if setup.servos != self._servo_laws():
             self._servos = {i: servo_of(law) for i, law in setup.servos}
-        joints = [i for i, _ in setup.servos]
-        self._masses = list(zip(joints, setup.masses, strict=False))
+        self._masses = list(zip(self._servos, setup.masses, strict=False))
         self._fastest = setup.fastest
         self._steps = state.steps
         self._gravity_effort = state.gravity

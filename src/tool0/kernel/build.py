@@ -1,4 +1,4 @@
-"""Compile the C sources of this folder into one shared library beside them.
+"""Compile the C sources of this folder into one shared library beside them, if stale.
 
 usage: python -m tool0.kernel.build [--install-compiler]
 
@@ -12,9 +12,10 @@ it imports the standard library only.
 
 from __future__ import annotations
 
-import hashlib
+import ctypes
 import os
 import sys
+import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
@@ -49,14 +50,41 @@ class KernelBuildError(Exception):
     """The kernel cannot be compiled; the message says what to do."""
 
 
+class KernelUnusableError(Exception):
+    """There is no library of these sources that this process can load."""
+
+
+def open_library(folder: Path = FOLDER) -> ctypes.CDLL:
+    """Return the library in ``folder``.
+
+    Raises:
+        KernelUnusableError: If it is missing, of other sources, or of another machine.
+    """
+    path = folder / LIBRARY
+    try:  # one of other sources is never loaded
+        is_fresh = source_digest(folder).encode() in path.read_bytes()
+    except FileNotFoundError:
+        raise KernelUnusableError(f"'{path}' does not exist") from None
+    except OSError as error:
+        raise KernelUnusableError(f"cannot read '{path}': {error.strerror}") from None
+    if not is_fresh:
+        raise KernelUnusableError(f"'{path}' was compiled from other sources")
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        raise KernelUnusableError(f"cannot load '{path}': {error}") from None
+
+
 def source_digest(folder: Path = FOLDER) -> str:
-    """Return a hash of the sources and of the flags they are compiled with."""
-    digest = hashlib.sha256("\0".join((*FLAGS, *_LIBRARIES)).encode())
+    """Return what tells the sources, and the flags they are compiled with, from others.
+
+    It detects accidents: importing hashlib would take ten times as long.
+    """
+    parts = ["\0".join((*FLAGS, *_LIBRARIES)).encode()]
     for path in _sources(folder):
-        text = path.read_bytes()
-        digest.update(f"\0{path.name}\0{len(text)}\0".encode())
-        digest.update(text)
-    return digest.hexdigest()[:32]
+        parts += [path.name.encode(), path.read_bytes()]
+    text = b"\0".join(parts)
+    return f"tool0-kernel-{zlib.crc32(text):08x}-{len(text)}"
 
 
 def build(folder: Path = FOLDER, *, flags: Sequence[str] = ()) -> Path:
@@ -80,8 +108,8 @@ def build(folder: Path = FOLDER, *, flags: Sequence[str] = ()) -> Path:
             made.replace(folder / LIBRARY)
     except OSError as error:
         raise KernelBuildError(
-            f"cannot write into '{folder}': {error.strerror}; run this as the owner of "
-            "that folder, or install tool0 into a virtual environment of your own"
+            f"cannot write '{error.filename or folder}': {error.strerror}; run this as "
+            "its owner, or install tool0 into a virtual environment of your own"
         ) from None
     if warnings:
         print(warnings, file=sys.stderr)
@@ -199,6 +227,7 @@ def _sources(folder: Path) -> list[Path]:
 
 def _install_compiler() -> None:
     """Install ziglang for this Python, unless a compiler works."""
+    import importlib
     import subprocess
 
     try:
@@ -213,21 +242,25 @@ def _install_compiler() -> None:
             raise KernelBuildError(
                 f"pip cannot install '{ZIG}' (see above); install gcc or clang"
             ) from None
+        importlib.invalidate_caches()
 
 
-def main(words: Sequence[str]) -> int:
-    """Do what the command line says."""
+def main(words: Sequence[str], folder: Path = FOLDER) -> int:
+    """Do what the command line says, and return the exit status."""
     if words not in ([], ["--install-compiler"]):
         print(__doc__, file=sys.stderr)
         return 2
     try:
-        if words:
-            _install_compiler()
-        path = build()
-    except KernelBuildError as error:
-        print(f"tool0: cannot compile the kernel: {error}", file=sys.stderr)
-        return 1
-    print(f"tool0: compiled {path}", file=sys.stderr)
+        open_library(folder)
+    except KernelUnusableError:
+        try:
+            if words:
+                _install_compiler()
+            path = build(folder)
+        except KernelBuildError as error:
+            print(f"tool0: cannot compile the kernel: {error}", file=sys.stderr)
+            return 1
+        print(f"tool0: compiled {path}", file=sys.stderr)
     return 0
 
 

@@ -1,16 +1,13 @@
-#include "drives.h"
-
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
+#include "drives.h"
+#include "export.h"
+
 /* Python's min and max: the first argument, unless the second is beyond it. */
 static inline double least(double a, double b) { return b < a ? b : a; }
-static inline double most_of(double a, double b) { return b > a ? b : a; }
-
-/* Calls of libm's own functions, as Python makes them: never one combined sincos. */
-static __attribute__((noinline)) double cosine(double q) { return cos(q); }
-static __attribute__((noinline)) double sine(double q) { return sin(q); }
+static inline double greatest(double a, double b) { return b > a ? b : a; }
 
 /* ---- gravity: JointDynamics in hardware/bodies.py -------------------------------- */
 
@@ -36,7 +33,7 @@ static void frame_of(const DriveBody *body, double (*frames)[12], int i, double 
             f[9 + k] = f[9 + k] + q * f[6 + k];
         return;
     }
-    double c = cosine(q), s = sine(q);
+    double c = cos(q), s = sin(q);
     for (int k = 0; k < 3; k++) {
         double a = f[k], b = f[3 + k];
         f[k] = c * a + s * b;
@@ -97,8 +94,8 @@ static void velocity_window(const DriveWindow *window, double position, double *
     if (window->is_soft) {
         double lower = -window->k_position * (position - window->soft_lower);
         double upper = -window->k_position * (position - window->soft_upper);
-        *slowest = least(most_of(lower, -most), most);
-        *fastest = least(most_of(upper, -most), most);
+        *slowest = least(greatest(lower, -most), most);
+        *fastest = least(greatest(upper, -most), most);
     }
 }
 
@@ -111,10 +108,10 @@ static double to_position(const DriveTable *table, DriveServo *servo, double com
     if (is_stopped && (command - position) * lag < 0.0)
         previous = position;
     velocity_window(&servo->window, previous, &slowest, &fastest);
-    slowest = most_of(slowest, -servo->speed);
+    slowest = greatest(slowest, -servo->speed);
     fastest = least(fastest, servo->speed);
-    double step = least(most_of(command - previous, slowest * dt), fastest * dt);
-    double target = least(most_of(previous + step, servo->lower), servo->upper);
+    double step = least(greatest(command - previous, slowest * dt), fastest * dt);
+    double target = least(greatest(previous + step, servo->lower), servo->upper);
     servo->target = target;
     double error = target - position;
     double stiffness = servo->bandwidth * servo->bandwidth;
@@ -135,7 +132,7 @@ static double at_velocity(const DriveTable *table, DriveServo *servo, double com
 {
     double slowest, fastest;
     velocity_window(&servo->window, position, &slowest, &fastest);
-    double error = least(most_of(command, slowest), fastest) - velocity;
+    double error = least(greatest(command, slowest), fastest) - velocity;
     double gain = 2.0 * table->damping_ratio * table->velocity_bandwidth;
     servo->integral += gain * table->integral_rate * error * table->dt;
     return gain * error + servo->integral;
@@ -167,8 +164,8 @@ static void goal_at(const DriveGoal *goal, double position, double *effort,
         lever = 2.0 * fabs(goal->pad_slope);
     else
         lever = 2.0
-                * fabs(goal->pad_sin * cosine(position)
-                       - goal->pad_cos * sine(position));
+                * fabs(goal->pad_sin * cos(position)
+                       - goal->pad_cos * sin(position));
     *effort = goal->is_force ? goal->grip * lever : goal->grip;
     *velocity = lever <= 0.0 ? INFINITY : goal->speed / lever;
 }
@@ -188,11 +185,11 @@ static double limit_speed(const DriveBounds *bounds, const DriveGoal *goal,
         double grip, fastest;
         goal_at(goal, position, &grip, &fastest);
         double lowest = least(gravity - grip, applied + bounds->ease);
-        double highest = most_of(gravity + grip, applied - bounds->ease);
-        effort = least(most_of(effort, lowest), highest);
+        double highest = greatest(gravity + grip, applied - bounds->ease);
+        effort = least(greatest(effort, lowest), highest);
         speed = least(speed, fastest);
     }
-    effort = least(most_of(effort, -most), most);
+    effort = least(greatest(effort, -most), most);
     double last = *before;
     *before = velocity;
     if (rotor == INFINITY) {
@@ -204,10 +201,10 @@ static double limit_speed(const DriveBounds *bounds, const DriveGoal *goal,
         held_back = applied - (velocity - last) * rotor;
     if (effort > gravity) {
         double room = (speed - velocity) * rotor + held_back;
-        return least(effort, most_of(room, least(0.0, gravity)));
+        return least(effort, greatest(room, least(0.0, gravity)));
     }
     double room = held_back - (speed + velocity) * rotor;
-    return most_of(effort, least(room, most_of(0.0, gravity)));
+    return greatest(effort, least(room, greatest(0.0, gravity)));
 }
 
 /* A row of EffortLimiter.saturate; speed is infinite if the speed is limited above. */
@@ -221,7 +218,7 @@ static double saturate(const DriveBounds *bounds, double speed, double u,
     }
     if (u < 0.0) {
         int is_over = position < bounds->lower || velocity < -speed;
-        return is_over ? 0.0 : most_of(u, -most);
+        return is_over ? 0.0 : greatest(u, -most);
     }
     return u;
 }
@@ -231,9 +228,9 @@ static double soften(const DriveBounds *bounds, double effort, double position,
 {
     double slowest, fastest, most = bounds->effort, k = bounds->k_velocity;
     velocity_window(&bounds->window, position, &slowest, &fastest);
-    double lower = least(most_of(-k * (velocity - slowest), -most), most);
-    double upper = least(most_of(-k * (velocity - fastest), -most), most);
-    return least(most_of(effort, lower), upper);
+    double lower = least(greatest(-k * (velocity - slowest), -most), most);
+    double upper = least(greatest(-k * (velocity - fastest), -most), most);
+    return least(greatest(effort, lower), upper);
 }
 
 /* ---- RobotHardware.efforts ------------------------------------------------------- */
@@ -291,8 +288,9 @@ static void run_servos(Drives *drives, const double *loads, const double *comman
     }
 }
 
-int drives_efforts(Drives *drives, const double *command, const double *position,
-                   const double *velocity, double *effort)
+TOOL0_EXPORT int drives_efforts(Drives *drives, const double *command,
+                                const double *position, const double *velocity,
+                                double *effort)
 {
     const DriveTable *table = drives->table;
     if (needs_python(drives, command, position, velocity, effort))
@@ -302,7 +300,7 @@ int drives_efforts(Drives *drives, const double *command, const double *position
                  && (!drives->has_compensation
                      || drives->steps % table->pose_period == 0);
     double requested[n], loads[n];
-    memcpy(requested, command, n * sizeof *requested);
+    memcpy(requested, command, sizeof requested);
     if (is_due || drives->n_servos)
         static_effort(table, position, loads);
     if (is_due) {
@@ -331,6 +329,6 @@ int drives_efforts(Drives *drives, const double *command, const double *position
         u = saturate(bounds, speed, u, q, qd);
         requested[i] = bounds->limits_effort ? soften(bounds, u, q, qd) : u;
     }
-    memcpy(effort, requested, n * sizeof *requested);
+    memcpy(effort, requested, sizeof requested);
     return DRIVES_OK;
 }

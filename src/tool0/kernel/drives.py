@@ -157,6 +157,7 @@ class NativeDrives:
         self, hardware: RobotHardware, bounds: Mapping[int, DriveBounds], table: _Table
     ) -> None:
         self._hardware, self._bounds, self._table = hardware, bounds, table
+        self._rotors = {i for i, drive in bounds.items() if drive.rotor < math.inf}
         self._setup = DriveSetup({}, (), (), [])
         n_joints, n_drives = table.n_joints, table.n_drives
         self._gravity = (c_double * n_joints)()
@@ -185,25 +186,31 @@ class NativeDrives:
         self._gravity[:] = state.gravity
         if state.compensation:
             self._compensation[:] = state.compensation
-        nan = math.nan
-        self._before[:] = [nan if v is None else v for v in state.velocities]
+        for i, velocity in state.velocities.items():
+            self._before[i] = math.nan if velocity is None else velocity
         for servo, memory in zip(self._servos, state.servos, strict=False):
             servo.target, servo.integral, servo.speed = memory
 
     def store(self) -> None:
         """Let the hardware continue from this state."""
-        struct, velocities = self.struct, self._before[:]
+        struct, before = self.struct, self._before
+        bounded = self._rotors | self._setup.drive_limits.keys()
         state = DriveState(
             struct.steps,
             self._gravity[:],
             self._compensation[:] if struct.has_compensation else [],
-            [None if math.isnan(velocity) else velocity for velocity in velocities],
+            {i: None if math.isnan(v := before[i]) else v for i in bounded},
             [
                 ServoState(servo.target, servo.integral, servo.speed)
                 for servo in self._servos[: struct.n_servos]
             ],
         )
         self._hardware.restore(self._setup, state)
+
+    @property
+    def drive_limits(self) -> Mapping[int, DriveLimits]:
+        """The limits of goals, by joint."""
+        return self._setup.drive_limits
 
     def set_drive_limits(self, index: int, limits: DriveLimits | None) -> None:
         """Limit a drive as RobotHardware does, in this copy alone."""
@@ -241,7 +248,7 @@ class NativeDrives:
             self._goals[index] = _goal(limits)
             return
         self._goals[index] = _Goal()
-        if self._bounds[index].rotor == math.inf:
+        if index not in self._rotors:
             self._before[index] = math.nan  # no speed limiter remembers it
 
 

@@ -14,14 +14,6 @@ static void copy(double *to, const double *from, int n)
     memcpy(to, from, (size_t)n * sizeof(double));
 }
 
-static int is_finite(const double *values, int n)
-{
-    for (int i = 0; i < n; i++)
-        if (!isfinite(values[i]))
-            return 0;
-    return 1;
-}
-
 static int is_suspicious(const double *velocity, int n)
 {
     double sum = 0.0;
@@ -50,9 +42,8 @@ static int step(Robot *robot)
     copy(robot->step_position, robot->position, n);
     copy(robot->step_velocity, robot->velocity, n);
     copy(robot->step_effort, robot->effort, n);
-    if (!is_finite(robot->command, n)
-        || drives_efforts(robot->drives, robot->command, robot->position,
-                          robot->velocity, robot->effort) != DRIVES_OK)
+    if (drives_efforts(robot->drives, robot->command, robot->position, robot->velocity,
+                       robot->effort) != DRIVES_OK)
         return RUN_EVENT;
     for (int j = 0; j < robot->n_motors; j++)
         robot->motors[j] = robot->effort[robot->motor_joints[j]];

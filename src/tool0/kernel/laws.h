@@ -38,10 +38,11 @@ typedef struct {
     const Gains *gains;
     double *integrals;
     const double *feed_forward;
-    const Piece *pieces; /* shape (n, max_pieces) */
-    const int32_t *n_pieces;
+    Piece *pieces; /* shape (n, max_pieces) */
+    int32_t *n_pieces;
     int32_t *piece; /* the active one */
     int32_t *arrived;
+    int32_t *started; /* whether the kernel started the motion: Python lacks it */
     const double *values; /* LAW_COMMAND: the commands */
     double *last_errors;  /* LAW_COMMAND with a PID */
     double *errors, *rates; /* scratch */

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Final, final
 
 from tool0.errors import ConfigError
-from tool0.kernel.build import FOLDER, LIBRARY, source_digest
+from tool0.kernel.build import FOLDER, LIBRARY, KernelUnusableError, open_library
 
 logger = logging.getLogger(__name__)
 
@@ -62,25 +62,14 @@ def kernel_status() -> KernelStatus:
 def _opened(folder: Path) -> KernelStatus:
     """Open the library in ``folder``, once per process: 0.3 ms."""
     path = folder / LIBRARY
-    if not path.is_file():
-        logger.info("no compiled kernel: %s compiles it", COMPILE_COMMAND)
-        return KernelStatus(path, None, f"'{path}' does not exist")
     try:
-        library = ctypes.CDLL(str(path))
-        digest = library.tool0_kernel_digest
-        digest.restype = ctypes.c_char_p
-        is_fresh = digest() == source_digest(folder).encode()
-        reason = "" if is_fresh else f"'{path}' was compiled from other sources"
-    except AttributeError:
-        reason = f"'{path}' is not a kernel of tool0"
-    except OSError as error:
-        reason = f"cannot load it: {error}"
-    if not reason:
-        return KernelStatus(path, library)
-    logger.warning(
-        "the compiled kernel is not used, and the simulation is slower: %s; compile it "
-        "again: %s",
-        reason,
-        COMPILE_COMMAND,
-    )
-    return KernelStatus(path, None, reason)
+        return KernelStatus(path, open_library(folder))
+    except KernelUnusableError as error:
+        level = logging.WARNING if path.exists() else logging.INFO
+        logger.log(
+            level,
+            "no compiled kernel, so the simulation is slower: %s; compile it: %s",
+            error,
+            COMPILE_COMMAND,
+        )
+        return KernelStatus(path, None, str(error))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from tool0.control.goal import UNCHECKED
 from tool0.control.law import CommandLaw, TrajectoryLaw
 from tool0.control.sampler import Check, GoalMonitor, Piece
+from tool0.control.spline import JointSpline, Segment, along
 
 MOST_PIECES = 16
 """Of a motion, per joint; Python continues a longer one."""
@@ -56,6 +57,7 @@ class LawStruct(Structure):
         ("n_pieces", c_size_t),
         ("piece", c_size_t),
         ("arrived", c_size_t),
+        ("started", c_size_t),
         ("values", c_size_t),
         ("last_errors", c_size_t),
         ("errors", c_size_t),
@@ -124,6 +126,7 @@ class LawMemory:
         self.n_pieces: IntArray = np.zeros((n, k), dtype=np.int32)
         self.piece: IntArray = np.zeros((n, k), dtype=np.int32)
         self.arrived: IntArray = np.zeros((n, k), dtype=np.int32)
+        self.started: IntArray = np.zeros((n, k), dtype=np.int32)
         self.values: FloatArray = np.zeros((n, k))
         self.last_errors: FloatArray = np.zeros((n, k))
         self._scratch: FloatArray = np.zeros((n, 2, k))
@@ -151,13 +154,25 @@ class LawMemory:
         struct.errors = self._scratch[robot, 0].ctypes.data
         struct.rates = self._scratch[robot, 1].ctypes.data
 
+    def started_splines(self, robot: int = 0) -> dict[int, JointSpline]:
+        """Return the motions that the kernel started, by the joint's number."""
+        found = {}
+        for k in np.flatnonzero(self.started[robot]).tolist():
+            piece = self.pieces[robot, k, 0].tolist()
+            segment = Segment.of(piece[_ORIGIN], piece[_UNTIL], piece[_COEFFICIENTS])
+            found[k] = along(segment)
+        return found
 
+
+_UNTIL, _ORIGIN, _COEFFICIENTS = 0, 1, slice(2, 8)
+"""Where a piece has them."""
 _OF_ROBOT = (
     "integrals",
     "pieces",
     "n_pieces",
     "piece",
     "arrived",
+    "started",
     "values",
     "last_errors",
 )

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from ctypes import CDLL, addressof, byref, c_int
+from ctypes import CDLL, addressof, byref, c_int, sizeof
 from enum import IntEnum
 from typing import final
 
 import numpy as np
 
 from tool0.control.config import Controller
+from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.law import CommandLaw, IdleLaw, Law, TrajectoryLaw
 from tool0.control.sampler import pieces_from
 from tool0.hardware.engine import JointState, NativeStepper
+from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives
 from tool0.kernel.memory import (
@@ -121,9 +123,12 @@ class _LoadedLaw:
             memory.arrived[:] = 0
             memory.arrived[0, list(monitor.arrived)] = 1
 
-    def store(self) -> None:
-        """Give the controller its state back."""
+    def store(self, controller: Controller, time: float) -> None:
+        """Give the controller its state back; ``time`` is that of the next tick [s]."""
         law, memory = self._law, self._memory
+        if isinstance(controller, JointTrajectoryController) and memory.started.any():
+            controller.adopt(memory.started_splines(), time)
+            memory.started[:] = 0
         if law.pid is not None:
             law.pid.integrals[:] = memory.integrals[0].tolist()
         if isinstance(law, CommandLaw):
@@ -142,9 +147,6 @@ class Ended(IntEnum):
     """Python executes the next tick, or the steps that are left of this one."""
     CHECK = 2
     """Python checks whether the state has diverged, and then as ``EVENT``."""
-
-
-_RESULTS = tuple(Ended)
 
 
 @final
@@ -206,16 +208,51 @@ class Program:
         self._robot.command[:] = self._hardware.command
         self._robot.effort[:] = state.effort
         self._struct.steps = stepper.steps()
+        self._use(stepper)
 
     def run(self, most: int, stepper: NativeStepper) -> tuple[Ended, int]:
         """Execute up to ``most`` ticks; return how it ended, and how many were."""
+        self._use(stepper)
+        robot, done = self._arguments
+        result = self._run(robot, most, done)
+        return Ended(result), self._done.value
+
+    def _use(self, stepper: NativeStepper) -> None:
         if stepper is not self._stepper:
             self._stepper = stepper
             self._robot.set_stepper(stepper)
-        robot, done = self._arguments
-        result = self._run(robot, most, done)
-        stepper.note_steps(self._struct.steps, self._robot.effort.tolist())
-        return _RESULTS[result], self._done.value
+
+    def note_steps(self, stepper: NativeStepper) -> bool:
+        """Tell the engine what was executed; return whether a step was."""
+        before, steps = stepper.steps(), self.steps
+        stepper.note_steps(steps, self._robot.effort.tolist())
+        return steps > before
+
+    def set_drive_limits(self, joint: int, limits: DriveLimits) -> None:
+        """Limit the drive of a joint, by its number, as RobotHardware does."""
+        if self._drives.drive_limits.get(joint) != limits:
+            self._drives.set_drive_limits(joint, limits)
+
+    @property
+    def robot_address(self) -> int:
+        """Of the struct, for ``Many``."""
+        return addressof(self._struct)
+
+    @property
+    def effort(self) -> FloatArray:
+        """The effort applied in the last step [N·m | N], a view."""
+        return self._robot.effort
+
+    def law_address(self, controller: int) -> int:
+        """Of the law of a running controller, by its number."""
+        laws = [law for law in self._laws[:controller] if law is not None]
+        return addressof(self._robot.laws) + len(laws) * sizeof(LawStruct)
+
+    @property
+    def steps(self) -> int:
+        """Steps of the engine since its time was 0."""
+        steps: int = self._struct.steps
+        return steps
 
     @property
     def steps_left(self) -> int:
@@ -233,8 +270,9 @@ class Program:
 
     def store(self) -> None:
         """Give controllers and drives their state back."""
-        for law in self._laws:
+        time = self.steps * self._struct.dt
+        for law, (controller, _) in zip(self._laws, self.running, strict=True):
             if law is not None:
-                law.store()
+                law.store(controller, time)
         self._drives.store()
         self._hardware.command[:] = self._robot.command.tolist()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from operator import sub
 from typing import TypeVar, final
 
 from tool0.control.forward_command import ForwardCommandController
@@ -17,7 +18,7 @@ from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, did_you_mean
-from tool0.hardware.engine import Contact, Engine, JointState
+from tool0.hardware.engine import Contact, Engine, JointState, joint_selector
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
@@ -72,11 +73,12 @@ class Core:
         self._initial = list(initial_position)
         self._start = self._initial
         self._commanded: set[str] = set()
+        self._watch_drift()
         self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
         self._sensors: tuple[ForceTorqueSensor, ...] = ()
         self.grasp_assist = GraspAssist(model, engine) if grasp_assist else None
         self.stall_monitor = StallMonitor(model, hardware)
-        self.grip_contacts = GripContacts(model)
+        self.grip_contacts = GripContacts(model, engine.joint_names)
         engine.reset(self._initial)
         self.state: JointState = engine.read()
         self._before = self.state
@@ -113,23 +115,35 @@ class Core:
 
         The kernel executes what it can; after a tick in Python, this returns.
         """
-        program, stepper = self._program, self.engine.stepper
-        if program is None and not self._sensors and self.scene.wrenches.is_idle:
-            program = self._program = self._kernel.load(self.state)
+        program, stepper = self.program(), self.engine.stepper
         if program is None or stepper is None:
             self.tick()
             return 1
-        steps = stepper.steps()
-        result, done = program.run(most, stepper)
+        return self.ran(*program.run(most, stepper))
+
+    def program(self) -> Program | None:
+        """Let the kernel execute the coming ticks; None if only Python can."""
+        if self._program is None and not self._sensors and self.scene.wrenches.is_idle:
+            self._program = self._kernel.load(self.state)
+        return self._program
+
+    def ran(self, result: Ended, done: int) -> int:
+        """Follow a run of the program by ``done`` ticks; return how many they are now.
+
+        After an event, Python executes one tick more.
+        """
+        program, stepper = self._program, self.engine.stepper
+        assert program is not None
+        assert stepper is not None
         self.ticks += done
         state = self.state
-        if stepper.steps() > steps:
+        if program.note_steps(stepper):
             self.state = program.tick_start()
             self.manager.observe(self.state)
-            if result is Ended.DONE:
-                self.state = self.engine.read()
-                return done
             state = self.engine.read()
+        if result is Ended.DONE:
+            self.state = state
+            return done
         left = program.steps_left
         self.settle()
         if result is Ended.EVENT and not left:
@@ -153,7 +167,7 @@ class Core:
         """Find joints that push without moving, and grips, between two ticks."""
         contacts = self.engine.world.contacts
         self.stall_monitor.look(self.state, contacts)
-        self.grip_contacts.look(self.state, self.engine.joint_names, contacts)
+        self.grip_contacts.look(self.state, contacts)
 
     # ---- controllers ----------------------------------------------------------------
 
@@ -307,6 +321,7 @@ class Core:
         self.scene.wrenches.forget()
         self.state = self._before = self.engine.read()
         self._commanded.clear()
+        self._watch_drift()
         if self.grasp_assist is not None:
             self.grasp_assist.forget()
         self.stall_monitor.forget()
@@ -323,16 +338,24 @@ class Core:
         self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
 
-    def drift(self) -> float:
-        """Return the largest drift of an uncommanded joint from its start.
+    def drift(self, at_least: float = 0.0) -> float:
+        """Return the largest drift of an uncommanded joint from its start [rad | m].
 
-        [rad | m]; 0 if every joint was commanded.
+        ``at_least`` if that is larger, as for joints that were all commanded.
         """
-        position, initial = self.state.position, self._start
-        index = self.hardware.index
-        uncommanded = self.hardware.interfaces.keys() - self._commanded
-        indices = (index[name] for name in uncommanded)
-        return max((abs(position[i] - initial[i]) for i in indices), default=0.0)
+        position, start = self._uncommanded(self.state.position), self._their_start
+        position, start = self._uncommanded(self.state.position), self._their_start
+        if math.dist(position, start) <= at_least:  # no joint is further than all are
+            return at_least
+        largest: float = max(map(abs, map(sub, position, start)))
+        return max(at_least, largest)
+
+    def _watch_drift(self) -> None:
+        """Note which joints were not commanded, and where they started."""
+        names = self.hardware.interfaces.keys() - self._commanded
+        indices = sorted(self.hardware.index[name] for name in names)
+        self._uncommanded = joint_selector(indices)
+        self._their_start = self._uncommanded(self._start)
 
     def _forces(self) -> tuple[Contact, ...]:
         """Return the external forces on the robot: contacts, and applied wrenches."""
@@ -366,7 +389,9 @@ class Core:
         ``joints`` are those that the goal names; None for all of the controller.
         """
         for _, claimed in self.manager.status(controller).claimed:
-            self._commanded.update(claimed)
+            if not self._commanded.issuperset(claimed):
+                self._commanded.update(claimed)
+                self._watch_drift()
             for joint in claimed:
                 if joints is None or joint in joints:
                     self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))

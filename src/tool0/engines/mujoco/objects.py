@@ -7,8 +7,9 @@ after the robot's joints, so the robot's values are the first of every array.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, final
 
@@ -38,7 +39,7 @@ from tool0.engines.mujoco.model import (
     quat_wxyz,
 )
 from tool0.errors import ModelError
-from tool0.hardware.engine import ObjectState
+from tool0.hardware.engine import ObjectState, RecordedObjects
 
 OBJECT_SOLREF = (0.004, 1.0)
 """Time constant of contacts between objects, ground and links [s]: a fifth of
@@ -250,12 +251,14 @@ class ObjectStates:
     def __init__(self, model: Any, data: Any, scene: Scene) -> None:
         """View ``model`` and ``data``, compiled with ``scene``."""
         self._model = model
-        self._names = tuple(item.name for item in scene.objects)
+        self.names = tuple(item.name for item in scene.objects)
         movable = [item.name for item in scene.objects if item.mass is not None]
         # Free joints are the last ones, in the scene's order: 7 positions, 6 speeds.
         self._starts = {name: (7 * k, 6 * k) for k, name in enumerate(movable)}
-        self._position = data.qpos[model.nq - 7 * len(movable) :]  # views
-        self._velocity = data.qvel[model.nv - 6 * len(movable) :]
+        self.position = data.qpos[model.nq - 7 * len(movable) :]  # views
+        """Of the free joints, each with 7 numbers."""
+        self.velocity = data.qvel[model.nv - 6 * len(movable) :]
+        """Of the free joints, each with 6 numbers."""
         self._warm_start = data.qacc_warmstart[model.nv - 6 * len(movable) :]
         self._static_at_start = {
             item.name: ObjectState(
@@ -264,19 +267,23 @@ class ObjectStates:
             for item in scene.objects
             if item.mass is None
         }
-        self._static = dict(self._static_at_start)
+        self.static: Mapping[str, ObjectState] = self._static_at_start
+        """The states of the others, by name."""
 
-    def read(self) -> tuple[ObjectState, ...]:
-        """Return the state of each object, in the scene's order."""
+    def is_movable(self, name: str) -> bool:
+        """Return whether an object has a mass."""
+        return name in self._starts
+
+    def record(self) -> Sequence[ObjectState]:
+        """Return the state of each object, in the scene's order.
+
+        This copies numbers; the reader's thread computes the states.
+        """
         if not self._starts:
-            return tuple(self._static.values())
-        position, velocity = self._position.tolist(), self._velocity.tolist()
-        starts, static = self._starts, self._static
-        return tuple(
-            static[name]
-            if name in static
-            else _state(name, position, velocity, *starts[name])
-            for name in self._names
+            return tuple(self.static.values()) if self.static else ()
+        position, velocity = self.position.tobytes(), self.velocity.tobytes()
+        return RecordedObjects(
+            partial(_states, self.names, self._starts, self.static, position, velocity)
         )
 
     def place(self, state: ObjectState) -> None:
@@ -287,8 +294,8 @@ class ObjectStates:
         i, j = self._starts[state.name]
         w, x, y, z = state.quat_wxyz
         angular = _rotated((w, -x, -y, -z), state.angular)
-        self._position[i : i + 7] = (*state.position, *state.quat_wxyz)
-        self._velocity[j : j + 6] = (*state.linear, *angular)
+        self.position[i : i + 7] = (*state.position, *state.quat_wxyz)
+        self.velocity[j : j + 6] = (*state.linear, *angular)
         self._warm_start[j : j + 6] = 0.0
 
     def reset(self) -> None:
@@ -298,13 +305,31 @@ class ObjectStates:
 
     def copy_static_poses(self, other: ObjectStates) -> None:
         """Put static objects where ``other`` has them, if it has them."""
-        for name in self._static.keys() & other._static.keys():
-            self._put(other._static[name])
+        for name in self.static.keys() & other.static.keys():
+            self._put(other.static[name])
 
     def _put(self, state: ObjectState) -> None:
         body = self._model.body(state.name)
         body.pos[:], body.quat[:] = state.position, state.quat_wxyz
-        self._static[state.name] = state
+        self.static = {**self.static, state.name: state}  # records have the old one
+
+
+def _states(
+    names: tuple[str, ...],
+    starts: Mapping[str, tuple[int, int]],
+    static: Mapping[str, ObjectState],
+    packed_position: bytes,
+    packed_velocity: bytes,
+) -> tuple[ObjectState, ...]:
+    """Return the state of each object from the free joints' numbers."""
+    position = np.frombuffer(packed_position).tolist()
+    velocity = np.frombuffer(packed_velocity).tolist()
+    return tuple(
+        static[name]
+        if name in static
+        else _state(name, position, velocity, *starts[name])
+        for name in names
+    )
 
 
 def _state(

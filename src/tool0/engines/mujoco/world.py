@@ -83,15 +83,15 @@ class MujocoWorld:
         if self._attached:
             self._compile(self._scene, {})
         mujoco.mj_resetData(self._model, self._data)
-        self._states.reset()
+        self.states.reset()
         self._data.qpos[: self._n_joints] = position
         self._data.time = time
         self._contacts = (time, ())
         mujoco.mj_forward(self._model, self._data)
         self._warn_of_overlaps()
 
-    def object_states(self) -> tuple[ObjectState, ...]:
-        return self._states.read()
+    def object_states(self) -> Sequence[ObjectState]:
+        return self.states.record()
 
     def spawn(self, item: SceneObject) -> None:
         check_new_name(self._objects, item.name)
@@ -108,7 +108,7 @@ class MujocoWorld:
     def place(self, state: ObjectState) -> None:
         self.detach(state.name)
         check_placement(self._objects, state)
-        self._states.place(state)
+        self.states.place(state)
 
     def change(self, item: SceneObject) -> None:
         """Give an object the mass and friction of ``item``, which is equal otherwise.
@@ -206,16 +206,16 @@ class MujocoWorld:
         }
         self._attached = attached
         self._geom_owners = geom_owners(model)
-        self._states = ObjectStates(model, self._data, scene)
+        self.states = ObjectStates(model, self._data, scene)
         self._on_compiled(model, self._data)
 
     def _recompile(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
         """Use another scene; everything in both keeps its state, to the bit."""
-        model, data, states = self._model, self._data, self._states
+        model, data, states = self._model, self._data, self.states
         self.contacts()  # the new data has no contacts of the last step
         self._compile(scene, attached)
         _transfer_state(model, data, self._model, self._data)
-        self._states.copy_static_poses(states)
+        self.states.copy_static_poses(states)
 
     def _warn_of_overlaps(self, of: str | None = None) -> None:
         """Log a warning for each overlap, of the object ``of`` if it is given."""

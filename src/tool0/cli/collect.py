@@ -1,0 +1,118 @@
+"""``tool0 collect``: episodes of a task into a folder, with processes or Ray."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, TextIO, final
+
+from tool0.cli.parameters import Option
+from tool0.cli.text import ProgressBar
+
+if TYPE_CHECKING:
+    from tool0.collect import Progress
+
+LINE_PERIOD = 10.0
+"""Interval between two lines of progress where there is no terminal [wall s]."""
+
+
+def collect(
+    *,
+    task: str,
+    episodes: Annotated[int, Option(metavar="NUMBER")],
+    folder: Annotated[Path | None, Option(metavar="FOLDER")] = None,
+    workers: int | None = None,
+    ray: Annotated[str | None, Option(metavar="ADDRESS")] = None,
+    policy: str | None = None,
+    seed: int = 0,
+    format: Literal["parquet", "lerobot"] = "parquet",  # the option's name
+    copies: int = 8,
+    summary: Literal["text", "json", "none"] = "text",
+) -> None:
+    """Collect episodes of a task into a folder; the same command again continues.
+
+    An episode follows from task, policy, seed and its number: workers, machines and
+    interruptions make no difference.
+
+    Args:
+        task: The task, such as Lift, or the id of a Gymnasium environment.
+        episodes: Number of episodes that the folder shall have.
+        folder: A new folder, or one to continue; if not given, the task's name.
+        workers: Number of processes; if not given, one per processor.
+        ray: Collect with Ray: HOST:PORT of a cluster, or `local` to start Ray on this
+            machine.
+        policy: MODULE:NAME or FILE.py:NAME; if not given, the task's expert.
+        seed: Base of the seeds of the episodes.
+        format: Columns and further files.
+        copies: Simulations of a worker that take turns.
+        summary: What to print at the end.
+    """
+    from tool0.collect import collect as carry_out
+
+    start = time.monotonic()
+    with _Display(task, sys.stderr) as display:
+        manifest = carry_out(
+            task,
+            episodes,
+            folder or Path(task),
+            workers=workers,
+            ray=ray,
+            policy=policy,
+            seed=seed,
+            format=format,
+            copies=copies,
+            progress=display.show,
+        )
+    found = {
+        "folder": str(manifest.folder),
+        "episodes": manifest.n_episodes,
+        "succeeded": manifest.n_succeeded,
+        "frames": manifest.n_frames,
+        "bytes": manifest.n_bytes,
+        "seconds": round(time.monotonic() - start, 3),
+    }
+    if summary == "json":
+        print(json.dumps(found))
+    elif summary == "text":
+        print(
+            f"{manifest.folder}: {manifest.n_episodes} episodes, "
+            f"{manifest.n_succeeded} succeeded, {manifest.n_frames} frames, "
+            f"{manifest.n_bytes / 1e6:.1f} MB"
+        )
+
+
+@final
+class _Display:
+    """A bar on a terminal; elsewhere a line now and then."""
+
+    def __init__(self, task: str, stream: TextIO) -> None:
+        self._task = task
+        self._stream = stream
+        self._bar = ProgressBar(stream) if stream.isatty() else None
+        self._next = time.monotonic() + LINE_PERIOD
+
+    def __enter__(self) -> _Display:
+        """Return itself."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """End the bar's line; after Ctrl-C, say what remains."""
+        if self._bar is not None:
+            self._bar.__exit__(kind)
+        if kind is KeyboardInterrupt:
+            text = "interrupted: the same command continues"
+            print(text, file=self._stream, flush=True)
+
+    def show(self, progress: Progress) -> None:
+        """Show it."""
+        n, n_requested = progress.n_episodes, progress.n_requested
+        rate = f"{n}/{n_requested} episodes, {progress.rate:.2f}/s"
+        if n:
+            rate += f", {progress.n_succeeded / n:.1%} succeeded"
+        if self._bar is not None:
+            self._bar(self._task, n / n_requested, rate)
+        elif n == n_requested or time.monotonic() >= self._next:
+            self._next = time.monotonic() + LINE_PERIOD
+            print(f"{self._task}: {rate}", file=self._stream, flush=True)

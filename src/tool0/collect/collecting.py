@@ -1,0 +1,229 @@
+"""The schedule of a collection: chunks to workers, episodes to the data set."""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+import os
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, final, get_args
+
+from tool0.collect.dataset import Dataset, Manifest, opened
+from tool0.collect.executor import Executor, Finished
+from tool0.collect.packets import unpacked
+from tool0.collect.policy import Policy, located
+from tool0.collect.rollout import environment_spec
+from tool0.collect.settings import Format, Settings
+from tool0.collect.worker import Chunk
+from tool0.errors import CollectError, ConfigError, did_you_mean
+
+logger = logging.getLogger(__name__)
+
+N_COPIES: Final = 8
+_CHUNK: Final = 16
+"""Largest number of episodes in a chunk."""
+_WINDOW: Final = 4
+"""Chunks per worker between the first that is missing and the last that is given."""
+_SHARES: Final = 8
+"""Least number of chunks per worker, if there are enough episodes."""
+_ATTEMPTS: Final = 3
+"""Workers that may end over the same chunk."""
+_POLL: Final = 0.5
+"""Interval between two reports of progress [wall s]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """How far a collection is."""
+
+    n_episodes: int
+    n_requested: int
+    n_succeeded: int
+    rate: float
+    """Episodes per second of this run [1 / wall s]."""
+
+
+def collect(
+    task: str,
+    episodes: int,
+    folder: str | Path,
+    *,
+    options: Mapping[str, Any] | None = None,
+    workers: int | None = None,
+    ray: str | None = None,
+    policy: str | Policy | None = None,
+    seed: int = 0,
+    format: Format = "parquet",
+    copies: int = N_COPIES,
+    progress: Callable[[Progress], None] | None = None,
+) -> Manifest:
+    """Collect episodes of a task into a folder, or continue to.
+
+    Episode i follows from the task, the policy, ``seed`` and i alone.
+
+    Args:
+        task: ``Reach``, ``Lift``, …, or the id of a Gymnasium environment.
+        episodes: Number of episodes that the folder shall have.
+        folder: A new or empty folder, or one with a part of the same episodes.
+        options: Keywords of the environment, such as ``{"arm": "ur5e"}``.
+        workers: Number of processes; one per processor if left out.
+        ray: Address of a Ray cluster, ``host:port``, or ``local`` for a Ray that ends
+            with this call; processes of this machine without Ray if left out.
+        policy: Called with the seed of an episode, returns a function from observation
+            to action: a function or class at the top level of a module, or its place as
+            ``module:name`` or ``file.py:name``.  The task's expert if left out.
+        seed: Base of the seeds of the episodes.
+        format: Columns and further files: ``parquet`` or ``lerobot``.
+        copies: Simulations of a worker that take turns.
+        progress: Called about twice a second.
+
+    Raises:
+        ConfigError: If a parameter is wrong, or differs from those of the folder.
+        CollectError: If a worker or the policy fails, or the disk is full.
+        TransportError: If the Ray cluster cannot be reached.
+    """
+    _check(episodes=episodes, copies=copies)
+    if workers is not None:
+        _check(workers=workers)
+    if not 0 <= seed < 1 << 63:
+        raise ConfigError(f"seed must be from 0 to 2**63 - 1, got {seed}")
+    if format not in get_args(Format):
+        hint = did_you_mean(format, get_args(Format))
+        raise ConfigError(f"unknown format '{format}'{hint}")
+    environment_spec(task)
+    name, digest = (None, None) if policy is None else located(policy)
+    settings = Settings(
+        task=task,
+        options=_plain(options or {}),
+        seed=seed,
+        policy=name,
+        digest=digest,
+        format=format,
+    )
+    try:
+        with opened(Path(folder), settings, episodes) as dataset:
+            if not dataset.manifest.is_complete:
+                with closing(_executor(workers, ray, settings, copies)) as executor:
+                    _Schedule(executor, dataset, progress).run()
+            return dataset.manifest
+    except OSError as error:
+        where = error.filename or folder
+        raise CollectError(
+            f"{where}: {error.strerror or error}; the episodes so far are kept, and "
+            "the same call continues"
+        ) from error
+
+
+def _check(**counts: int) -> None:
+    for name, value in counts.items():
+        if value < 1:
+            raise ConfigError(f"{name} must be 1 or more, got {value}")
+
+
+def _plain(options: Mapping[str, Any]) -> dict[str, Any]:
+    try:
+        plain: dict[str, Any] = json.loads(json.dumps(dict(options), allow_nan=False))
+    except (TypeError, ValueError) as error:
+        raise ConfigError(f"options of the environment: {error}") from None
+    return plain
+
+
+def _executor(
+    workers: int | None, ray: str | None, settings: Settings, copies: int
+) -> Executor:
+    if ray is not None:
+        from tool0.collect.ray_workers import RayWorkers
+
+        return RayWorkers(ray, workers, settings, copies)
+    from tool0.collect.local_workers import LocalWorkers
+
+    return LocalWorkers(workers or len(os.sched_getaffinity(0)), settings, copies)
+
+
+@final
+class _Schedule:
+    """Gives chunks to workers, and adds what comes back in order."""
+
+    def __init__(
+        self,
+        executor: Executor,
+        dataset: Dataset,
+        progress: Callable[[Progress], None] | None,
+    ) -> None:
+        self._executor = executor
+        self._dataset = dataset
+        self._progress = progress
+        manifest = dataset.manifest
+        self._n_before = manifest.n_episodes
+        self._n_requested = manifest.n_requested
+        n_left = self._n_requested - self._n_before
+        self._size = min(_CHUNK, math.ceil(n_left / (_SHARES * executor.n_workers)))
+        self._window = _WINDOW * self._size * executor.n_workers
+        starts = range(self._n_before, self._n_requested, self._size)
+        self._waiting = deque(
+            Chunk(first, min(first + self._size, self._n_requested)) for first in starts
+        )
+        self._messages: dict[int, bytes] = {}
+        self._failures: Counter[Chunk] = Counter()
+
+    def run(self) -> None:
+        """Return when the data set is complete."""
+        start = reported = time.monotonic()
+        while not self._dataset.manifest.is_complete:
+            self._give()
+            finished = self._executor.finished(_POLL)
+            for item in finished:
+                if item.message is not None:
+                    self._messages[item.chunk.first] = item.message
+            lost = [item for item in finished if item.message is None]
+            for item in reversed(lost):  # the first comes first again
+                self._return(item)
+            self._add()
+            now = time.monotonic()
+            is_complete = self._dataset.manifest.is_complete
+            if self._progress and (is_complete or now >= reported + _POLL):
+                reported = now
+                self._report(self._progress, now - start)
+
+    def _give(self) -> None:
+        """Keep the workers busy, but not far ahead of the first missing episode."""
+        end = self._dataset.manifest.n_episodes + self._window
+        while self._waiting and self._waiting[0].first < end and self._executor.n_free:
+            self._executor.submit(self._waiting.popleft())
+
+    def _return(self, item: Finished) -> None:
+        self._waiting.appendleft(item.chunk)
+        if not item.trouble:
+            return
+        logger.warning("a worker is replaced: %s", item.trouble)
+        self._failures[item.chunk] += 1
+        if self._failures[item.chunk] == _ATTEMPTS:
+            raise CollectError(
+                f"{_ATTEMPTS} workers ended in episodes {item.chunk.first} to "
+                f"{item.chunk.end - 1}: {item.trouble}"
+            )
+
+    def _add(self) -> None:
+        while (first := self._dataset.manifest.n_episodes) in self._messages:
+            header, files = unpacked(self._messages.pop(first))
+            if "error" in header:
+                raise CollectError(header["error"])
+            self._dataset.add(list(zip(header["episodes"], files, strict=True)))
+
+    def _report(self, progress: Callable[[Progress], None], elapsed: float) -> None:
+        manifest = self._dataset.manifest
+        progress(
+            Progress(
+                n_episodes=manifest.n_episodes,
+                n_requested=manifest.n_requested,
+                n_succeeded=manifest.n_succeeded,
+                rate=(manifest.n_episodes - self._n_before) / elapsed,
+            )
+        )

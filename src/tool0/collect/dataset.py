@@ -1,0 +1,325 @@
+"""The folder of a data set: one file per episode, and rows about each.
+
+Episodes are added in order, so that a data set is always the episodes 0 … n-1.  A file
+gets its name when it is on the disk, and its rows are appended after that.  Whatever
+an interruption leaves beyond the rows is removed when the folder is opened again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, final
+
+from tool0.collect import parquet
+from tool0.collect.settings import Settings, differences, programs
+from tool0.errors import CollectError, ConfigError
+from tool0.user_data import locked
+
+MANIFEST: Final = "manifest.json"
+EPISODES: Final = "episodes.jsonl"
+CHUNK: Final = 1000
+"""Episodes per folder, as in LeRobot."""
+DATA_PATH: Final = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
+_LEROBOT_EPISODES: Final = "meta/episodes.jsonl"
+_LEROBOT_STATS: Final = "meta/episodes_stats.jsonl"
+_PART: Final = ".part"
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manifest:
+    """What a folder of episodes contains."""
+
+    folder: Path
+    n_episodes: int
+    """Episodes in it."""
+    n_requested: int
+    """Episodes it shall have."""
+    n_succeeded: int
+    n_frames: int
+    """Actions of all episodes."""
+    n_bytes: int
+    """Size of the episodes' files."""
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether it has all episodes that were asked for."""
+        return self.n_episodes >= self.n_requested
+
+
+@final
+class Dataset:
+    """A folder that this process alone adds episodes to."""
+
+    def __init__(self, folder: Path, settings: Settings, n_requested: int) -> None:
+        """See ``opened``."""
+        self._folder = folder
+        self._settings = settings
+        self._n_requested = n_requested
+        self._is_lerobot = settings.format == "lerobot"
+        self._logs = [EPISODES]
+        if self._is_lerobot:
+            self._logs += [_LEROBOT_EPISODES, _LEROBOT_STATS]
+        rows = self._recovered()
+        self._n_episodes = len(rows)
+        self._n_succeeded = sum(row["success"] for row in rows)
+        self._n_frames = sum(row["length"] for row in rows)
+        self._n_bytes = sum(row["bytes"] for row in rows)
+
+    @property
+    def manifest(self) -> Manifest:
+        """What it contains now."""
+        return Manifest(
+            folder=self._folder,
+            n_episodes=self._n_episodes,
+            n_requested=self._n_requested,
+            n_succeeded=self._n_succeeded,
+            n_frames=self._n_frames,
+            n_bytes=self._n_bytes,
+        )
+
+    def add(self, episodes: Sequence[tuple[dict[str, Any], bytes]]) -> None:
+        """Append the next episodes, all of them or none.
+
+        Raises:
+            OSError: If the disk is full, for example.
+        """
+        rows, files, first_frame = [], {}, self._n_frames
+        for sent, content in episodes:
+            row, file = sent, content
+            if self._is_lerobot:
+                row, file = parquet.placed(sent, content, first_frame)
+            first_frame += row["length"]
+            digest = hashlib.sha256(file).hexdigest()
+            rows.append({**row, "bytes": len(file), "sha256": digest})
+            files[self._folder / _data_path(row["episode_index"])] = file
+        logs = [self._folder / log for log in self._logs]
+        sizes = [log.stat().st_size for log in logs]
+        try:
+            self._write(rows, files)
+        except OSError:
+            with contextlib.suppress(OSError):
+                for log, size in zip(logs, sizes, strict=True):
+                    os.truncate(log, size)
+                for path in files:
+                    path.unlink(missing_ok=True)
+                    _part(path).unlink(missing_ok=True)
+            raise
+        self._n_episodes += len(rows)
+        self._n_frames = first_frame
+        self._n_succeeded += sum(row["success"] for row in rows)
+        self._n_bytes += sum(row["bytes"] for row in rows)
+
+    def _write(
+        self, rows: Sequence[Mapping[str, Any]], files: Mapping[Path, bytes]
+    ) -> None:
+        """Write files first and rows last, each step when the one before is on disk."""
+        for path, file in files.items():
+            _write(_part(path), file)
+        for path in files:
+            _part(path).replace(path)
+        for folder in {path.parent for path in files}:
+            _flush_folder(folder)
+        for log in self._logs:
+            lines = "".join(f"{json.dumps(self._logged(log, row))}\n" for row in rows)
+            with (self._folder / log).open("ab") as stream:
+                stream.write(lines.encode())
+                stream.flush()
+                os.fsync(stream.fileno())
+
+    def _logged(self, log: str, row: Mapping[str, Any]) -> dict[str, Any]:
+        """Return what a log keeps of a row."""
+        index, length = row["episode_index"], row["length"]
+        if log == _LEROBOT_EPISODES:
+            tasks = [self._settings.task]
+            return {"episode_index": index, "tasks": tasks, "length": length}
+        if log == _LEROBOT_STATS:
+            return {"episode_index": index, "stats": row["stats"]}
+        return {key: value for key, value in row.items() if key != "stats"}
+
+    def describe(self) -> None:
+        """Write the manifest, and for LeRobot the description of its columns."""
+        found = self.manifest
+        self._write_json(
+            MANIFEST,
+            {
+                **self._settings.recorded(),
+                "episodes": self._n_requested,
+                "complete": found.is_complete,
+                "collected": found.n_episodes,
+                "succeeded": found.n_succeeded,
+                "frames": found.n_frames,
+                "bytes": found.n_bytes,
+                "programs": programs(),
+            },
+        )
+        if self._is_lerobot and found.n_episodes:
+            self._describe_lerobot(found)
+
+    def _describe_lerobot(self, found: Manifest) -> None:
+        file = (self._folder / _data_path(0)).read_bytes()
+        task = {"task_index": 0, "task": self._settings.task}
+        _replace(self._folder / "meta/tasks.jsonl", f"{json.dumps(task)}\n".encode())
+        info = parquet.description(file)
+        n = found.n_episodes
+        self._write_json(
+            "meta/info.json",
+            {
+                "codebase_version": "v2.1",
+                "robot_type": "tool0",
+                "total_episodes": n,
+                "total_frames": found.n_frames,
+                "total_tasks": 1,
+                "total_videos": 0,
+                "total_chunks": -(-n // CHUNK),
+                "chunks_size": CHUNK,
+                "fps": info["fps"],
+                "splits": {"train": f"0:{n}"},
+                "data_path": DATA_PATH,
+                "video_path": None,
+                "features": info["features"],
+            },
+        )
+
+    def _write_json(self, name: str, values: Mapping[str, Any]) -> None:
+        _replace(self._folder / name, f"{json.dumps(values, indent=2)}\n".encode())
+
+    # ---- opening ---------------------------------------------------------------------
+
+    def _recovered(self) -> list[dict[str, Any]]:
+        """Return the rows of whole episodes, and remove everything beyond them."""
+        logs = {log: _lines(self._folder / log) for log in self._logs}
+        rows: list[dict[str, Any]] = []
+        for index, line in enumerate(logs[EPISODES]):
+            path = self._folder / _data_path(index)
+            row = json.loads(line)
+            if not path.exists() or path.stat().st_size != row["bytes"]:
+                raise CollectError(
+                    f"{path} is missing or has another size than {EPISODES} says; "
+                    "collect into another folder"
+                )
+            rows.append(row)
+        n = min(len(rows), *(len(lines) for lines in logs.values()))
+        for log, lines in logs.items():
+            whole = b"".join(line + b"\n" for line in lines[:n])
+            path = self._folder / log
+            if not path.exists() or path.read_bytes() != whole:
+                _replace(path, whole)
+        kept = {self._folder / _data_path(index) for index in range(n)}
+        for pattern in (f"**/*{_PART}", "data/chunk-*/episode_*.parquet"):
+            for path in self._folder.glob(pattern):
+                if path not in kept:
+                    path.unlink()
+        return rows[:n]
+
+
+@contextlib.contextmanager
+def opened(folder: Path, settings: Settings, n_requested: int) -> Iterator[Dataset]:
+    """Make a folder for a data set, or open it again; at the end, describe it.
+
+    Raises:
+        ConfigError: If it has other episodes, or other files, or is in use.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        is_new = not (folder / MANIFEST).exists()
+        others = [path.name for path in folder.iterdir() if path.name != _LOCK]
+    except OSError as error:
+        raise ConfigError(f"{folder}: {error.strerror}") from None
+    if is_new and any(not name.endswith(_PART) for name in others):
+        raise ConfigError(
+            f"{folder} has other files ({others[0]}): give an empty or a new folder"
+        )
+    with contextlib.ExitStack() as exits:
+        try:
+            exits.enter_context(locked(folder / _LOCK, wait=False))
+        except BlockingIOError:
+            raise ConfigError(f"another process collects into {folder}") from None
+        if not is_new:
+            _check(folder, settings)
+        dataset = Dataset(folder, settings, n_requested)
+        n = dataset.manifest.n_episodes
+        if n > n_requested:
+            raise ConfigError(f"{folder} has {n} episodes, more than {n_requested}")
+        dataset.describe()
+        try:
+            yield dataset
+        except BaseException:
+            with contextlib.suppress(OSError):  # a full disk, for example
+                dataset.describe()
+            raise
+        dataset.describe()
+
+
+_LOCK: Final = ".lock"
+
+
+def _check(folder: Path, settings: Settings) -> None:
+    path = folder / MANIFEST
+    try:
+        manifest = json.loads(path.read_bytes())
+        recorded = {key: manifest[key] for key in settings.recorded()}
+        made_by = manifest["programs"]
+    except (ValueError, KeyError, TypeError):
+        raise ConfigError(f"{path} is no manifest of tool0") from None
+    if found := differences(settings.recorded(), recorded):
+        raise ConfigError(
+            f"{folder} was collected with {', '.join(found)}: give the same "
+            "parameters to continue it, or another folder"
+        )
+    if found := differences(programs(), made_by):
+        raise ConfigError(
+            f"{folder} was collected with {', '.join(found)}, and further episodes "
+            "would not be the same: collect into another folder"
+        )
+
+
+# ---- rows and files ------------------------------------------------------------------
+
+
+def _data_path(index: int) -> str:
+    return DATA_PATH.format(episode_chunk=index // CHUNK, episode_index=index)
+
+
+def _part(path: Path) -> Path:
+    """Return the name of a file while it is written."""
+    return path.with_name(path.name + _PART)
+
+
+def _lines(path: Path) -> list[bytes]:
+    """Return the whole lines of a log."""
+    text = path.read_bytes() if path.exists() else b""
+    return text.split(b"\n")[:-1]
+
+
+def _write(path: Path, content: bytes) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        with path.open("wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+    except OSError:
+        path.unlink(missing_ok=True)
+        raise
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Write a file so that there is either the old or the new one."""
+    _write(_part(path), content)
+    _part(path).replace(path)
+    _flush_folder(path.parent)
+
+
+def _flush_folder(folder: Path) -> None:
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,207 @@
+"""Episodes as Parquet files, with the columns of the formats ``parquet`` and LeRobot.
+
+LeRobot's is version 2.1 of its data sets:
+https://github.com/huggingface/lerobot (lerobot/common/datasets/utils.py of May 2025).
+"""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+
+from tool0.collect.rollout import Array, Episode
+from tool0.collect.settings import Format
+
+Table = Any
+"""A ``pyarrow.Table``; pyarrow has no types."""
+
+_DESCRIPTION: Final = b"tool0"
+"""Key of the file's metadata with rate and columns of a LeRobot data set."""
+
+
+def encoded(episode: Episode, index: int, form: Format) -> tuple[dict[str, Any], bytes]:
+    """Return what a manifest says of an episode, and its file.
+
+    A file of a LeRobot data set counts its frames from 0, see ``placed``.
+    """
+    frames = _lerobot(episode) if form == "lerobot" else _columns(episode)
+    row: dict[str, Any] = {
+        "episode_index": index,
+        "seed": episode.seed,
+        "length": episode.n_frames,
+        "success": episode.success,
+        "terminated": episode.terminated,
+        "return": float(episode.rewards.sum()),
+    }
+    n = episode.n_frames
+    frames |= {
+        "timestamp": (np.arange(n) / episode.rate).astype(np.float32),
+        "frame_index": np.arange(n),
+        "episode_index": np.full(n, index),
+    }
+    if form == "lerobot":
+        frames |= {"index": np.arange(n), "task_index": np.zeros(n, np.int64)}
+        row["stats"] = {name: _statistics(values) for name, values in frames.items()}
+    return row, _file(_table(frames, form, episode.rate))
+
+
+def placed(
+    row: Mapping[str, Any], file: bytes, first_frame: int
+) -> tuple[dict[str, Any], bytes]:
+    """Return the row and the file of a LeRobot episode after ``first_frame`` others."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(io.BytesIO(file))
+    column = table.schema.get_field_index("index")
+    numbers = np.arange(first_frame, first_frame + table.num_rows)
+    table = table.set_column(column, table.schema.field(column), pa.array(numbers))
+    stats = {**row["stats"], "index": _statistics(numbers)}
+    return {**row, "stats": stats}, _file(table)
+
+
+def description(file: bytes) -> dict[str, Any]:
+    """Return ``fps`` and ``features`` of a LeRobot data set, from one of its files."""
+    import pyarrow.parquet as pq
+
+    metadata = pq.read_schema(io.BytesIO(file)).metadata
+    found: dict[str, Any] = json.loads(metadata[_DESCRIPTION])
+    return found
+
+
+# ---- columns -------------------------------------------------------------------------
+
+
+def _columns(episode: Episode) -> dict[str, Array]:
+    ends = np.arange(episode.n_frames) == episode.n_frames - 1
+    return {
+        **{
+            f"observation.{name}" if name else "observation": values
+            for name, values in episode.observations.items()
+        },
+        "action": episode.actions,
+        "reward": episode.rewards,
+        "terminated": ends & episode.terminated,
+        "truncated": ends & (not episode.terminated),
+        "success": ends & episode.success,
+    }
+
+
+def _lerobot(episode: Episode) -> dict[str, Array]:
+    names = sorted(episode.observations)
+    images = [name for name in names if _is_image(episode.observations[name])]
+    state = [
+        episode.observations[name].reshape(episode.n_frames, -1)
+        for name in names
+        if name not in images
+    ]
+    ends = np.arange(episode.n_frames) == episode.n_frames - 1
+    return {
+        "observation.state": _narrow(np.hstack(state)),
+        **{f"observation.images.{name}": episode.observations[name] for name in images},
+        "action": _narrow(episode.actions),
+        "next.reward": episode.rewards.astype(np.float32),
+        "next.done": ends,
+        "next.success": ends & episode.success,
+    }
+
+
+def _narrow(values: Array) -> Array:
+    """Return 32-bit numbers; a column of single ones is no column of lists."""
+    values = values.astype(np.float32)
+    return values[:, 0] if values.shape[1] == 1 else values
+
+
+def _is_image(values: Array) -> bool:
+    """Whether an observation is colours, shape (n_frames, height, width, 3)."""
+    return values.dtype == np.uint8 and values.ndim == 4 and values.shape[-1] == 3
+
+
+def _statistics(values: Array) -> dict[str, list[Any]]:
+    """Return what LeRobot normalises by: of each number, or of each colour in 0 … 1."""
+    axis: Any = 0
+    if pictures := _is_image(values):
+        values, axis = values.transpose(0, 3, 1, 2) / 255.0, (0, 2, 3)
+
+    def shaped(result: Array) -> list[Any]:
+        numbers = np.atleast_1d(result)
+        found: list[Any] = numbers.tolist()
+        return [[[number]] for number in found] if pictures else found
+
+    return {
+        "min": shaped(values.min(axis)),
+        "max": shaped(values.max(axis)),
+        "mean": shaped(values.mean(axis)),
+        "std": shaped(values.std(axis)),
+        "count": [len(values)],
+    }
+
+
+# ---- files ---------------------------------------------------------------------------
+
+
+def _table(frames: Mapping[str, Array], form: Format, rate: float) -> Table:
+    import pyarrow as pa
+
+    metadata = {}
+    if form == "lerobot":
+        found = {name: _feature(values) for name, values in frames.items()}
+        hub = {name: _hub_feature(feature) for name, feature in found.items()}
+        metadata = {
+            _DESCRIPTION: json.dumps(
+                {"fps": int(rate) if rate.is_integer() else rate, "features": found}
+            ).encode(),
+            b"huggingface": json.dumps({"info": {"features": hub}}).encode(),
+        }
+    arrays = {name: _array(values) for name, values in frames.items()}
+    return pa.table(arrays, metadata=metadata)
+
+
+def _array(values: Array) -> Any:
+    import pyarrow as pa
+
+    if _is_image(values):
+        from tool0.sensing.cameras import encode_png
+
+        pictures = [{"bytes": encode_png(picture), "path": None} for picture in values]
+        return pa.array(
+            pictures, pa.struct([("bytes", pa.binary()), ("path", pa.string())])
+        )
+    array = pa.array(values.reshape(-1))
+    for length in reversed(values.shape[1:]):
+        array = pa.FixedSizeListArray.from_arrays(array, length)
+    return array
+
+
+def _file(table: Table) -> bytes:
+    import pyarrow.parquet as pq
+
+    buffer = io.BytesIO()
+    pq.write_table(table, buffer, compression="zstd")
+    file: bytes = buffer.getvalue()
+    return file
+
+
+def _feature(values: Array) -> dict[str, Any]:
+    """Return the description of a column as ``meta/info.json`` has it."""
+    if _is_image(values):
+        names: list[str] | None = ["height", "width", "channel"]
+        return {"dtype": "image", "shape": list(values.shape[1:]), "names": names}
+    shape = list(values.shape[1:]) or [1]
+    names = [str(k) for k in range(shape[0])] if values.ndim == 2 else None
+    return {"dtype": str(values.dtype), "shape": shape, "names": names}
+
+
+def _hub_feature(feature: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the same as the library ``datasets`` reads it."""
+    if feature["dtype"] == "image":
+        return {"_type": "Image"}
+    value = {"dtype": feature["dtype"], "_type": "Value"}
+    if feature["shape"] == [1]:
+        return value
+    (length,) = feature["shape"]
+    return {"feature": value, "length": length, "_type": "Sequence"}

@@ -1,0 +1,105 @@
+"""Policies by name: a function or class of a module or of a file.
+
+A policy is called with an episode's seed and returns a function from an observation to
+an action.  It therefore keeps what it likes during an episode, and nothing beyond.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from tool0.errors import ConfigError, did_you_mean
+
+Act = Callable[[Any], Any]
+"""From the observation of one environment to an action."""
+Policy = Callable[[int], Act]
+"""From the seed of an episode to what acts in it."""
+
+
+def located(policy: str | Policy) -> tuple[str, str | None]:
+    """Return where a policy is, and the SHA-256 of its file if it is in one.
+
+    Workers load the policy from these; neither code nor pickles are sent.
+
+    Raises:
+        ConfigError: If there is none, or if a callable has no name of its own.
+    """
+    name = policy if isinstance(policy, str) else _name_of(policy)
+    place, colon, attribute = name.rpartition(":")
+    if not (place and colon and attribute):
+        raise ConfigError(
+            f"policy '{name}': write module:name or file.py:name, such as "
+            "my_policy.py:Policy"
+        )
+    digest = None
+    if place.endswith(".py"):
+        name = f"{Path(place).absolute()}:{attribute}"
+        digest = hashlib.sha256(_text(name)).hexdigest()
+    loaded(name, digest)
+    return name, digest
+
+
+def loaded(name: str, digest: str | None) -> Policy:
+    """Return the policy that ``located`` found.
+
+    Raises:
+        ConfigError: If there is none, or if its file has another digest.
+    """
+    place, _, attribute = name.rpartition(":")
+    text = None if digest is None else _text(name)
+    if text is not None and hashlib.sha256(text).hexdigest() != digest:
+        raise ConfigError(f"policy '{name}' has changed, or differs between machines")
+    try:
+        values = _defined(place, text)
+    except Exception as error:  # of the person's own program
+        reason = f"{type(error).__name__}: {error}"
+        raise ConfigError(f"policy '{name}' cannot be loaded: {reason}") from error
+    if not callable(policy := values.get(attribute)):
+        names = [key for key, value in values.items() if callable(value)]
+        hint = did_you_mean(attribute, names)
+        raise ConfigError(f"policy '{name}': no function or class '{attribute}'{hint}")
+    found: Policy = policy
+    return found
+
+
+def _text(name: str) -> bytes:
+    try:
+        return Path(name.rpartition(":")[0]).read_bytes()
+    except OSError as error:
+        raise ConfigError(f"policy '{name}' cannot be read: {error.strerror}") from None
+
+
+def _defined(place: str, text: bytes | None) -> dict[str, Any]:
+    """Return the names that a module, or the text of a file, defines."""
+    if text is None:
+        from importlib import import_module
+
+        return vars(import_module(place))
+    if (folder := str(Path(place).parent)) not in sys.path:
+        sys.path.append(folder)  # for modules beside the file
+    values = {"__name__": Path(place).stem, "__file__": place}
+    exec(compile(text, place, "exec"), values)
+    return values
+
+
+def _name_of(policy: Policy) -> str:
+    module = getattr(policy, "__module__", None)
+    attribute = getattr(policy, "__qualname__", "")
+    home = sys.modules.get(module or "")
+    if home is None or getattr(home, attribute, None) is not policy:
+        raise ConfigError(
+            f"policy {policy!r}: workers find a policy by its name, so it must be a "
+            "function or class at the top level of a module"
+        )
+    if module == "__main__":
+        module = getattr(home, "__file__", None)
+        if module is None:
+            raise ConfigError(
+                f"policy '{attribute}' was typed into an interpreter, where workers do "
+                "not find it: write it into a file"
+            )
+    return f"{module}:{attribute}"

@@ -1,0 +1,273 @@
+"""Workers that are actors of Ray, on this machine or on many.
+
+Ray carries bytes, numbers and strings between them; it wraps these in pickles of its
+own, so whoever reaches a cluster can run programs on it.  A cluster is trusted.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import shutil
+import signal
+import socket
+import sys
+import tempfile
+import threading
+from collections import deque
+from collections.abc import Iterator, Sequence
+from functools import cache
+from typing import Any, Final, final
+
+from tool0.collect.executor import QUEUED, Finished, lost
+from tool0.collect.packets import unpacked
+from tool0.collect.settings import Settings, differences, programs
+from tool0.collect.worker import Chunk, Worker, arguments
+from tool0.errors import CollectError, ConfigError, TransportError
+from tool0.installation.child_process import last_lines, run_program
+
+LOCAL: Final = "local"
+_CONNECT_TIMEOUT: Final = 5.0
+"""Longest wait for a connection to the cluster [wall s]."""
+_ANSWER_TIMEOUT: Final = 20.0
+"""Longest wait for the cluster's answer [wall s]; it starts a Python."""
+_START_TIMEOUT: Final = 120.0
+"""Longest time without any worker [wall s]."""
+_OWN_CLUSTER: Final = {
+    "RAY_USAGE_STATS_ENABLED": "0",
+    "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0",  # listens on 127.0.0.1 alone
+    "RAY_AUTH_MODE": "token",
+}
+
+
+@final
+class _Actor:
+    """A worker, its answer about its programs, and its chunks."""
+
+    def __init__(self, handle: Any) -> None:
+        self.handle = handle
+        self.hello = handle.hello.remote()
+        self.is_ready = False
+        self.chunks: deque[tuple[Any, Chunk]] = deque()
+
+
+@final
+class RayWorkers:
+    """Actors with one processor each; they end with this process."""
+
+    def __init__(
+        self, address: str, n_workers: int | None, settings: Settings, n_copies: int
+    ) -> None:
+        """Connect to ``host:port``, or start a Ray of this machine for ``local``.
+
+        Raises:
+            ConfigError: If Ray is not installed, or ``address`` is no address.
+            TransportError: If no cluster answers.
+        """
+        self._exits = contextlib.ExitStack()
+        with contextlib.ExitStack() as exits:
+            self._ray = exits.enter_context(_connected(address, n_workers))
+            self._exits = exits.pop_all()
+        n_processors = int(self._ray.cluster_resources().get("CPU", 0))
+        n_workers = n_workers or max(n_processors, 1)
+        self._make = self._ray.remote(num_cpus=1)(Worker)
+        self._arguments = arguments(settings, n_copies)
+        self._actors = [self._started() for _ in range(n_workers)]
+        self._waited = 0.0
+
+    @property
+    def n_workers(self) -> int:
+        """Number of workers."""
+        return len(self._actors)
+
+    @property
+    def n_free(self) -> int:
+        """Number of chunks that the workers would accept now."""
+        return sum(QUEUED - len(actor.chunks) for actor in self._ready())
+
+    def submit(self, chunk: Chunk) -> None:
+        """Give a chunk to the worker with the least to do."""
+        actor = min(self._ready(), key=lambda item: len(item.chunks))
+        reference = actor.handle.collect.remote(chunk.first, chunk.end)
+        actor.chunks.append((reference, chunk))
+
+    def finished(self, timeout: float) -> Sequence[Finished]:
+        """Wait for chunks that come back."""
+        waiting = {
+            actor.chunks[0][0] if actor.is_ready else actor.hello: actor
+            for actor in self._actors
+            if actor.chunks or not actor.is_ready
+        }
+        done, _ = self._ray.wait(list(waiting), num_returns=len(waiting), timeout=0.0)
+        if not done:
+            done, _ = self._ray.wait(list(waiting), num_returns=1, timeout=timeout)
+            self._check_start(timeout if not done else 0.0)
+        found: list[Finished] = []
+        for reference in done:
+            found += self._taken(waiting[reference], reference)
+        return found
+
+    def close(self) -> None:
+        """End all workers, and the connection."""
+        for actor in self._actors:
+            self._ray.kill(actor.handle)
+        self._exits.close()
+
+    def _ready(self) -> list[_Actor]:
+        return [actor for actor in self._actors if actor.is_ready]
+
+    def _started(self) -> _Actor:
+        return _Actor(self._make.remote(**self._arguments))
+
+    def _taken(self, actor: _Actor, reference: Any) -> list[Finished]:
+        try:
+            message: bytes = self._ray.get(reference)
+        except self._ray.exceptions.RayError as error:
+            return self._replaced(actor, str(error))
+        if actor.is_ready:
+            _, chunk = actor.chunks.popleft()
+            return [Finished(chunk, message)]
+        if different := differences(programs(), unpacked(message)[0]["programs"]):
+            raise CollectError(
+                f"a machine of the cluster has {', '.join(different)}, and its "
+                "episodes would not be the same"
+            )
+        actor.is_ready = True
+        return []
+
+    def _replaced(self, actor: _Actor, trouble: str) -> list[Finished]:
+        """Start another worker in place of one that ended."""
+        trouble = last_lines(trouble)
+        if not actor.is_ready:
+            raise CollectError(
+                "a worker did not start; every machine of the cluster needs "
+                f"tool0[ray]:\n{trouble}"
+            )
+        self._actors[self._actors.index(actor)] = self._started()
+        return lost([chunk for _, chunk in actor.chunks], trouble)
+
+    def _check_start(self, waited: float) -> None:
+        """Raise CollectError if there has been no worker for a long time."""
+        self._waited = 0.0 if self._ready() else self._waited + waited
+        if self._waited > _START_TIMEOUT:
+            free = self._ray.available_resources().get("CPU", 0.0)
+            raise CollectError(
+                f"no worker has started within {_START_TIMEOUT:.0f} s: the cluster has "
+                f"{free:g} free processors"
+            )
+
+
+# ---- connections ---------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def _connected(address: str, n_workers: int | None) -> Iterator[Any]:
+    """Connect to a cluster, or start one; return the module ``ray``."""
+    if address != LOCAL:
+        _reach(address)
+    with contextlib.ExitStack() as exits:
+        options: dict[str, Any] = {"address": address}
+        if address == LOCAL:
+            folder = tempfile.mkdtemp(prefix="tool0-ray-")
+            exits.callback(shutil.rmtree, folder, ignore_errors=True)
+            token = {"RAY_AUTH_TOKEN": _token()}
+            exits.enter_context(_environment(_OWN_CLUSTER | token))
+            n_processors = n_workers or len(os.sched_getaffinity(0))
+            options |= {"num_cpus": n_processors, "include_dashboard": False}
+            options |= {"_temp_dir": folder}
+        ray = _imported()
+        if ray.is_initialized():
+            raise ConfigError(
+                "this process has a connection to Ray: end it with ray.shutdown()"
+            )
+        exits.enter_context(_signals_kept())
+        exits.callback(ray.shutdown)
+        try:
+            context = ray.init(
+                **options,
+                log_to_driver=False,
+                configure_logging=False,
+                logging_level="error",
+            )
+        except (Exception, SystemExit) as error:  # Ray's own are of many types
+            raise TransportError(f"Ray at {address}: {error}") from error
+        host = context.address_info["gcs_address"].rpartition(":")[0]
+        if address == LOCAL and host != "127.0.0.1":
+            raise ConfigError(
+                "Ray was imported before and would listen to other machines; set "
+                "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER=0 before, or start it yourself"
+            )
+        yield ray
+
+
+@cache
+def _token() -> str:
+    """Return what other users of this machine do not know; Ray reads it only once."""
+    return secrets.token_hex(32)
+
+
+def _imported() -> Any:
+    try:
+        import ray
+    except ImportError:
+        raise ConfigError(
+            "Ray is not installed; run pip install 'tool0[ray]'"
+        ) from None
+    return ray
+
+
+def _reach(address: str) -> None:
+    """Raise an error if no cluster answers: Ray itself would try for minutes."""
+    host, colon, port = address.rpartition(":")
+    if not (host and colon and port.isdecimal()) or "/" in address:
+        raise ConfigError(
+            f"'{address}' is no address of a Ray cluster; write HOST:PORT, such as "
+            "10.0.0.1:6379, or local"
+        )
+    _imported()
+    try:
+        socket.create_connection(
+            (host.strip("[]"), int(port)), _CONNECT_TIMEOUT
+        ).close()
+    except (OSError, OverflowError) as error:
+        raise TransportError(f"no Ray cluster at {address}: {error}") from None
+    import subprocess
+
+    command = [sys.executable, "-m", "ray.scripts.scripts", "health-check"]
+    try:
+        done = run_program([*command, "--address", address], timeout=_ANSWER_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        raise TransportError(
+            f"what listens at {address} does not answer as a Ray cluster"
+        ) from None
+    if done.returncode:
+        said = last_lines(done.stderr)
+        raise TransportError(f"the Ray cluster at {address} refuses:\n{said}")
+
+
+@contextlib.contextmanager
+def _environment(variables: dict[str, str]) -> Iterator[None]:
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+@contextlib.contextmanager
+def _signals_kept() -> Iterator[None]:
+    """Restore the handler of SIGTERM, which Ray replaces."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

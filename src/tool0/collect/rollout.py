@@ -1,0 +1,217 @@
+"""Episodes of a task: copies of its environment that run side by side."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.collect.policy import Act, Policy
+from tool0.errors import CollectError, ConfigError, did_you_mean
+
+if TYPE_CHECKING:
+    from gymnasium.envs.registration import EnvSpec
+
+Array = NDArray[Any]
+
+_VERSION: Final = re.compile(r"-v\d+$")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Episode:
+    """What happened from a reset to the end, one row per action."""
+
+    seed: int
+    observations: Mapping[str, Array]
+    """Name → shape (n_frames, …): before each action; ``""`` if there is only one."""
+    actions: Array
+    """Shape (n_frames, n)."""
+    rewards: Array
+    """Shape (n_frames,)."""
+    terminated: bool
+    """Whether its end is one of the task; otherwise the time was over."""
+    success: bool
+    rate: float
+    """Actions per simulated second [Hz]."""
+
+    @property
+    def n_frames(self) -> int:
+        return len(self.rewards)
+
+
+def environment_spec(task: str) -> EnvSpec:
+    """Return Gymnasium's specification of a task, or of another environment by its id.
+
+    Raises:
+        ConfigError: If there is none.
+    """
+    import gymnasium
+
+    if ":" in task or "/" in task or _VERSION.search(task):
+        module, _, name = task.rpartition(":")
+        try:
+            if module:
+                import_module(module)
+            return gymnasium.spec(name)
+        except (gymnasium.error.Error, ImportError) as error:
+            raise ConfigError(f"task '{task}': {error}") from None
+    from tool0.gym.tasks import TASKS  # registers them
+
+    if task not in TASKS:
+        raise ConfigError(f"unknown task '{task}'{did_you_mean(task, list(TASKS))}")
+    return gymnasium.spec(f"tool0/{task}-v0")
+
+
+@final
+class Rollout(AbstractContextManager["Rollout"]):
+    """Copies of a task's environment.  No episode depends on the others."""
+
+    def __init__(
+        self,
+        task: str,
+        options: Mapping[str, Any],
+        policy: Policy | None,
+        n_copies: int,
+    ) -> None:
+        """Make the environments; None for ``policy`` means the task's expert.
+
+        Raises:
+            ConfigError: If there is no such task, or no expert for it.
+        """
+        import gymnasium
+
+        spec = environment_spec(task)
+        mode: dict[str, Any] = {
+            "autoreset_mode": gymnasium.vector.AutoresetMode.DISABLED
+        }
+        ours: dict[str, Any] = (
+            mode if spec.vector_entry_point else {"vector_kwargs": mode}
+        )
+        if spec.namespace == "tool0":
+            ours["threads"] = 1  # other processes use the other processors
+        self._envs: Any = gymnasium.make_vec(spec, num_envs=n_copies, **ours, **options)
+        self._policy = policy
+        self._expert = None if policy else _expert(self._envs)
+        self._n_copies = n_copies
+        rate = self._envs.metadata.get("render_fps")
+        if not rate:
+            raise ConfigError(f"task '{task}': its metadata lack render_fps [Hz]")
+        self._rate = float(rate)
+
+    def __exit__(self, *_: object) -> None:
+        """Close the environments."""
+        self._envs.close()
+
+    def episodes(self, seeds: Iterable[int]) -> Iterator[Episode]:
+        """Yield the episode of each seed, those that end first before others.
+
+        A copy whose episode has ended takes the next seed.
+        """
+        waiting = iter(seeds)
+        running: dict[int, _Recorder] = {}
+        seed_of = [0] * self._n_copies
+        ended = np.ones(self._n_copies, bool)
+        while True:
+            for copy in np.flatnonzero(ended).tolist():
+                seed = next(waiting, None)
+                if seed is not None:
+                    seed_of[copy] = seed
+                    act = None if self._policy is None else self._policy(seed)
+                    running[copy] = _Recorder(seed, act)
+            if not running:
+                return
+            if ended.any():  # without a seed, a copy repeats its last episode
+                observations, _ = self._envs.reset(
+                    seed=list(seed_of), options={"reset_mask": ended}
+                )
+            seen = {copy: _of(observations, copy) for copy in running}
+            actions = self._actions(seen, running)
+            observations, rewards, terminated, truncated, info = self._envs.step(
+                actions
+            )
+            ended = terminated | truncated
+            for copy, recorder in list(running.items()):
+                recorder.add(seen[copy], actions[copy], rewards[copy])
+                if ended[copy]:
+                    del running[copy]
+                    success = bool(info.get("is_success", ended & False)[copy])
+                    yield recorder.episode(bool(terminated[copy]), success, self._rate)
+
+    def _actions(
+        self, seen: Mapping[int, Any], running: Mapping[int, _Recorder]
+    ) -> Array:
+        space = self._envs.action_space
+        if self._expert is not None:
+            return np.asarray(self._expert(), space.dtype)
+        actions = np.zeros(space.shape, space.dtype)
+        for copy, recorder in running.items():
+            action = np.asarray(recorder.act(seen[copy]), space.dtype)
+            if action.shape != space.shape[1:] or not np.isfinite(action).all():
+                raise CollectError(
+                    f"the policy returned {action} for seed {recorder.seed}: need "
+                    f"finite numbers of shape {space.shape[1:]}"
+                )
+            actions[copy] = action
+        return np.asarray(actions)
+
+
+def _expert(envs: Any) -> Callable[[], Array]:
+    from tool0.gym import expert
+
+    found: Callable[[], Array] = expert(envs)
+    return found
+
+
+def _of(observations: Any, copy: int) -> Any:
+    """Return the observation of one copy: an array, or a dictionary of arrays."""
+    if isinstance(observations, dict):
+        return {name: _of(value, copy) for name, value in observations.items()}
+    return np.array(observations[copy])
+
+
+def _flat(observation: Any, name: str = "") -> Iterator[tuple[str, Array]]:
+    """Yield the arrays of an observation; names of inner ones are joined by a dot."""
+    if not isinstance(observation, dict):
+        yield name, observation
+        return
+    for key, value in observation.items():
+        yield from _flat(value, f"{name}.{key}" if name else key)
+
+
+@final
+class _Recorder:
+    """Keeps the frames of one episode until it ends."""
+
+    def __init__(self, seed: int, act: Act | None) -> None:
+        self.seed = seed
+        self._act = act
+        self._frames: list[tuple[dict[str, Array], Array, float]] = []
+
+    def act(self, observation: Any) -> Any:
+        assert self._act is not None
+        return self._act(observation)
+
+    def add(self, observation: Any, action: Array, reward: float) -> None:
+        self._frames.append((dict(_flat(observation)), action.copy(), reward))
+
+    def episode(self, terminated: bool, success: bool, rate: float) -> Episode:
+        observations, actions, rewards = zip(*self._frames, strict=True)
+        return Episode(
+            seed=self.seed,
+            observations={
+                name: np.stack([frame[name] for frame in observations])
+                for name in observations[0]
+            },
+            actions=np.stack(actions),
+            rewards=np.array(rewards, float),
+            terminated=terminated,
+            success=success,
+            rate=rate,
+        )

@@ -1,0 +1,102 @@
+"""What decides the bytes of an episode: task, seed, policy, format and programs."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cache
+from typing import Any, Final, Literal, final
+
+import numpy as np
+
+Format = Literal["parquet", "lerobot"]
+"""Columns and further files of a data set."""
+
+_PROGRAMS: Final = ("tool0", "mujoco", "numpy", "gymnasium", "pyarrow")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """The parameters of a data set.  Together with an index they define an episode."""
+
+    task: str
+    """Name of the task, or id of a Gymnasium environment."""
+    options: Mapping[str, Any]
+    """Keywords of the environment, as JSON holds them."""
+    seed: int
+    """Base of the episodes' seeds."""
+    policy: str | None
+    """Where the policy is: ``module:name`` or ``file.py:name``; None for the expert."""
+    digest: str | None
+    """SHA-256 of the policy's file."""
+    format: Format
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as what JSON holds; ``from_json`` is its inverse."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Settings:
+        """Return the settings that ``to_json`` wrote."""
+        return cls(**values)
+
+    def recorded(self) -> dict[str, Any]:
+        """Return what a manifest keeps.  A policy's file may move, but not change."""
+        policy = self.policy
+        if self.digest is not None and policy is not None:
+            policy = f"{policy.rpartition(':')[2]}@sha256:{self.digest}"
+        return {
+            "task": self.task,
+            "options": dict(self.options),
+            "seed": self.seed,
+            "policy": policy,
+            "format": self.format,
+        }
+
+
+def episode_seed(base: int, index: int) -> int:
+    """Return the seed of an episode, below 2**63, from these two numbers alone."""
+    state = np.random.SeedSequence([base, index]).generate_state(1, np.uint64)
+    return int(state[0]) >> 1
+
+
+@cache
+def programs() -> dict[str, str]:
+    """Return the versions and the arithmetic that episodes of this machine depend on.
+
+    The same seeds give the same bytes where these are equal.
+    """
+    from importlib.metadata import version
+
+    return {name: version(name) for name in _PROGRAMS} | {"arithmetic": _arithmetic()}
+
+
+def _arithmetic() -> str:
+    """Return a digest of elementary functions, whose last bit differs by processor.
+
+    The C library and NumPy choose between implementations when they are loaded.
+    """
+    import math
+
+    angles = np.linspace(-20.0, 20.0, 999)
+    plain = [f(x) for x in angles for f in (math.sin, math.cos, math.atan, math.exp)]
+    matrix = np.outer(np.sin(angles[:36]), np.cos(angles[:36]))
+    parts = [
+        np.array(plain),
+        *(f(angles) for f in (np.sin, np.cos, np.exp, np.arctan)),
+        *(matrix @ matrix, np.linalg.inv(matrix + np.eye(36))),
+    ]
+    digest = hashlib.sha256(b"".join(part.tobytes() for part in parts))
+    return digest.hexdigest()[:16]
+
+
+def differences(ours: Mapping[str, Any], theirs: Mapping[str, Any]) -> list[str]:
+    """Return ``name: theirs, not ours`` for what differs."""
+    return [
+        f"{name} {json.dumps(theirs.get(name))} instead of {json.dumps(ours.get(name))}"
+        for name in sorted({*ours, *theirs})
+        if ours.get(name) != theirs.get(name)
+    ]

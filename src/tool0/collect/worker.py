@@ -1,0 +1,93 @@
+"""What a worker does, whoever runs it: the episodes of a chunk, as a message."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+from tool0.collect import parquet
+from tool0.collect.packets import packed
+from tool0.collect.policy import loaded
+from tool0.collect.rollout import Rollout
+from tool0.collect.settings import Settings, episode_seed, programs
+from tool0.errors import Tool0Error
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Successive episodes, the unit of work."""
+
+    first: int
+    end: int
+    """Index after the last."""
+
+    def __len__(self) -> int:
+        """Return the number of episodes."""
+        return self.end - self.first
+
+
+def arguments(settings: Settings, n_copies: int) -> dict[str, Any]:
+    """Return the arguments of a ``Worker``, as JSON holds them."""
+    paths = [str(Path(path).absolute()) for path in sys.path]
+    return {"settings": settings.to_json(), "n_copies": n_copies, "paths": paths}
+
+
+@final
+class Worker:
+    """Collects chunks with environments that it makes once."""
+
+    def __init__(
+        self, settings: Mapping[str, Any], n_copies: int, paths: Sequence[str]
+    ) -> None:
+        """Do not simulate yet: the driver compares the programs first.
+
+        Args:
+            settings: ``Settings.to_json``.
+            n_copies: Simulations that take turns.
+            paths: Where the driver looks for modules.
+        """
+        sys.path += [path for path in paths if path not in sys.path]
+        self._settings = Settings.from_json(settings)
+        self._n_copies = n_copies
+        self._rollout: Rollout | None = None
+
+    def hello(self) -> bytes:
+        """Return the programs of this machine."""
+        return packed({"programs": programs()})
+
+    def collect(self, first: int, end: int) -> bytes:
+        """Return the episodes in order, or why there are none."""
+        try:
+            rows, files = self._episodes(Chunk(first, end))
+        except Tool0Error as error:
+            return packed({"error": str(error)})
+        except Exception as error:  # of the policy, or a bug
+            frames = traceback.extract_tb(error.__traceback__)
+            where = f"{frames[-1].filename}:{frames[-1].lineno}"
+            return packed({"error": f"{where}: {type(error).__name__}: {error}"})
+        return packed({"episodes": rows}, files)
+
+    def _episodes(self, chunk: Chunk) -> tuple[list[dict[str, Any]], list[bytes]]:
+        settings = self._settings
+        if self._rollout is None:
+            policy = None
+            if settings.policy is not None:
+                policy = loaded(settings.policy, settings.digest)
+            self._rollout = Rollout(
+                settings.task, settings.options, policy, self._n_copies
+            )
+        index_of = {
+            episode_seed(settings.seed, index): index
+            for index in range(chunk.first, chunk.end)
+        }
+        found = {}
+        for episode in self._rollout.episodes(index_of):
+            index = index_of[episode.seed]
+            found[index] = parquet.encoded(episode, index, settings.format)
+        rows, files = zip(*(found[index] for index in sorted(found)), strict=True)
+        return list(rows), list(files)
