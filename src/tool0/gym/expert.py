@@ -241,8 +241,10 @@ def _push(copies: Copies, state: State) -> Target:
     hover = TABLE_TOP + space.hover_height + space.advance
     clear = space.run_up
     is_low = tcp[:, 2] < low + 0.01
-    slack = np.where(is_low, 2.0, 1.0)
-    ready = (behind > 0.4 * edge) & (behind < clear + 0.03)
+    slack = np.where(is_low, NEAR, 1.0)
+    opening = np.full(copies.n, PUSH_OPENING * edge)
+    ready = is_low | (state.opening < 1.5 * opening)
+    ready &= (behind > 0.4 * edge) & (behind < clear + 0.03)
     ready &= (np.abs(aside) < slack * 0.008) & (twist < slack * 0.1)
     aim = np.empty((copies.n, 3))
     # Behind the cube, above it, until the tool can go down there.
@@ -255,7 +257,10 @@ def _push(copies: Copies, state: State) -> Target:
     forward = on_line + along * (_length(way) + 0.02)[:, None]
     aim[:, :2] = np.where(pushing[:, None], forward, aim[:, :2])
     speed = np.where(pushing, PUSH_SLOW, 1.0)
-    opening = np.full(copies.n, PUSH_OPENING * edge)
+    # A cube between the fingers is let go.
+    caught = cube[:, 2] > TABLE_TOP + edge
+    aim = np.where(caught[:, None], pose.position, aim)
+    opening = np.where(caught, space.gripper.max_opening, opening)
     return Target(aim, yaw, opening, speed)
 
 
