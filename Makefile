@@ -12,6 +12,7 @@ DEV  := $(VENV)/.stamp-dev
 PAGE := src/tool0/interfaces/panel/static/.stamp
 WEB  := $(BIN)/python tools/web.py
 BROWSER := $(VENV)/.stamp-browser
+KERNEL  := src/tool0/kernel/_kernel.so
 GAZEBO  := $(VENV)/.stamp-gazebo
 ROS1    := $(VENV)/.stamp-ros1
 GL      := $(VENV)/.stamp-gl
@@ -33,7 +34,7 @@ help:
 run: setup
 	@$(BIN)/tool0 bringup $(ARGS)
 
-setup: $(RUN) $(PAGE)
+setup: $(RUN) $(PAGE) $(KERNEL)
 
 dev: $(DEV)
 
@@ -62,19 +63,19 @@ format: $(DEV)
 
 unit: unit-python unit-web
 
-unit-python: $(DEV)
+unit-python: $(DEV) $(KERNEL)
 	$(AT_ONCE) tests/unit -m 'not slow' $(ARGS)
 
 unit-web: $(DEV)
 	$(WEB) run test
 
-test: $(DEV) $(PAGE) $(BROWSER) $(GAZEBO) $(ROS1) $(GL) unit-web
+test: $(DEV) $(PAGE) $(KERNEL) $(BROWSER) $(GAZEBO) $(ROS1) $(GL) unit-web
 	export TOOL0_REQUIRE='$(TOOL0_REQUIRE)'; sturdy=0; others=0; \
 	$(AT_ONCE) $(STURDY) $(ARGS) || sturdy=$$?; \
 	$(PYTEST) $(STURDY:%=--ignore=%) $(ARGS) || others=$$?; \
 	case $$sturdy$$others in 00|05|50) ;; *) exit 1;; esac  # 5: ARGS chose none
 
-bench: $(DEV)
+bench: $(DEV) $(KERNEL)
 	$(BIN)/python benchmarks/run.py $(ARGS)
 
 web: $(PAGE)
@@ -83,7 +84,7 @@ web-dev: $(RUN)
 	$(WEB) run dev
 
 clean:
-	rm -rf $(VENV) build dist src/tool0/interfaces/panel/static web/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) build dist $(KERNEL) src/tool0/interfaces/panel/static web/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 # The stamps: what they depend on is newer, so install again; otherwise do nothing.
 $(RUN): pyproject.toml tools/setup-venv
@@ -102,6 +103,11 @@ $(DEV): $(RUN)
 $(PAGE): $(filter-out %/protocol.ts,$(shell find web -name node_modules -prune -o -type f -print)) | $(RUN)
 	$(WEB) build
 	@touch $@
+
+# So is the kernel; without a compiler, and without PyPI's, control runs in Python.
+$(KERNEL): $(wildcard src/tool0/kernel/*.[ch]) src/tool0/kernel/build.py | $(RUN)
+	@if $(BIN)/python -m tool0.kernel.build --install-compiler; then touch $@; \
+	else echo 'setup: everything works without it, more slowly' >&2; fi
 
 $(BROWSER): tools/setup-browser | $(RUN)
 	@tools/setup-browser

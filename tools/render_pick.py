@@ -9,7 +9,7 @@ from typing import Any
 import av
 
 import tool0
-from tool0.cli.demos.grasps import find_bin
+from tool0.api.grasps import find_bin
 from tool0.cli.demos.monitor import FrameRecorder
 from tool0.cli.demos.picker import pick_and_place
 from tool0.description.camera import Camera, looking

@@ -12,12 +12,13 @@ if TYPE_CHECKING:
     from tool0.api.bringup import bringup
     from tool0.api.connect import connect
     from tool0.api.controller import ControllerHandle, GoalHandle
+    from tool0.api.grasps import Bin, find_bin
     from tool0.api.gripper import Gripper
     from tool0.api.recording import Recording
     from tool0.api.robot import JointValues, Robot
     from tool0.api.scene import SceneHandle
     from tool0.api.sensors import CameraHandle, ForceTorque
-    from tool0.cli.demos.grasps import Bin, find_bin
+    from tool0.batch.batch import Batch
     from tool0.cli.demos.hand import PickOptions
     from tool0.cli.demos.picker import pick_and_place
     from tool0.cli.demos.report import PickReport
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
         EngineUnavailableError,
         GoalRejectedError,
         GoalTimeoutError,
+        GymUnavailableError,
         LimitsError,
         ModelError,
         RenderError,
@@ -72,6 +74,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Arm",
     "ArmChain",
+    "Batch",
     "Bin",
     "Branch",
     "CameraHandle",
@@ -106,6 +109,7 @@ __all__ = [
     "GraspState",
     "Gripper",
     "GripperResult",
+    "GymUnavailableError",
     "InverseKinematics",
     "JointLimits",
     "JointSetpoint",
@@ -159,7 +163,8 @@ __all__ = [
 _HOMES = {
     "Arm": "tool0.api.arm",
     "ArmChain": "tool0.kinematics.chain",
-    "Bin": "tool0.cli.demos.grasps",
+    "Batch": "tool0.batch.batch",
+    "Bin": "tool0.api.grasps",
     "Branch": "tool0.kinematics.inverse",
     "CameraHandle": "tool0.api.sensors",
     "CameraImage": "tool0.sensing.cameras",
@@ -193,6 +198,7 @@ _HOMES = {
     "GraspState": "tool0.sensing.grasp",
     "Gripper": "tool0.api.gripper",
     "GripperResult": "tool0.control.goal",
+    "GymUnavailableError": "tool0.errors",
     "InverseKinematics": "tool0.kinematics.inverse",
     "JointLimits": "tool0.description.model",
     "JointSetpoint": "tool0.sensing.snapshot",
@@ -239,7 +245,7 @@ _HOMES = {
     "connect": "tool0.api.connect",
     "encode_depth": "tool0.sensing.cameras",
     "encode_png": "tool0.sensing.cameras",
-    "find_bin": "tool0.cli.demos.grasps",
+    "find_bin": "tool0.api.grasps",
     "pick_and_place": "tool0.cli.demos.picker",
 }
 

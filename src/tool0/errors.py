@@ -14,6 +14,7 @@ Tool0Error
 │   ├── GoalRejectedError       carries a reason; edges map it to ROS codes
 │   ├── GoalTimeoutError        a goal is still active; a TimeoutError too
 │   └── RequestError            a value of the wrong type or out of bounds
+├── GymUnavailableError         Gymnasium is not installed; an ImportError too
 ├── CollectError                episodes cannot be collected
 ├── RenderError                 no picture or video can be made
 └── TransportError              a peer misbehaved, or an address is taken
@@ -90,6 +91,10 @@ class EngineUnavailableError(EngineError):
 
 class RosUnavailableError(Tool0Error):
     """ROS is not installed, or its master does not answer."""
+
+
+class GymUnavailableError(Tool0Error, ImportError):
+    """Gymnasium is not installed."""
 
 
 class DivergenceError(EngineError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from conformance_types import BringUp
 
-from tool0.cli.demos.grasps import find_bin
+from tool0.api.grasps import find_bin
 from tool0.cli.demos.handover import HandoverCell, hand_over
 from tool0.description.config import DescriptionConfig
 

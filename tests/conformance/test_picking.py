@@ -6,10 +6,10 @@ import pytest
 from conformance_types import BringUp
 
 import tool0
-from tool0.cli.demos.grasps import find_bin
+from tool0.api.grasps import find_bin
+from tool0.api.table import PickTable
 from tool0.cli.demos.hand import PickOptions
 from tool0.cli.demos.picker import pick_and_place
-from tool0.cli.demos.table import PickTable
 from tool0.cli.demos.trials import run_trials
 from tool0.sensing.snapshot import Snapshot
 

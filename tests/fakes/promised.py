@@ -17,7 +17,7 @@ from tool0.installation.ros1.packages import required_components, ros1_status
 def absent(part: str, why: str) -> NoReturn:
     """Skip visibly, or fail if this run promised ``part``.
 
-    Parts are browser, gazebo, gl and ros1.
+    Parts are browser, gazebo, gl, kernel and ros1.
     """
     if part in os.environ.get("TOOL0_REQUIRE", "").split():
         pytest.fail(f"{why}, which this run promised")

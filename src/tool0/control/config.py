@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Protocol, final
 
+from tool0.control.law import Law
 from tool0.control.parameters import Gains, Pid, RobotJoints
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface
@@ -32,6 +33,12 @@ class Controller(Protocol):
             state: Every joint, in the engine's order.
             period: Time since the last update [s].
         """
+
+    def law(self) -> Law | None:
+        """Return what ``update`` does until an event; None if only it can tell."""
+
+    def observe(self, state: JointState) -> None:
+        """Note the state of the last tick, which was executed by its law."""
 
     def setpoint(self) -> Setpoint | None:
         """Return the setpoints of the joints; None if positions are not commanded.

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
+from tool0.control.law import CommandLaw
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     Gains,
@@ -95,8 +96,26 @@ class ForwardCommandController:
             (error - last) / period
             for error, last in zip(errors, self._last_errors, strict=True)
         ]
-        self._last_errors = errors
+        self._last_errors[:] = errors
         return self.pid.update(errors, rates, period)
+
+    def law(self) -> CommandLaw:
+        joints = self.spec.joint_models
+        wraps = self._is_position
+        return CommandLaw(
+            self._command,
+            self.pid,
+            not self._is_position,
+            [
+                k
+                for k, j in enumerate(joints)
+                if wraps and j.type is JointType.CONTINUOUS
+            ],
+            self._last_errors,
+        )
+
+    def observe(self, state: JointState) -> None:
+        self._state = state
 
     def _error(self, joint: Joint, desired: float, measured: float) -> float:
         if self._is_position and joint.type is JointType.CONTINUOUS:

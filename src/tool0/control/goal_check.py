@@ -154,7 +154,7 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
 
 def check_limits(goal: TrajectoryGoal, joints: Sequence[Joint], first: int) -> None:
     """Reject positions that ``joints`` cannot reach, from point ``first`` on."""
-    limits = [_limits(joint) for joint in joints]
+    limits = [position_range(joint) for joint in joints]
     blocks = [range(first, len(goal.points))]
     if goal.position_ranges is not None:
         blocks = [
@@ -175,7 +175,7 @@ def check_position(joint: Joint, position: float, where: str) -> None:
     """Reject a position beyond the joint's limits; a continuous joint has none."""
     if joint.type is JointType.CONTINUOUS:
         return
-    lowest, highest = _limits(joint)
+    lowest, highest = position_range(joint)
     if not lowest <= position <= highest:
         lower, upper = joint.limits.lower, joint.limits.upper
         quantity = LENGTH if joint.type is JointType.PRISMATIC else ANGLE
@@ -186,7 +186,7 @@ def check_position(joint: Joint, position: float, where: str) -> None:
         )
 
 
-def _limits(joint: Joint) -> tuple[float, float]:
+def position_range(joint: Joint) -> tuple[float, float]:
     """Return the smallest and the largest position that is not rejected."""
     if joint.type is JointType.CONTINUOUS:
         return -math.inf, math.inf

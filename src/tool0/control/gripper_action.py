@@ -111,6 +111,12 @@ class GripperActionController:
         self._effort = -bound if effort < -bound else min(effort, bound)
         return (self._effort,)
 
+    def law(self) -> None:
+        """Return None: it runs in Python."""
+
+    def observe(self, state: JointState) -> None:
+        self._state = state
+
     def _advance_ramp(self, period: float) -> float:
         """Return the position to be at now: towards the target, at a limited speed.
 

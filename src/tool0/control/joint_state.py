@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
+from tool0.control.law import IdleLaw
 from tool0.control.parameters import Gains, RobotJoints
 from tool0.description.model import Interface
 from tool0.description.yaml_tree import YamlEntry
@@ -89,6 +90,12 @@ class JointStateController:
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return no command."""
         return ()
+
+    def law(self) -> IdleLaw:
+        return IdleLaw()
+
+    def observe(self, state: JointState) -> None:
+        """Do nothing: the messages are made from snapshots."""
 
     def setpoint(self) -> None:
         """Return None: it does not command joints."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
@@ -18,6 +18,7 @@ from tool0.control.goal import (
     TrajectoryTolerances,
 )
 from tool0.control.goal_check import TrajectoryReplacement, check_names
+from tool0.control.law import TrajectoryLaw
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     Gains,
@@ -135,7 +136,7 @@ class JointTrajectoryController:
         if time >= sampler.next_change:
             sampler.advance(time)
             if monitor is not None:
-                monitor.watch(sampler, time)
+                monitor.watch(sampler)
         pid = self.pid
         if pid is None and monitor is None:
             return sampler.desired(time)[0]
@@ -154,6 +155,20 @@ class JointTrajectoryController:
             for k, scale in enumerate(self._feed_forward):
                 commands[k] += scale * (rates[k] + speeds[k])
         return commands
+
+    def law(self) -> TrajectoryLaw:
+        return TrajectoryLaw(
+            self._sampler, self._monitor, self.pid, self._feed_forward, self._wrapping
+        )
+
+    def observe(self, state: JointState) -> None:
+        self._state = state
+
+    def adopt(self, splines: Mapping[int, JointSpline], now: float) -> None:
+        """Continue with the motions of joints, by number, that the kernel started."""
+        self._end_goal(PREEMPTED)
+        merged = [splines.get(k, old) for k, old in enumerate(self._sampler.splines)]
+        self._sampler = TrajectorySampler(merged, now)
 
     def _end_goal(self, result: GoalResult) -> None:
         """End the active goal, if there is one; if it is aborted, stop."""
@@ -214,7 +229,7 @@ class JointTrajectoryController:
         if handle is not None:
             grace = spec.tolerances.goal_time_with(goal_time)
             self._monitor = GoalMonitor(handle, spec.joints, grace)
-            self._monitor.watch(self._sampler, now)
+            self._monitor.watch(self._sampler)
 
     def _stop_splines(self, now: float, handle: Goal | None) -> list[JointSpline]:
         """Return the splines to rest; drives that push at their limit release."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
@@ -126,6 +126,11 @@ class ControllerManager:
         self._loaded: dict[str, _Loaded] = {}
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
         """Name and controller, and its slots of the command."""
+        self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
+        """In load order, with the joints that they command; another tuple whenever a
+        controller starts or stops."""
+        self._setpoints: tuple[tuple[str, Callable[[], Setpoint | None]], ...] = ()
+        """Name of each running controller, and what returns its setpoint."""
         self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
@@ -141,6 +146,11 @@ class ControllerManager:
                 for index, value in zip(indices, values, strict=True):
                     command[index] = value
 
+    def observe(self, state: JointState) -> None:
+        """Tell the running controllers the state of the last tick."""
+        for _, controller, *_ in self._running:
+            controller.observe(state)
+
     def _refresh(self) -> None:
         self._running = [
             (name, item.controller, as_slice(claims), claims)
@@ -148,6 +158,12 @@ class ControllerManager:
             if item.controller is not None
             for claims in [item.indices if item.claims else ()]
         ]
+        self.running_controllers = tuple(
+            (controller, claims) for _, controller, _, claims in self._running
+        )
+        self._setpoints = tuple(
+            (name, controller.setpoint) for name, controller, *_ in self._running
+        )
         self._statuses = tuple(map(self.status, self._loaded))
 
     # ---- loading ------------------------------------------------------------------
@@ -353,8 +369,8 @@ class ControllerManager:
         """Return the setpoints of the running controllers that command a position."""
         return {
             name: setpoint
-            for name, controller, *_ in self._running
-            if (setpoint := controller.setpoint()) is not None
+            for name, current in self._setpoints
+            if (setpoint := current()) is not None
         }
 
     def spec(self, name: str) -> ControllerSpec:

@@ -51,15 +51,17 @@ class Pid:
     the engine (DivergenceError) and the checks of goals and commands ensure.
     """
 
-    __slots__ = ("_integrals", "_rows")
+    __slots__ = ("integrals", "rows")
 
     def __init__(self, gains: Sequence[Gains]) -> None:
-        self._rows = [_row(k, g) for k, g in enumerate(gains)]
-        self._integrals = [0.0] * len(self._rows)
+        self.rows = tuple(_row(k, g) for k, g in enumerate(gains))
+        """For each joint its number, p, i, d, i_min, i_max, and whether antiwindup."""
+        self.integrals = [0.0] * len(self.rows)
+        """Of the errors, by joint."""
 
     def reset(self, joint: int) -> None:
         """Reset the integral of one joint, by its number."""
-        self._integrals[joint] = 0.0
+        self.integrals[joint] = 0.0
 
     def set_gains(self, k: int, gains: Gains) -> None:
         """Change the gains of joint ``k``.
@@ -67,21 +69,21 @@ class Pid:
         The contribution of the integral stays, within the new clamp, so that a new
         ``i`` causes no jump; without ``i`` the integral is reset.
         """
-        _, _, i, _, i_min, i_max, _ = self._rows[k]
-        term = min(max(i * self._integrals[k], i_min), i_max)
+        _, _, i, _, i_min, i_max, _ = self.rows[k]
+        term = min(max(i * self.integrals[k], i_min), i_max)
         term = min(max(term, gains.i_min), gains.i_max)
-        self._integrals[k] = term / gains.i if gains.i else 0.0
-        self._rows[k] = _row(k, gains)
+        self.integrals[k] = term / gains.i if gains.i else 0.0
+        self.rows = (*self.rows[:k], _row(k, gains), *self.rows[k + 1 :])
 
     def update(
         self, errors: Sequence[float], error_rates: Sequence[float], period: float
     ) -> list[float]:
         """Return a command per joint."""
         if not period > 0.0:
-            return [0.0] * len(self._rows)
-        integrals = self._integrals
+            return [0.0] * len(self.rows)
+        integrals = self.integrals
         commands: list[float] = []
-        for k, p, i, d, i_min, i_max, antiwindup in self._rows:
+        for k, p, i, d, i_min, i_max, antiwindup in self.rows:
             error = errors[k]
             integrals[k] = integral = integrals[k] + period * error
             term = i * integral

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import enum
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from operator import neg, sub
-from typing import final
+from typing import NamedTuple, final
 
-from tool0.control.goal import Goal, GoalResult, GoalStatus
+from tool0.control.goal import UNCHECKED, Goal, GoalResult, GoalStatus, Tolerance
 from tool0.control.spline import (
     JointSpline,
     Polynomial,
@@ -19,6 +20,56 @@ from tool0.control.spline import (
 from tool0.errors import ControlError
 
 
+class Piece(NamedTuple):
+    """One joint's desired motion until it changes."""
+
+    until: float
+    """When the next piece begins [s]; inf for the last one."""
+    polynomial: Polynomial
+    section: SplineSection
+    """What it belongs to."""
+    segment: Segment
+    has_ended: bool
+    """Whether it is at or after the end of the segment."""
+    is_last: bool
+    """Whether the segment is the last one."""
+
+    @property
+    def is_at_end(self) -> bool:
+        """Whether the joint's whole motion has ended."""
+        return self.has_ended and self.is_last
+
+
+def piece_at(spline: JointSpline, time: float) -> Piece:
+    """Return the piece of a motion that is active at ``time`` [s]."""
+    section, segment, following = spline.active(time)
+    if time < segment.start:
+        polynomial, change = resting(segment.coefficients[0]), segment.start
+    elif time < segment.end:
+        polynomial, change = segment.polynomial, segment.end
+    elif time == segment.end:
+        polynomial, change = segment.polynomial, math.nextafter(time, math.inf)
+    else:
+        polynomial, change = segment.rest, math.inf
+    return Piece(
+        min(change, following),
+        polynomial,
+        section,
+        segment,
+        time >= segment.end,
+        following == math.inf,
+    )
+
+
+def pieces_from(spline: JointSpline, time: float, most: int) -> list[Piece]:
+    """Return the pieces of a motion from ``time`` [s] on, at most so many."""
+    found: list[Piece] = []
+    while len(found) < most and time < math.inf:
+        found.append(piece_at(spline, time))
+        time = found[-1].until
+    return found
+
+
 @final
 class TrajectorySampler:
     """Splines with a cursor: ``advance`` at a change, ``errors`` in every tick."""
@@ -28,9 +79,8 @@ class TrajectorySampler:
         "_polynomials",
         "_rest",
         "_zeros",
-        "arrived",
-        "current",
         "next_change",
+        "pieces",
         "splines",
     )
 
@@ -39,22 +89,12 @@ class TrajectorySampler:
         self.advance(time)
 
     def advance(self, time: float) -> None:
-        """Find the segments that are active at ``time``, and when that changes."""
-        self.current: list[tuple[SplineSection, Segment]] = []
-        """The active segment of each joint, and its section."""
-        self.arrived: list[bool] = []
-        """Whether the joint is at the end of its last segment."""
-        self.next_change = math.inf
+        """Find the pieces that are active at ``time``, and when that changes."""
+        self.pieces = [piece_at(spline, time) for spline in self.splines]
+        """The active piece of each joint."""
+        self.next_change = min(piece.until for piece in self.pieces)
         """When to call ``advance`` again [s]."""
-        polynomials: list[Polynomial] = []
-        for spline in self.splines:
-            section, segment, following = spline.active(time)
-            polynomial, change = _polynomial_at(segment, time)
-            polynomials.append(polynomial)
-            self.current.append((section, segment))
-            is_last = following == math.inf
-            self.arrived.append(is_last and time >= segment.end)
-            self.next_change = min(self.next_change, change, following)
+        polynomials = [piece.polynomial for piece in self.pieces]
         self._polynomials = list(enumerate(polynomials))
         self._moving = any(polynomial[2:] != _STILL for polynomial in polynomials)
         self._rest = [polynomial[1] for polynomial in polynomials]
@@ -93,18 +133,15 @@ class TrajectorySampler:
 _STILL = resting(0.0)[2:]
 
 
-def _polynomial_at(segment: Segment, time: float) -> tuple[Polynomial, float]:
-    """Return the polynomial for ``time``, and until when it holds."""
-    if time < segment.start:
-        return resting(segment.coefficients[0]), segment.start
-    if time < segment.end:
-        return segment.polynomial, segment.end
-    if time == segment.end:
-        return segment.polynomial, math.nextafter(time, math.inf)
-    return segment.rest, math.inf
-
-
 SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)
+
+
+class Check(enum.IntEnum):
+    """What an active goal checks of a joint."""
+
+    NOTHING = 0
+    PATH = 1
+    GOAL = 2
 
 
 @final
@@ -121,32 +158,47 @@ class GoalMonitor:
         """Check the sampler's joints; ``goal_time`` [s] is grace after the end."""
         self.goal = goal
         self._joint_names = joint_names
-        self._goal_time = goal_time
+        self.goal_time = goal_time
+        """Grace after the end [s]."""
         self._arrived: set[int] = set()
 
-    def watch(self, sampler: TrajectorySampler, time: float) -> None:
+    def check_of(self, piece: Piece) -> tuple[Check, Tolerance]:
+        """Return what is checked during a piece."""
+        section = piece.section
+        if section.goal is self.goal:
+            if piece.is_at_end:
+                return Check.GOAL, section.tolerances.goal
+            path = section.tolerances.path
+            if not piece.has_ended and (path.position > 0.0 or path.velocity > 0.0):
+                return Check.PATH, path
+        return Check.NOTHING, UNCHECKED
+
+    def watch(self, sampler: TrajectorySampler) -> None:
         """Collect what to check until the sampler's next change."""
-        self._current = sampler.current
-        self._on_path: list[int] = []
-        self._at_goal: list[int] = []
+        self._ends = [piece.segment.end for piece in sampler.pieces]
+        self._on_path: list[tuple[int, Tolerance]] = []
+        self._at_goal: list[tuple[int, Tolerance]] = []
         self._path_limit = math.inf
         self._checks_path_velocity = False
-        for k, ((section, segment), is_at_end) in enumerate(
-            zip(sampler.current, sampler.arrived, strict=True)
-        ):
-            if section.goal is not self.goal:
-                continue
-            if is_at_end:
-                if k not in self._arrived:
-                    self._at_goal.append(k)
-                continue
-            if segment.end <= time:
-                continue
-            path = section.tolerances.path
-            if path.position > 0.0 or path.velocity > 0.0:
-                self._on_path.append(k)
-                self._path_limit = min(self._path_limit, path.position or math.inf)
-                self._checks_path_velocity |= path.velocity > 0.0
+        for k, piece in enumerate(sampler.pieces):
+            check, tolerance = self.check_of(piece)
+            if check is Check.GOAL and k not in self._arrived:
+                self._at_goal.append((k, tolerance))
+            elif check is Check.PATH:
+                self._on_path.append((k, tolerance))
+                limit = tolerance.position or math.inf
+                self._path_limit = min(self._path_limit, limit)
+                self._checks_path_velocity |= tolerance.velocity > 0.0
+
+    @property
+    def arrived(self) -> Collection[int]:
+        """The joints that were within their goal tolerances, by number."""
+        return self._arrived
+
+    def note_arrived(self, joints: Iterable[int]) -> None:
+        """Count further joints as arrived."""
+        self._arrived.update(joints)
+        self._at_goal = [item for item in self._at_goal if item[0] not in self._arrived]
 
     def check(
         self, time: float, errors: list[float], rates: list[float]
@@ -155,8 +207,7 @@ class GoalMonitor:
         if self._on_path and (
             self._checks_path_velocity or max(map(abs, errors)) > self._path_limit
         ):
-            for k in self._on_path:
-                path = self._current[k][0].tolerances.path
+            for k, path in self._on_path:
                 if not path.allows(errors[k], rates[k]):
                     code = GoalResult.PATH_TOLERANCE_VIOLATED
                     return self._violation(code, "path", k, errors[k])
@@ -166,12 +217,11 @@ class GoalMonitor:
         self, time: float, errors: list[float], rates: list[float]
     ) -> GoalResult | None:
         waiting = []
-        for k in self._at_goal:
-            section, segment = self._current[k]
-            if section.tolerances.goal.allows(errors[k], rates[k]):
+        for k, tolerance in self._at_goal:
+            if tolerance.allows(errors[k], rates[k]):
                 self._arrived.add(k)
-            elif time < segment.end + self._goal_time:
-                waiting.append(k)
+            elif time < self._ends[k] + self.goal_time:
+                waiting.append((k, tolerance))
             else:
                 code = GoalResult.GOAL_TOLERANCE_VIOLATED
                 return self._violation(code, "goal", k, errors[k])

@@ -71,6 +71,15 @@ class Segment:
         self.end = end
         self.coefficients = _fit(first, last, duration)
 
+    @staticmethod
+    def of(start: float, end: float, polynomial: Sequence[float]) -> Segment:
+        """Return the segment with these coefficients c0 … c5."""
+        segment = Segment.__new__(Segment)
+        c0, c1, c2, c3, c4, c5 = polynomial
+        segment.start, segment.end = start, end
+        segment.coefficients = c0, c1, c2, c3, c4, c5
+        return segment
+
     def sample(self, time: float) -> Sample:
         """Return the motion at ``time``."""
         if time < self.start:
@@ -378,6 +387,22 @@ def point_to_point(
     start = time, origin
     return JointSpline(
         (SplineSection(time, knots, 0, start, range(1), goal, NO_TOLERANCES, {}),)
+    )
+
+
+def along(segment: Segment) -> JointSpline:
+    """Return the spline of one segment, which belongs to no goal."""
+    first = Motion(*segment.sample(segment.start))
+    last = Motion(*segment.sample(segment.end))
+    knots = Knots((segment.end - segment.start,), lambda _: last)
+    origin = segment.start, first
+    made = {0: segment}
+    return JointSpline(
+        (
+            SplineSection(
+                segment.start, knots, 0, origin, range(1), None, NO_TOLERANCES, made
+            ),
+        )
     )
 
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import sub
-from typing import TYPE_CHECKING, NamedTuple, final
+from typing import TYPE_CHECKING, final
+
+from msgspec import Struct
 
 from tool0.control.goal import ToleranceOverride
 from tool0.control.spline import IMPLAUSIBLE, JointSpline, Sample, shortest_turn
@@ -239,11 +241,12 @@ def _numbers(points: Sequence[TrajectoryPoint], n_joints: int) -> FloatArray | N
     return numbers if is_sound and np.isfinite(numbers).all() else None
 
 
-class Setpoint(NamedTuple):
+@final
+class Setpoint(Struct, frozen=True):
     """Setpoints of one controller: at one instant, and at the end of its motion.
 
-    A named tuple of immutable values, since the loop creates one a hundred times a
-    second.  The numbers are computed when they are read, in the reader's thread.
+    A struct of immutable values, since the loop creates one for every eight steps.  The
+    numbers are computed when they are read, in the reader's thread.
     """
 
     joint_models: tuple[Joint, ...]

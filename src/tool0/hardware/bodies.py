@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -146,6 +146,41 @@ STANDARD_GRAVITY: Vector3 = (0.0, 0.0, -9.81)
 """Acceleration of free fall [m/s²], as MuJoCo has it by default; Gazebo has 9.8."""
 
 
+class DynamicBody(NamedTuple):
+    """A moving body, in a frame that is rotated so that its joint acts along z."""
+
+    parent: int
+    """Index of the body that carries it; -1 is the world."""
+    is_prismatic: bool
+    master: int
+    """Index of the joint that drives its joint."""
+    multiplier: float
+    """Ratio of the velocities of its joint and of the master."""
+    placement: tuple[float, ...]
+    """The joint's axes x, y, z and origin in the parent's frame, 12 floats."""
+    mass: float
+    center: Vector3
+
+
+class DynamicSpring(NamedTuple):
+    """A spring in a joint."""
+
+    joint: int
+    master: int
+    multiplier: float
+    stiffness: float
+    reference: float
+
+
+class DynamicsTable(NamedTuple):
+    """The constants of ``JointDynamics.static_effort``."""
+
+    gravity: float
+    """[m/s²]"""
+    bodies: tuple[DynamicBody, ...]
+    springs: tuple[DynamicSpring, ...]
+
+
 @final
 class JointDynamics:
     """Gravity and spring loads and mass matrix, including mimic joints in their master.
@@ -190,6 +225,24 @@ class JointDynamics:
             self._center.append((x, y, z))
             self._tensor.append(turn.T @ body.inertia.tensor @ turn)
 
+    @property
+    def table(self) -> DynamicsTable:
+        """The constants of ``static_effort``."""
+        bodies = tuple(
+            DynamicBody(parent, prismatic, master, ratio, placement, mass, center)
+            for parent, prismatic, (master, ratio), placement, mass, center in zip(
+                self._parent,
+                self._prismatic,
+                self._masters,
+                self._placement,
+                self._mass,
+                self._center,
+                strict=True,
+            )
+        )
+        springs = tuple(DynamicSpring(*spring) for spring in self._springs)
+        return DynamicsTable(self._gravity, bodies, springs)
+
     def static_effort(self, position: Sequence[float]) -> list[float]:
         """Return the effort that balances gravity and springs, shape (n_joints,).
 
@@ -233,28 +286,46 @@ class JointDynamics:
 
         At ``position``, with the rotors' inertia; rows of mimic joints are 0.
         """
-        frames = np.array(self.frames(position)).reshape(-1, 12)
-        axes, origins = frames[:, 6:9], frames[:, 9:12]
+        frames = self.frames(position)
         matrix = np.diag(self._armature)
-        for body in range(self._n):
-            rotation = frames[body, :9].reshape(3, 3).T
-            center = rotation @ np.array(self._center[body]) + origins[body]
-            linear = np.zeros((self._n, 3))  # the body's motion per joint velocity
-            angular = np.zeros((self._n, 3))
-            joint = body
-            while joint >= 0:
-                master, multiplier = self._masters[joint]
-                axis = multiplier * axes[joint]
-                if self._prismatic[joint]:
-                    linear[master] += axis
-                else:
-                    linear[master] += np.cross(axis, center - origins[joint])
-                    angular[master] += axis
-                joint = self._parent[joint]
+        for body, frame in enumerate(frames):
+            rotation = np.array(frame[:9]).reshape(3, 3).T
+            x, y, z = (rotation @ np.array(self._center[body])).tolist()
+            x, y, z = x + frame[9], y + frame[10], z + frame[11]
+            linear, angular = self._jacobian(frames, body, (x, y, z))
             tensor = rotation @ self._tensor[body] @ rotation.T
             matrix += self._mass[body] * linear @ linear.T
             matrix += angular @ tensor @ angular.T
         return matrix
+
+    def _jacobian(
+        self, frames: Sequence[tuple[float, ...]], body: int, point: Vector3
+    ) -> tuple[Matrix, Matrix]:
+        """Return the velocities of a body per joint velocity, shape (n_joints, 3).
+
+        Those of the ``point`` on it [m/rad | m/m], and its angular ones; both in the
+        axes of the ``frames``, by master.
+        """
+        linear = [[0.0, 0.0, 0.0] for _ in frames]
+        angular = [[0.0, 0.0, 0.0] for _ in frames]
+        px, py, pz = point
+        joint = body
+        while joint >= 0:
+            x, y, z, ox, oy, oz = frames[joint][6:]
+            master, multiplier = self._masters[joint]
+            x, y, z = multiplier * x, multiplier * y, multiplier * z
+            way = linear[master]
+            if self._prismatic[joint]:
+                way[0], way[1], way[2] = way[0] + x, way[1] + y, way[2] + z
+            else:
+                rx, ry, rz = px - ox, py - oy, pz - oz
+                way[0] += y * rz - z * ry
+                way[1] += z * rx - x * rz
+                way[2] += x * ry - y * rx
+                turn = angular[master]
+                turn[0], turn[1], turn[2] = turn[0] + x, turn[1] + y, turn[2] + z
+            joint = self._parent[joint]
+        return np.array(linear), np.array(angular)
 
     def frames(self, position: Sequence[float]) -> list[tuple[float, ...]]:
         """Return each body's axes x, y, z and origin in the root, 12 floats each.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import NamedTuple, Protocol, final
+from typing import NamedTuple, Protocol, final, overload
 
 from tool0.description.scene import SceneObject
 from tool0.description.transform import Vector3
@@ -72,6 +72,52 @@ class ObjectState:
 
 
 @final
+class RecordedObjects(Sequence[ObjectState]):
+    """The states of objects at one instant, computed when they are first read.
+
+    It never changes, and any thread may read it.
+    """
+
+    __slots__ = ("_compute", "_states")
+
+    def __init__(self, compute: Callable[[], tuple[ObjectState, ...]]) -> None:
+        """``compute`` must depend only on what was recorded at that instant."""
+        self._compute = compute
+        self._states: tuple[ObjectState, ...] | None = None
+
+    @property
+    def states(self) -> tuple[ObjectState, ...]:
+        """The states, as a tuple."""
+        if self._states is None:
+            self._states = self._compute()  # two threads compute the same
+        return self._states
+
+    @overload
+    def __getitem__(self, index: int) -> ObjectState: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[ObjectState, ...]: ...
+    def __getitem__(self, index: int | slice) -> ObjectState | tuple[ObjectState, ...]:
+        return self.states[index]
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    def __iter__(self) -> Iterator[ObjectState]:
+        return iter(self.states)
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, RecordedObjects):
+            other = other.states
+        return self.states == other
+
+    def __hash__(self) -> int:
+        return hash(self.states)
+
+    def __repr__(self) -> str:
+        return repr(self.states)
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class Contact:
     """The resultant of all contact points between two links or objects.
@@ -111,8 +157,8 @@ class World(Protocol):
     def ground(self) -> float | None:
         """Height of the ground [m], in the robot's root; None if it is not known."""
 
-    def object_states(self) -> tuple[ObjectState, ...]:
-        """Return the current state of each object, spawned ones last."""
+    def object_states(self) -> Sequence[ObjectState]:
+        """Return the current state of each object, spawned ones last: a record."""
 
     def spawn(self, item: SceneObject) -> None:
         """Add an object at rest; everything else keeps its state.
@@ -222,8 +268,40 @@ class Engine(Protocol):
     def step(self) -> None:
         """Advance simulated time by ``dt``."""
 
+    @property
+    def stepper(self) -> NativeStepper | None:
+        """How compiled code steps it; None if only ``step`` does.
+
+        Another one whenever addresses change.
+        """
+
     def close(self) -> None:
         """End the engine and its processes; closing twice is allowed."""
+
+
+class NativeStepper(NamedTuple):
+    """How compiled code steps an engine in this process, by addresses.
+
+    The joints come first in ``position`` and ``velocity``, in the engine's order.
+    """
+
+    step: int
+    """Of a C function ``void step(const void *model, void *data)``."""
+    model: int
+    data: int
+    position: int
+    """Of the measured positions [rad | m]."""
+    velocity: int
+    """Of the velocities, those of objects included [rad/s | m/s]."""
+    n_velocities: int
+    motors: int
+    """Of the efforts that the engine applies [N·m | N]."""
+    motor_joints: tuple[int, ...]
+    """The joint that each motor drives."""
+    steps: Callable[[], int]
+    """Returns the steps of the engine since its time was 0."""
+    note_steps: Callable[[int, list[float]], None]
+    """Tells the engine the steps since its time was 0, and the last effort."""
 
 
 LARGEST_VELOCITY = 1e4

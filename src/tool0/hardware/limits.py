@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import NamedTuple, final
 
 from tool0.description.model import JointLimits, ParallelGripper, SafetyController
 from tool0.errors import ControlError
@@ -54,6 +54,29 @@ class EffortLimits:
     only after the joint has passed it."""
 
 
+class DriveBounds(NamedTuple):
+    """What the limiter knows of one drive: constants."""
+
+    joint: int
+    """Index of the joint."""
+    effort: float
+    """Largest effort [N·m | N]."""
+    velocity: float
+    """Largest speed [rad/s | m/s]."""
+    lower: float
+    """Position below which the joint presses into its stop [rad | m]."""
+    upper: float
+    """Position above which it does."""
+    rotor: float
+    """Inertia per step, with which the drive keeps its speed [N·m·s/rad | N·s/m];
+    infinite if the inertia is unknown."""
+    ease: float
+    """Largest reduction of the effort per step, when a goal's limits decrease."""
+    hard: JointLimits
+    soft: SafetyController | None
+    """Soft limits, if they limit the effort."""
+
+
 @final
 class EffortLimiter:
     """Saturates the effort of every driven joint, each step."""
@@ -61,12 +84,9 @@ class EffortLimiter:
     def __init__(self, drives: Mapping[int, EffortLimits], dt: float) -> None:
         """Set the limits of the driven joints, by index, and the step [s]."""
         self._drives = drives
-        self._soft = [
-            (i, drive.hard, drive.soft)
-            for i, drive in drives.items()
-            if drive.soft is not None and drive.soft.k_velocity > 0.0
-        ]
         self._dt = dt
+        self.bounds = tuple(self._bounds())
+        self._soft = [(b.joint, b.hard, b.soft) for b in self.bounds if b.soft]
         self._drive_limits: dict[int, DriveLimits] = {}
         self.restart()
 
@@ -74,6 +94,23 @@ class EffortLimiter:
     def drive_limits(self) -> Mapping[int, DriveLimits]:
         """The limits set by goals, by the joint's index."""
         return self._drive_limits
+
+    @property
+    def velocities(self) -> dict[int, float | None]:
+        """What the speed limiters remember, by the joint's index."""
+        return {i: limiter.before for i, limiter in self._speed_limiters.items()}
+
+    def restore(
+        self,
+        drive_limits: Mapping[int, DriveLimits],
+        velocities: Mapping[int, float | None],
+    ) -> None:
+        """Continue with these limits of goals, and ``velocities`` to remember."""
+        if drive_limits != self._drive_limits:
+            for i in self._drive_limits.keys() | drive_limits.keys():
+                self.set_drive_limits(i, drive_limits.get(i))
+        for i, limiter in self._speed_limiters.items():
+            limiter.before = velocities[i]
 
     def set_drive_limits(self, index: int, limits: DriveLimits | None) -> None:
         """Limit a drive below its joint's limits; None removes this limit."""
@@ -137,12 +174,26 @@ class EffortLimiter:
 
     def _saturated(self) -> Iterator[tuple[int, float, float, float, float]]:
         """Yield everything that ``saturate`` needs, joint by joint."""
-        for i, drive in self._drives.items():
-            hard = drive.hard
+        for i, effort, velocity, lower, upper, *_ in self.bounds:
             # The speed limiter of a drive keeps its speed.
-            speed = math.inf if i in self._speed_limiters else hard.velocity
+            speed = math.inf if i in self._speed_limiters else velocity
+            yield i, effort, lower, upper, speed
+
+    def _bounds(self) -> Iterator[DriveBounds]:
+        for i, drive in self._drives.items():
+            hard, soft, limiter = drive.hard, drive.soft, self._speed_limiter(drive)
             margin = -hard.velocity * self._dt if drive.is_light else STOP_TOLERANCE
-            yield i, hard.effort, hard.lower - margin, hard.upper + margin, speed
+            yield DriveBounds(
+                i,
+                hard.effort,
+                hard.velocity,
+                hard.lower - margin,
+                hard.upper + margin,
+                limiter.rotor,
+                limiter.ease,
+                hard,
+                soft if soft is not None and soft.k_velocity > 0.0 else None,
+            )
 
 
 def velocity_window(
@@ -246,9 +297,12 @@ class SpeedLimiter:
         """
         self._effort = hard.effort
         self._speed = hard.velocity
-        self._rotor = inertia / dt if inertia > 0.0 else math.inf
-        self._ease = hard.effort * dt / EASE
-        self._velocity: float | None = None
+        self.rotor = inertia / dt if inertia > 0.0 else math.inf
+        """Inertia per step [N·m·s/rad | N·s/m]."""
+        self.ease = hard.effort * dt / EASE
+        """Largest reduction of the effort per step, when limits decrease."""
+        self.before: float | None = None
+        """Velocity in the last step, if a limit was near [rad/s | m/s]."""
         self.drive_limits: DriveLimits | None = None
         """Of the goal; None for the joint's own."""
 
@@ -274,28 +328,28 @@ class SpeedLimiter:
         if (
             self.drive_limits is None
             and -most <= effort <= most
-            and abs(velocity) + abs(effort) / self._rotor <= speed
+            and abs(velocity) + abs(effort) / self.rotor <= speed
         ):
-            self._velocity = None
+            self.before = None
             return effort  # as nearly always: nothing binds
         if self.drive_limits is not None:
             grip, fastest = self.drive_limits.at(position)
             # A stronger grip is released step by step.
-            lowest = min(gravity - grip, applied + self._ease)
-            highest = max(gravity + grip, applied - self._ease)
+            lowest = min(gravity - grip, applied + self.ease)
+            highest = max(gravity + grip, applied - self.ease)
             effort = min(max(effort, lowest), highest)
             speed = min(speed, fastest)
         effort = min(max(effort, -most), most)
-        before, self._velocity = self._velocity, velocity
-        if self._rotor == math.inf:
+        before, self.before = self.before, velocity
+        if self.rotor == math.inf:
             is_too_fast = velocity > speed if effort > 0.0 else velocity < -speed
             return 0.0 if is_too_fast else effort
         held_back = 0.0
         if before is not None:
-            held_back = applied - (velocity - before) * self._rotor
+            held_back = applied - (velocity - before) * self.rotor
         # To slow down, it reduces the effort, but never drops the weight.
         if effort > gravity:
-            room = (speed - velocity) * self._rotor + held_back
+            room = (speed - velocity) * self.rotor + held_back
             return min(effort, max(room, min(0.0, gravity)))
-        room = held_back - (speed + velocity) * self._rotor
+        room = held_back - (speed + velocity) * self.rotor
         return max(effort, min(room, max(0.0, gravity)))

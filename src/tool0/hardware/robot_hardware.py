@@ -14,31 +14,81 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from operator import mul, truediv
-from typing import final
+from functools import reduce
+from operator import add, mul, truediv
+from typing import NamedTuple, final
 
 from tool0.description.model import (
     Interface,
     Joint,
     JointLimits,
     RobotModel,
-    SafetyController,
 )
 from tool0.description.transform import Vector3
 from tool0.errors import ModelError, did_you_mean
-from tool0.hardware.bodies import STANDARD_GRAVITY, JointDynamics
+from tool0.hardware.bodies import STANDARD_GRAVITY, DynamicsTable, JointDynamics
 from tool0.hardware.engine import JointState
 from tool0.hardware.limits import (
+    DriveBounds,
     DriveLimits,
     EffortLimiter,
     EffortLimits,
-    velocity_window,
+)
+from tool0.hardware.servos import (
+    Brake,
+    PositionServo,
+    Servo,
+    ServoLaw,
+    ServoState,
+    VelocityServo,
+    servo_of,
 )
 
 POSE_PERIOD = 64
 """Steps between updates of values that depend only on the pose and need not be exact:
 the mass matrix of servos, and gravity compensation.  In 64 ms the fastest wrist turns
 0.2 rad."""
+
+
+class DriveTable(NamedTuple):
+    """What never changes in the drives of a robot."""
+
+    dt: float
+    """Length of a step [s]."""
+    to_model: tuple[int, ...]
+    """Engine index of each of the model's movable joints."""
+    dynamics: DynamicsTable
+    bounds: tuple[DriveBounds, ...]
+    compensated: tuple[int, ...]
+    """Joints whose drives compensate gravity."""
+
+
+class DriveSetup(NamedTuple):
+    """What changes in few steps only: by requests, and with the mass matrix."""
+
+    drive_limits: Mapping[int, DriveLimits]
+    """Limits of goals, by joint."""
+    servos: tuple[tuple[int, ServoLaw], ...]
+    """Joints with a servo or a brake, in the order of the mass matrix."""
+    masses: tuple[list[float], ...]
+    """The mass matrix of these joints, by row; empty if it is to be computed."""
+    fastest: list[float]
+    """Largest acceleration of each of them."""
+
+
+class DriveState(NamedTuple):
+    """What changes in each step."""
+
+    steps: int
+    """Since the last restart."""
+    gravity: list[float]
+    """The part of the effort that compensates gravity, where a drive has limits
+    [N·m | N], shape (n_joints,)."""
+    compensation: list[float]
+    """The same of the compensated drives; empty if it is to be computed."""
+    velocities: Mapping[int, float | None]
+    """What the speed limiters remember, by joint."""
+    servos: list[ServoState]
 
 
 @final
@@ -189,6 +239,56 @@ class RobotHardware:
         self._limiter.saturate(effort, state, self._gravity_effort)
         return effort
 
+    @property
+    def table(self) -> DriveTable:
+        """What never changes."""
+        return DriveTable(
+            self._dt,
+            tuple(self._to_model),
+            self._dynamics.table,
+            self._limiter.bounds,
+            tuple(self._compensated),
+        )
+
+    @property
+    def setup(self) -> DriveSetup:
+        """What changes in few steps only."""
+        return DriveSetup(
+            dict(self._limiter.drive_limits),
+            self._servo_laws(),
+            tuple(row for _, row in self._masses),
+            self._fastest,
+        )
+
+    @property
+    def state(self) -> DriveState:
+        """What changes in each step."""
+        return DriveState(
+            self._steps,
+            self._gravity_effort,
+            [effort for _, effort in self._compensation],
+            self._limiter.velocities,
+            [servo.state for servo in self._servos.values()],
+        )
+
+    def _servo_laws(self) -> tuple[tuple[int, ServoLaw], ...]:
+        return tuple((i, servo.law) for i, servo in self._servos.items())
+
+    def restore(self, setup: DriveSetup, state: DriveState) -> None:
+        """Continue from ``setup`` and ``state``; claims and commands stay."""
+        if setup.servos != self._servo_laws():
+            self._servos = {i: servo_of(law) for i, law in setup.servos}
+        self._masses = list(zip(self._servos, setup.masses, strict=False))
+        self._fastest = setup.fastest
+        self._steps = state.steps
+        self._gravity_effort = state.gravity
+        self._compensation = list(
+            zip(self._compensated, state.compensation, strict=False)
+        )
+        self._limiter.restore(setup.drive_limits, state.velocities)
+        for servo, memory in zip(self._servos.values(), state.servos, strict=True):
+            servo.restore(memory)
+
     def _select_servo(self, name: str, position: float) -> None:
         """Give the joint the servo or brake for its claim and interface."""
         i, interface = self.index[name], self.interfaces[name]
@@ -249,7 +349,8 @@ class RobotHardware:
             if isinstance(limited, PositionServo):
                 _, limited.speed = limits.at(state.position[i])
         for i, masses in self._masses:
-            effort[i] = gravity[i] + sum(map(mul, masses, wanted))
+            # Not sum(): it is compensated in Python 3.12 and later.
+            effort[i] = gravity[i] + reduce(add, map(mul, masses, wanted), 0.0)
 
     def _servo_masses(self, state: JointState) -> list[tuple[int, list[float]]]:
         matrix = self._dynamics.mass_matrix([state.position[i] for i in self._to_model])
@@ -280,114 +381,3 @@ def _effort_limits(
         inertia=inertia if is_light else armature,
         is_light=is_light,
     )
-
-
-BANDWIDTH = 80.0
-"""Natural frequency of a servo [rad/s]; steps of 1 ms are 12 times shorter."""
-DAMPING_RATIO = 1.0
-STIFF_BANDWIDTH = 200.0
-"""The same where a known rotor inertia dominates, whatever the load: a gripper grips
-with its full force if it is stopped 5 mm or more from its target."""
-STOPPED = 0.005
-"""Lag from which a stiff servo counts as blocked [rad | m]."""
-INTEGRAL_RATE = 4.0
-"""Rate at which the integral compensates a constant disturbance [1/s]."""
-BLOCKED = 0.02
-"""Lag at a standstill from which any servo counts as blocked [rad | m]: more than a
-load causes."""
-STANDSTILL = 0.02
-"""Velocity below which a brake considers the joint at rest [rad/s | m/s]."""
-
-
-@final
-class PositionServo:
-    """Drives one joint to a position within its speed limit."""
-
-    def __init__(
-        self,
-        position: float,
-        limits: JointLimits,
-        soft: SafetyController | None = None,
-        *,
-        is_stiff: bool = False,
-    ) -> None:
-        self._limits = limits
-        self._soft = soft
-        self._is_stiff = is_stiff
-        self._bandwidth = STIFF_BANDWIDTH if is_stiff else BANDWIDTH
-        self._target = limits.clamp(position)
-        self._integral = 0.0  # [1/s²], an acceleration
-        self.speed = math.inf
-        """Speed limit of a goal, below that of the joint [rad/s | m/s]."""
-
-    def acceleration(
-        self, command: float, position: float, velocity: float, dt: float
-    ) -> float:
-        """Return the acceleration for ``command`` [rad/s² | m/s²]."""
-        previous = self._target
-        lag = previous - position
-        is_stopped = self._is_stiff and abs(lag) > STOPPED
-        if is_stopped and (command - position) * lag < 0.0:
-            previous = position  # releasing need not wait for the joint to return
-        slowest, fastest = velocity_window(previous, self._limits, self._soft)
-        slowest, fastest = max(slowest, -self.speed), min(fastest, self.speed)
-        step = min(max(command - previous, slowest * dt), fastest * dt)
-        self._target = target = self._limits.clamp(previous + step)
-        error = target - position
-        stiffness = self._bandwidth**2
-        is_blocked = abs(lag) > BLOCKED and abs(velocity) < STANDSTILL
-        if is_stopped or is_blocked:
-            self._integral = 0.0  # an obstacle is no load
-        else:
-            self._integral += stiffness * INTEGRAL_RATE * error * dt
-        speed_error = (target - previous) / dt - velocity
-        return (
-            stiffness * error
-            + 2.0 * DAMPING_RATIO * self._bandwidth * speed_error
-            + self._integral
-        )
-
-
-@final
-class VelocityServo:
-    """Drives one joint at a velocity."""
-
-    def __init__(
-        self, limits: JointLimits, soft: SafetyController | None = None
-    ) -> None:
-        self._limits = limits
-        self._soft = soft
-        self._integral = 0.0  # [rad/s² | m/s²]
-
-    def acceleration(
-        self, command: float, position: float, velocity: float, dt: float
-    ) -> float:
-        slowest, fastest = velocity_window(position, self._limits, self._soft)
-        error = min(max(command, slowest), fastest) - velocity
-        gain = 2.0 * DAMPING_RATIO * BANDWIDTH
-        self._integral += gain * INTEGRAL_RATE * error * dt
-        return gain * error + self._integral
-
-
-@final
-class Brake:
-    """Slows one joint to rest and then holds it there."""
-
-    def __init__(self) -> None:
-        # With an integral, so that a payload does not make the joint creep.
-        self._slow = VelocityServo(JointLimits())
-        self._hold: tuple[PositionServo, float] | None = None
-
-    def acceleration(
-        self, command: float, position: float, velocity: float, dt: float
-    ) -> float:
-        """Return the braking acceleration [rad/s² | m/s²]; ``command`` is not read."""
-        if self._hold is None:
-            if abs(velocity) > STANDSTILL:
-                return self._slow.acceleration(0.0, position, velocity, dt)
-            self._hold = PositionServo(position, JointLimits()), position
-        servo, held_at = self._hold
-        return servo.acceleration(held_at, position, velocity, dt)
-
-
-Servo = PositionServo | VelocityServo | Brake

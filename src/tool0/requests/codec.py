@@ -163,7 +163,7 @@ class SnapshotMessage(Struct, frozen=True, kw_only=True, tag="snapshot"):
 
 
 _COPIED: Final = (
-    *("time", "tick", "joint_names", "position", "velocity", "effort", "objects"),
+    *("time", "tick", "joint_names", "position", "velocity", "effort"),
     *("is_paused", "is_stopped", "real_time_factor", "overruns", "fault", "speed"),
     *("late_ticks", "stalls", "gripping"),
 )
@@ -182,6 +182,7 @@ def snapshot_message(
     return SnapshotMessage(
         **{name: getattr(snapshot, name) for name in _COPIED},
         **changes,
+        objects=tuple(snapshot.objects),
         setpoints=snapshot.setpoints(),
         missed=missed,
     )
@@ -197,6 +198,7 @@ def snapshot_of(message: SnapshotMessage, before: Snapshot | None = None) -> Sna
         scene = tuple(map(object_of, message.scene))
     return Snapshot(
         **{name: getattr(message, name) for name in _COPIED},
+        objects=message.objects,
         received_setpoints=message.setpoints,
         controllers=controllers,
         scene=scene,

@@ -44,6 +44,11 @@ class AppliedWrenches:
         self._acting: tuple[tuple[float, str, Wrench], ...] = ()
         """Until when, on what, and the wrench at its centre of mass."""
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether no wrench acts or waits for its start."""
+        return not self._waiting and not self._acting
+
     def add(self, wrench: AppliedWrench) -> None:
         """Let a wrench act from the next tick on, or from its start.
 
@@ -66,7 +71,7 @@ class AppliedWrenches:
 
     def tick(self, time: float) -> None:
         """Start and end what is due at ``time`` [s], before the engine steps."""
-        if not self._waiting and not self._acting:
+        if self.is_idle:
             return
         now = time + _ROUNDING
         due = [wrench for wrench in self._waiting if wrench.start <= now]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import final
 
@@ -152,15 +153,23 @@ class Bus:
 
     def __init__(self) -> None:
         self.process = OwnProcess()
-        self._changed = threading.Condition()
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
+        self._n_waiting = 0
+        """Readers that wait for a change: mostly none, and waking takes time."""
         self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
+        """Since there are subscribers: freeing a snapshot that has left the processor's
+        cache takes longer than making one."""
         self._history: deque[Snapshot] = deque(maxlen=HISTORY_LENGTH)
+        self._history_time = -math.inf
+        """Of the newest snapshot in the history [s]."""
         self._subscriptions: tuple[Subscription, ...] = ()
+        self._backlogs: tuple[deque[Snapshot], ...] = ()
 
     def history(self) -> tuple[Snapshot, ...]:
         """Return the last half second of simulated time, the newest at the end."""
-        with self._changed:
+        with self._lock:
             kept, latest = tuple(self._history), self.latest
         return kept if latest is None or kept[-1] is latest else (*kept, latest)
 
@@ -173,8 +182,8 @@ class Bus:
     ) -> Subscription:
         """Return a new reader; with ``keep_all``, its ``pending`` misses nothing."""
         subscription = Subscription(self, period, when_closed, keep_all=keep_all)
-        with self._changed:
-            self._subscriptions = (*self._subscriptions, subscription)
+        with self._lock:
+            self._use((*self._subscriptions, subscription))
         return subscription
 
     @property
@@ -188,22 +197,29 @@ class Bus:
         return min(periods, default=SNAPSHOT_PERIOD)
 
     def forget(self, subscription: Subscription) -> None:
-        with self._changed:
-            self._subscriptions = tuple(
-                other for other in self._subscriptions if other is not subscription
-            )
+        with self._lock:
+            self._use(s for s in self._subscriptions if s is not subscription)
+
+    def _use(self, subscriptions: Iterable[Subscription]) -> None:
+        self._subscriptions = tuple(subscriptions)
+        backlogs = (subscription.backlog for subscription in self._subscriptions)
+        self._backlogs = tuple(backlog for backlog in backlogs if backlog is not None)
+        if not self._subscriptions:
+            self._recent.clear()
 
     def publish(self, snapshot: Snapshot) -> None:
-        with self._changed:
+        time = snapshot.time
+        with self._lock:
             self.latest = snapshot
-            self._recent.append(snapshot)
-            before = self._history[-1].time if self._history else -SNAPSHOT_PERIOD
-            if not 0.0 <= snapshot.time - before < SNAPSHOT_PERIOD - _ROUNDING:
+            if self._subscriptions:
+                self._recent.append(snapshot)
+            if not 0.0 <= time - self._history_time < SNAPSHOT_PERIOD - _ROUNDING:
                 self._history.append(snapshot)
-            for subscription in self._subscriptions:
-                if subscription.backlog is not None:
-                    subscription.backlog.append(snapshot)
-            self._changed.notify_all()
+                self._history_time = time
+            for backlog in self._backlogs:
+                backlog.append(snapshot)
+            if self._n_waiting:
+                self._changed.notify_all()
 
     def announce(self, event: Event) -> None:
         for subscription in self._subscriptions:
@@ -214,8 +230,13 @@ class Bus:
     ) -> Snapshot | None:
         """Return a snapshot other than ``seen``, or None after ``timeout`` [s]."""
         self.process.check()
-        with self._changed:
-            self._changed.wait_for(lambda: self.latest is not seen, timeout)
+        with self._lock:
+            if self.latest is seen:
+                self._n_waiting += 1
+                try:
+                    self._changed.wait_for(lambda: self.latest is not seen, timeout)
+                finally:
+                    self._n_waiting -= 1
             return None if self.latest is seen else self.latest
 
     def since(self, seen: Snapshot | None) -> list[Snapshot]:
@@ -224,11 +245,12 @@ class Bus:
         All that are kept, if ``seen`` was dropped since.
         """
         self.process.check()
-        with self._changed:
+        with self._lock:
+            latest = [] if self.latest is None else [self.latest]
             if seen is None:
-                return [] if self.latest is None else [self.latest]
+                return latest
             found: list[Snapshot] = []
-            for snapshot in reversed(self._recent):
+            for snapshot in reversed(self._recent or latest):
                 if snapshot is seen:
                     break
                 found.append(snapshot)

@@ -28,19 +28,30 @@ class Pacer:
         self._wall_period = period / speed
         self._now = now
         self._due = now()
+        self._late = 0.0
         self.overruns = 0
 
     def wait_time(self) -> float:
         """Return how long to wait for the next tick [wall s]; at most 0 if due."""
         return self._due - self._now()
 
-    def tick(self) -> None:
-        """Record that the due tick starts now."""
-        late = self._now() - self._due
-        if late > self._wall_period:
-            self.overruns += 1
+    def tick(self) -> int:
+        """Record that the due tick starts now; return how many are due, with it."""
+        self._late = late = self._now() - self._due
         if late > CATCH_UP:
             self._due += late - CATCH_UP
+        self._count()
+        return 1 + int(max(0.0, min(late, CATCH_UP)) / self._wall_period)
+
+    def tick_further(self, count: int) -> None:
+        """Record that further ticks started together with the last one."""
+        for _ in range(count):
+            self._late -= self._wall_period
+            self._count()
+
+    def _count(self) -> None:
+        if self._late > self._wall_period:
+            self.overruns += 1
         self._due += self._wall_period
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from operator import sub
 from typing import TypeVar, final
 
 from tool0.control.forward_command import ForwardCommandController
@@ -17,9 +18,11 @@ from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, did_you_mean
-from tool0.hardware.engine import Contact, Engine, JointState
+from tool0.hardware.engine import Contact, Engine, JointState, joint_selector
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.kernel.kernel import Kernel
+from tool0.kernel.program import Ended, Program
 from tool0.runtime.joint_motion import (
     joints_by_controller,
     planned_motion,
@@ -63,15 +66,19 @@ class Core:
         self.scene = SceneObjects(model, engine, scene or Scene())
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
+        self._kernel = Kernel(engine, hardware, manager, self.control_period)
+        self._program: Program | None = None
+        """What executes the ticks, while it has the state of controllers and drives."""
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
         self._initial = list(initial_position)
         self._start = self._initial
         self._commanded: set[str] = set()
+        self._watch_drift()
         self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
         self._sensors: tuple[ForceTorqueSensor, ...] = ()
         self.grasp_assist = GraspAssist(model, engine) if grasp_assist else None
         self.stall_monitor = StallMonitor(model, hardware)
-        self.grip_contacts = GripContacts(model)
+        self.grip_contacts = GripContacts(model, engine.joint_names)
         engine.reset(self._initial)
         self.state: JointState = engine.read()
         self._before = self.state
@@ -84,10 +91,16 @@ class Core:
 
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
-        state, engine, hardware = self.state, self.engine, self.hardware
+        self.settle()
+        state = self.state
         self.scene.wrenches.tick(self.time)
         self.manager.update(state, self.control_period)
-        for _ in range(self._steps_per_tick):
+        self._finish_tick(state, self._steps_per_tick)
+
+    def _finish_tick(self, state: JointState, n_steps: int) -> None:
+        """Execute the last steps of a tick, from ``state`` on."""
+        engine, hardware, before = self.engine, self.hardware, self._before
+        for _ in range(n_steps):
             before = state
             engine.write(hardware.efforts(state))
             engine.step()
@@ -97,11 +110,64 @@ class Core:
         for sensor in self._sensors:
             sensor.tick(before, state, self._forces)
 
+    def advance(self, most: int) -> int:
+        """Tick at least once and up to ``most`` times; return how many times.
+
+        The kernel executes what it can; after a tick in Python, this returns.
+        """
+        program, stepper = self.program(), self.engine.stepper
+        if program is None or stepper is None:
+            self.tick()
+            return 1
+        return self.ran(*program.run(most, stepper))
+
+    def program(self) -> Program | None:
+        """Let the kernel execute the coming ticks; None if only Python can."""
+        if self._program is None and not self._sensors and self.scene.wrenches.is_idle:
+            self._program = self._kernel.load(self.state)
+        return self._program
+
+    def ran(self, result: Ended, done: int) -> int:
+        """Follow a run of the program by ``done`` ticks; return how many they are now.
+
+        After an event, Python executes one tick more.
+        """
+        program, stepper = self._program, self.engine.stepper
+        assert program is not None
+        assert stepper is not None
+        self.ticks += done
+        state = self.state
+        if program.note_steps(stepper):
+            self.state = program.tick_start()
+            self.manager.observe(self.state)
+            state = self.engine.read()
+        if result is Ended.DONE:
+            self.state = state
+            return done
+        left = program.steps_left
+        self.settle()
+        if result is Ended.EVENT and not left:
+            self.state = state
+            self.tick()
+        else:
+            self._finish_tick(state, left)
+        return done + 1
+
+    def settle(self) -> None:
+        """Give controllers and drives their state back, if the kernel has it.
+
+        Whatever reads or changes them between two ticks needs this first.
+        """
+        program, self._program = self._program, None
+        if program is not None:
+            self._before = program.step_start()
+            program.store()
+
     def look_at_contacts(self) -> None:
         """Find joints that push without moving, and grips, between two ticks."""
         contacts = self.engine.world.contacts
         self.stall_monitor.look(self.state, contacts)
-        self.grip_contacts.look(self.state, self.engine.joint_names, contacts)
+        self.grip_contacts.look(self.state, contacts)
 
     # ---- controllers ----------------------------------------------------------------
 
@@ -117,11 +183,19 @@ class Core:
         self._note_command(controller, goal.joint_names, bounds)
         return self._started(accepted)
 
-    def command_trajectory(self, controller: str, goal: TrajectoryGoal) -> None:
-        """Follow a trajectory without a goal, as ROS's topic does."""
+    def command_trajectory(
+        self,
+        controller: str,
+        goal: TrajectoryGoal,
+        bounds: Mapping[str, DriveLimits] | None = None,
+    ) -> None:
+        """Follow a trajectory without a goal, as ROS's topic does.
+
+        ``bounds`` are as for ``follow``.
+        """
         trajectory = self._drivable(controller, JointTrajectoryController)
         trajectory.command(goal, self.time)
-        self._note_command(controller, goal.joint_names)
+        self._note_command(controller, goal.joint_names, bounds)
 
     def move_joints(
         self, positions: Mapping[str, float], speed: float, controller: str | None
@@ -247,6 +321,7 @@ class Core:
         self.scene.wrenches.forget()
         self.state = self._before = self.engine.read()
         self._commanded.clear()
+        self._watch_drift()
         if self.grasp_assist is not None:
             self.grasp_assist.forget()
         self.stall_monitor.forget()
@@ -263,16 +338,24 @@ class Core:
         self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
 
-    def drift(self) -> float:
-        """Return the largest drift of an uncommanded joint from its start.
+    def drift(self, at_least: float = 0.0) -> float:
+        """Return the largest drift of an uncommanded joint from its start [rad | m].
 
-        [rad | m]; 0 if every joint was commanded.
+        ``at_least`` if that is larger, as for joints that were all commanded.
         """
-        position, initial = self.state.position, self._start
-        index = self.hardware.index
-        uncommanded = self.hardware.interfaces.keys() - self._commanded
-        indices = (index[name] for name in uncommanded)
-        return max((abs(position[i] - initial[i]) for i in indices), default=0.0)
+        position, start = self._uncommanded(self.state.position), self._their_start
+        position, start = self._uncommanded(self.state.position), self._their_start
+        if math.dist(position, start) <= at_least:  # no joint is further than all are
+            return at_least
+        largest: float = max(map(abs, map(sub, position, start)))
+        return max(at_least, largest)
+
+    def _watch_drift(self) -> None:
+        """Note which joints were not commanded, and where they started."""
+        names = self.hardware.interfaces.keys() - self._commanded
+        indices = sorted(self.hardware.index[name] for name in names)
+        self._uncommanded = joint_selector(indices)
+        self._their_start = self._uncommanded(self._start)
 
     def _forces(self) -> tuple[Contact, ...]:
         """Return the external forces on the robot: contacts, and applied wrenches."""
@@ -306,7 +389,9 @@ class Core:
         ``joints`` are those that the goal names; None for all of the controller.
         """
         for _, claimed in self.manager.status(controller).claimed:
-            self._commanded.update(claimed)
+            if not self._commanded.issuperset(claimed):
+                self._commanded.update(claimed)
+                self._watch_drift()
             for joint in claimed:
                 if joints is None or joint in joints:
                     self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))

@@ -40,6 +40,29 @@ def opening_motion(
     return points
 
 
+def direct_motion(
+    geometry: ParallelGripper, start: float, end: float, speed: float, shortest: float
+) -> TrajectoryPoint:
+    """Return the single point of a motion that ends at rest, for a trajectory.
+
+    A cubic of the driven joint.  Its mean speed is two thirds of ``speed`` [m/s], which
+    a cubic from rest reaches halfway; a short motion takes as long as the pads need at
+    their largest acceleration.
+
+    Args:
+        geometry: The gripper.
+        start: Distance between the pads [m] that the present setpoint stands for.
+        end: That at the end, within 0 … ``geometry.max_opening``.
+        speed: Of the pads towards each other [m/s].
+        shortest: Least duration [s].
+    """
+    distance = abs(end - start)
+    cruise = 1.5 * distance / speed
+    ramp = math.sqrt(6.0 * distance * RAMP_TIME / geometry.speed[1])
+    duration = max(cruise, ramp, shortest)
+    return TrajectoryPoint([geometry.position(end)], [0.0], time_from_start=duration)
+
+
 def _ramped(
     done: float, distance: float, ramp: float, speed: float
 ) -> tuple[float, float]:

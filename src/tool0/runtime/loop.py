@@ -134,6 +134,8 @@ class Loop:
     def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
         """Let ``duration`` simulated seconds pass, or fewer if ``until`` returns True.
 
+        It is called at every snapshot, and when a goal ends: not after every tick.
+
         Raises:
             EngineError: If the physics failed; a reset makes it run again.
             ControlError: If the loop is paused or closed meanwhile.
@@ -151,7 +153,7 @@ class Loop:
                 continue
             try:
                 while self.steps < end and self._is_running and not until():
-                    self._cycle()
+                    self._cycle(end - self.steps)
                 self._publish()
             finally:
                 self._owner.release()
@@ -198,11 +200,12 @@ class Loop:
         if not self._is_paused:
             raise ControlError("pause the simulation before stepping it")
         self.check()
-        for _ in range(ticks):
+        end = self.steps + ticks
+        while self.steps < end:
             self._drain()
             if self._closing or self._fault is not None:
                 break
-            self._tick()
+            self._tick(end - self.steps)
         self.check()
 
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
@@ -231,6 +234,7 @@ class Loop:
             self._thread.join()
         with self._owner:
             self._drain()
+            self._core.settle()
             self._core.manager.stop_all(self._core.state)
             self._core.engine.close()
 
@@ -254,35 +258,43 @@ class Loop:
                 if (wait := self._pacer.wait_time()) > 0.0:
                     self._answer_next(min(wait, POLL_PERIOD))
                     continue
-                self._pacer.tick()
-                self._cycle()
+                start, pacer = self.steps, self._pacer
+                self._cycle(pacer.tick())
+                pacer.tick_further(self.steps - start - 1)
 
-    def _cycle(self) -> None:
-        """Drain; then tick, unless an operation paused the simulation."""
+    def _cycle(self, most: float) -> None:
+        """Drain; then tick up to ``most`` times, unless an operation pauses that."""
         if not self._mailbox.empty():
             self._drain()
             if not self._is_running:
                 return
-        self._tick()
+        self._tick(most)
 
-    def _tick(self) -> None:
-        """Tick, and publish when due."""
-        core = self._core
+    def _tick(self, most: float) -> None:
+        """Tick up to ``most`` times and up to the next snapshot; publish it if due."""
+        core, start = self._core, self._core.ticks
+        left = self._snapshot_ticks - start % self._snapshot_ticks
         try:
-            core.tick()
+            done = core.advance(math.ceil(min(most, left)))
         except Exception as error:  # a bug in a controller must not lose the robot
             if not isinstance(error, EngineError):
                 logger.exception("the control tick failed")
+            done = core.ticks - start + 1
             self._fail(error)
-        self.steps += 1
-        if core.ticks % self._snapshot_ticks:
+        self.steps += done
+        if core.ticks % self._snapshot_ticks == 0:
+            self._observe()
+
+    def _observe(self) -> None:
+        """Publish a snapshot; at the default period, look at the contacts, too."""
+        core = self._core
+        if core.ticks % self._default_snapshot_ticks:
+            self._publish()
             return
-        is_default = core.ticks % self._default_snapshot_ticks == 0
-        if is_default:
-            self._attempt(core.look_at_contacts)
+        self._attempt(core.look_at_contacts)
         self._publish()
         snapshot, grasp_assist = self._bus.latest, core.grasp_assist
-        if is_default and grasp_assist is not None and snapshot is not None:
+        if grasp_assist is not None and snapshot is not None:
             self._attempt(lambda: grasp_assist.look(snapshot))
 
     def _attempt(self, action: Callable[[], None]) -> None:
@@ -311,6 +323,7 @@ class Loop:
 
     def _answer(self, operation: _Operation) -> None:
         run, future, publishes = operation
+        self._core.settle()
         if not future.set_running_or_notify_cancel():
             return
         if self._closing:
@@ -332,32 +345,35 @@ class Loop:
         self._meter.restart(self._core.time, overruns)
 
     def _publish(self) -> None:
-        core = self._core
-        self.max_drift = max(self.max_drift, core.drift())
-        if self._meter.measure(core.time, self._pacer.overruns):
+        core, meter, overruns = self._core, self._meter, self._pacer.overruns
+        self.max_drift = core.drift(self.max_drift)
+        time = core.time
+        if meter.measure(time, overruns):
             self._announce_lag()
-        state = core.state
+        hardware, manager, fault = core.hardware, core.manager, self._fault
+        _, position, velocity, effort = core.state
         self._bus.publish(
-            Snapshot(
-                time=core.time,
-                tick=core.ticks,
-                joint_names=core.hardware.joint_names,
-                position=tuple(state.position),
-                velocity=tuple(state.velocity),
-                effort=tuple(state.effort),
-                controllers=core.manager.list(),
-                is_paused=self._is_paused,
-                is_stopped=core.hardware.is_stopped,
-                real_time_factor=self._meter.factor,
-                overruns=self._pacer.overruns,
-                late_ticks=self._meter.late_ticks,
-                fault=None if self._fault is None else str(self._fault),
-                speed=self._speed,
-                controller_setpoints=core.manager.setpoints(),
-                scene=core.scene.objects,
-                objects=core.engine.world.object_states(),
-                stalls=core.stall_monitor.stalls,
-                gripping=core.grip_contacts.gripping,
+            Snapshot(  # by position: keywords take ten times as long
+                time,
+                core.ticks,
+                hardware.joint_names,
+                tuple(position),
+                tuple(velocity),
+                tuple(effort),
+                manager.list(),
+                self._is_paused,
+                hardware.is_stopped,
+                meter.factor,
+                overruns,
+                meter.late_ticks,
+                None if fault is None else str(fault),
+                self._speed,
+                manager.setpoints(),
+                {},  # received setpoints: it is this process that computes them
+                core.scene.objects,
+                core.engine.world.object_states(),
+                core.stall_monitor.stalls,
+                core.grip_contacts.gripping,
             )
         )
 

@@ -46,6 +46,12 @@ class SceneObjects:
         self.wrenches.clear(name)
         self.objects = tuple(item for item in self.objects if item.name != name)
 
+    def changed(self, item: SceneObject) -> None:
+        """Note that the engine gave an object another mass or friction."""
+        self.objects = tuple(
+            item if other.name == item.name else other for other in self.objects
+        )
+
     def place(self, state: ObjectState) -> None:
         """Place an object.
 

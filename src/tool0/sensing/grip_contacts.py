@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import final
 
 from tool0.description.model import ParallelGripper, RobotModel
@@ -24,21 +24,22 @@ chatters has no contact at some instants."""
 class GripContacts:
     """Looks at the contacts of every gripper.  Only for the thread of the tick."""
 
-    def __init__(self, model: RobotModel) -> None:
-        self._hands = [_Hand(model, gripper) for gripper in model.grippers]
+    def __init__(self, model: RobotModel, joint_names: Sequence[str]) -> None:
+        """Look at nothing yet; ``joint_names`` are the order of the states."""
+        self._hands = [
+            _Hand(model, gripper, joint_names.index(gripper.joint))
+            for gripper in model.grippers
+        ]
         self.gripping: tuple[str, ...] = ()
         """The grippers whose fingers press on something from two sides."""
 
     def look(
-        self,
-        state: JointState,
-        joint_names: tuple[str, ...],
-        contacts: Callable[[], tuple[Contact, ...]],
+        self, state: JointState, contacts: Callable[[], tuple[Contact, ...]]
     ) -> None:
         """Take ``state`` into account; ``contacts`` is called while fingers push."""
         for hand in self._hands:
-            hand.look(state, joint_names.index(hand.gripper.joint), contacts)
-        self.gripping = tuple(h.gripper.name for h in self._hands if h.is_gripping)
+            if hand.changes(state, contacts):
+                self.gripping = tuple(h.name for h in self._hands if h.is_gripping)
 
     def forget(self) -> None:
         """Forget what was gripped, as after a reset."""
@@ -51,8 +52,12 @@ class GripContacts:
 class _Hand:
     """One gripper, and its fingers by the links they consist of."""
 
-    def __init__(self, model: RobotModel, gripper: ParallelGripper) -> None:
-        self.gripper = gripper
+    def __init__(self, model: RobotModel, gripper: ParallelGripper, index: int) -> None:
+        self.name = gripper.name
+        self._index = index
+        self._lever = gripper.law.lever
+        self._weakest = PUSH * gripper.force[0]
+        """Force from which the fingers push [N]."""
         self._links = frozenset(model.link_by_name)
         try:
             pads = pad_links(model, gripper)
@@ -67,16 +72,21 @@ class _Hand:
         self.is_gripping = False
         self._looked = self._gripped = -math.inf
 
-    def look(
-        self, state: JointState, index: int, contacts: Callable[[], tuple[Contact, ...]]
-    ) -> None:
-        position, effort, time = state.position[index], state.effort[index], state.time
-        weakest = PUSH * self.gripper.force[0] * self.gripper.lever(position)
-        if abs(effort) >= weakest and time - self._looked >= PERIOD:
+    def changes(
+        self, state: JointState, contacts: Callable[[], tuple[Contact, ...]]
+    ) -> bool:
+        """Take ``state`` into account; return whether ``is_gripping`` changes."""
+        time, position, _, effort = state
+        i = self._index
+        if time - self._looked >= PERIOD and abs(
+            effort[i]
+        ) >= self._weakest * self._lever(position[i]):
             self._looked = time
             if self._fingers is None or self._is_pressed(self._fingers, contacts()):
                 self._gripped = time
+        before = self.is_gripping
         self.is_gripping = time - self._gripped <= GRACE
+        return self.is_gripping != before
 
     def _is_pressed(
         self, fingers: Iterable[frozenset[str]], contacts: tuple[Contact, ...]

@@ -5,10 +5,11 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable, Sequence
+from operator import ge
 from typing import NamedTuple, final
 
 from tool0.description.model import JointLimits, RobotModel
-from tool0.hardware.engine import Contact, JointState
+from tool0.hardware.engine import Contact, JointState, joint_selector
 from tool0.hardware.limits import PUSHING
 from tool0.hardware.robot_hardware import RobotHardware
 
@@ -75,6 +76,10 @@ class StallMonitor:
             for name, limits in hardware.limits.items()
             if name not in grippers and 0.0 < limits.effort < math.inf
         ]
+        self._select = joint_selector([drive.index for drive in self._drives])
+        self._limits = [drive.limit for drive in self._drives]
+        self._last = -math.inf
+        """When any of them last pushed at its limit [s]."""
         self.stalls: tuple[Stall, ...] = ()
 
     def look(
@@ -85,10 +90,12 @@ class StallMonitor:
         It is called from the beginning of a push, because an engine may record
         contacts only after the first call.
         """
-        pushing = [drive for drive in self._drives if drive.pushes(state)]
-        if not pushing:
+        if any(map(ge, map(abs, self._select(state.effort)), self._limits)):
+            self._last = state.time
+        elif not state.time - self._last < BREAK:
             self.stalls = ()
             return
+        pushing = [drive for drive in self._drives if drive.pushes(state)]
         touching = contacts()
         known = {stall.joint for stall in self.stalls}
         self.stalls = tuple(
@@ -107,6 +114,7 @@ class StallMonitor:
     def forget(self) -> None:
         """Forget all pushes, as after a reset."""
         self.stalls = ()
+        self._last = -math.inf
         for drive in self._drives:
             drive.since = drive.last = -math.inf
 
@@ -125,14 +133,15 @@ class _Drive:
         """When the joint began to push from where it is [s]."""
         self.last = -math.inf
         """When it last pushed at its limit [s]."""
-        self._limit = PUSHING * limits.effort
+        self.limit = PUSHING * limits.effort
+        """Effort from which it pushes [N·m | N]."""
         self._position = 0.0
         self._sign = 0.0
 
     def pushes(self, state: JointState) -> bool:
         """Return whether the joint pushes; note since when without moving."""
         effort, time = state.effort[self.index], state.time
-        if abs(effort) < self._limit:
+        if abs(effort) < self.limit:
             return time - self.last < BREAK
         position, sign = state.position[self.index], math.copysign(1.0, effort)
         has_moved = abs(position - self._position) > STILL

@@ -93,7 +93,7 @@ def test_sampling_tick_by_tick_is_sampling_the_splines(rows: list, order: int) -
         sample = spline.sample(time)
         assert positions == pytest.approx([sample.position, 2.0], abs=1e-7)
         assert velocities == pytest.approx([sample.velocity, 0.0], abs=1e-6)
-        assert sampler.arrived[0] == (time >= spline.end)
+        assert sampler.pieces[0].is_at_end == (time >= spline.end)
 
 
 def test_nothing_is_known_before_the_oldest_segment() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 import math
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -129,6 +131,28 @@ def test_a_reset_puts_everything_back_to_the_bit(skew_model: RobotModel) -> None
     engine.reset(REST)
     assert engine.world.object_states() == before
     assert fall() == after
+
+
+def test_recorded_states_are_those_of_then_whenever_they_are_read(
+    skew_model: RobotModel,
+) -> None:
+    still = item("shelf", Box(size=(0.5, 0.5, 0.02)), 0.3, mass=None)
+    engine, twin = (engine_with(skew_model, cube(z=1.0), still) for _ in range(2))
+    for each in (engine, twin):
+        run(each, 0.1)
+    read, unread = engine.world.object_states(), twin.world.object_states()
+    expected = tuple(read)
+    for each in (engine, twin):
+        each.world.place(dataclasses.replace(expected[1], position=(3.0, 0.0, 0.3)))
+        each.world.place(dataclasses.replace(expected[0], position=(0.0, 2.0, 0.5)))
+        run(each, 0.1)
+    assert unread == read == expected
+    assert hash(unread) == hash(expected)
+    assert unread[1] is unread[1]
+    assert list(unread[:1]) == [expected[0]]
+    twin.world.delete("shelf")
+    assert len(unread) == 2
+    assert pickle.loads(pickle.dumps(twin.world.object_states())) != unread
 
 
 @pytest.mark.parametrize(

@@ -67,6 +67,7 @@ class ToyEngine:
     """Every joint is one mass on a damper, whatever carries it."""
 
     name = "toy"
+    stepper = None
 
     def __init__(self, joint_names: tuple[str, ...], dt: float, mass: float) -> None:
         self.joint_names = joint_names

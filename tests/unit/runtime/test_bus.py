@@ -77,6 +77,22 @@ def test_a_reader_that_waits_is_woken(bus: Bus) -> None:
     assert got == [snapshot(1)]
 
 
+def test_a_reader_misses_nothing_published_before_another_one_came(bus: Bus) -> None:
+    publish(bus, range(5))
+    reader = bus.subscribe()
+    assert reader.following(timeout=0.0) == snapshot(4)
+    publish(bus, range(5, 8))
+    assert reader.following(timeout=0.0) == snapshot(5)
+    later = bus.subscribe()
+    assert later.pending() == [snapshot(7)]
+    assert reader.pending() == [snapshot(6), snapshot(7)]
+    reader.close()
+    later.close()
+    publish(bus, [8, 9])
+    assert reader.following(timeout=0.0) == snapshot(9)  # none is kept for nobody
+    assert later.pending() == [snapshot(9)]
+
+
 def test_the_newest_events_are_kept_in_order_until_they_are_read(bus: Bus) -> None:
     bus.announce(WasReset())  # nobody listens yet
     reader = bus.subscribe()

@@ -53,6 +53,8 @@ def test_drift_leaves_out_what_was_commanded_but_not_what_was_refused() -> None:
     core.engine.reset([0.4, -0.2, 0.05, 0.3])  # somebody pushed it
     core.state = core.engine.read()
     assert core.drift() == pytest.approx(0.1)
+    assert core.drift(at_least=0.09) == core.drift()
+    assert core.drift(at_least=0.11) == 0.11
 
 
 HAND = replace(assemble().model.grippers[0], joint="lift")

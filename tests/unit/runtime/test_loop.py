@@ -77,10 +77,13 @@ def test_a_run_takes_the_simulated_time_that_was_asked_for(
     assert bus.latest.time == loop.time
 
 
-def test_a_run_ends_early_when_its_condition_holds(start: Starter) -> None:
-    loop, _, _ = start()
-    loop.run(math.inf, until=lambda: loop.steps >= 17)
-    assert loop.steps == 17
+def test_a_run_ends_early_with_its_goal(start: Starter) -> None:
+    loop, _, core = start()
+    goal = loop.call(lambda: follow(core, [0.5, 0.5], 0.2))
+    ended_at: list[int] = []
+    goal.when_finished(lambda _: ended_at.append(core.ticks))
+    loop.run(math.inf, until=lambda: goal.status.is_terminal)
+    assert ended_at == [loop.steps - 1]  # during the last tick
 
 
 def test_a_command_is_answered_without_time_passing(start: Starter) -> None:
@@ -184,7 +187,7 @@ def test_a_bug_in_the_tick_is_a_fault_too(
         raise ZeroDivisionError("a bug")
 
     with monkeypatch.context() as patch:
-        patch.setattr("tool0.control.manager.ControllerManager.update", fail)
+        patch.setattr("tool0.runtime.core.Core.advance", fail)
         with pytest.raises(ZeroDivisionError):
             loop.run(0.1)
     assert bus.latest is not None

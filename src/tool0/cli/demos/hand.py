@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
-from tool0.cli.demos.grasps import Bin, Grasp
+from tool0.api.grasps import Bin, Grasp
 from tool0.cli.demos.monitor import GraspMonitor
 from tool0.control.goal import GoalResult, GoalStatus
 from tool0.description.transform import Transform, Vector3

@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple, final
 
-from tool0.cli.demos.grasps import Bin, finger_reach, grasps_from_above, half_height
+from tool0.api.grasps import Bin, finger_reach, grasps_from_above, half_height
+from tool0.api.table import BIN, TABLE, PickTable
 from tool0.cli.demos.hand import Hand, PickOptions, TaskFailure
 from tool0.cli.demos.monitor import GraspMonitor
 from tool0.cli.demos.picker import DROP, Picker, measured
 from tool0.cli.demos.report import PickReport
-from tool0.cli.demos.table import BIN, TABLE, PickTable
 from tool0.description.config import Cell, CellRobot, DescriptionConfig
 from tool0.description.scene import Scene
 from tool0.description.shapes import Box

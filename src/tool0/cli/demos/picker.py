@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, final
 
-from tool0.cli.demos.grasps import (
+from tool0.api.grasps import (
     CLEARANCE,
     Bin,
     find_grasps,

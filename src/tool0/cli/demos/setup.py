@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
-from tool0.cli.demos.grasps import Bin, find_bin
+from tool0.api.grasps import Bin, find_bin
+from tool0.api.table import BIN, ITEM, PickTable, arm_scale
 from tool0.cli.demos.hand import PickOptions
 from tool0.cli.demos.handover import GIVER, TAKER, HandoverCell, hand_over
 from tool0.cli.demos.picker import pick_and_place
 from tool0.cli.demos.report import PickReport
-from tool0.cli.demos.table import BIN, ITEM, PickTable, arm_scale
 from tool0.cli.demos.trials import DemoReport, run_trials
 from tool0.description.cell_file import parse_robots
 from tool0.description.config import DescriptionConfig

@@ -43,6 +43,7 @@ class GazeboEngine:
     """An ``Engine`` with its own gzserver, in lock-step with the loop."""
 
     name = "gazebo"
+    stepper = None
 
     def __init__(
         self,

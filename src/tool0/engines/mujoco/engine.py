@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import logging
 import math
 import struct
 from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
 from typing import Any, final
 
 import mujoco
@@ -17,6 +21,7 @@ from tool0.engines.mujoco.world import MujocoWorld
 from tool0.errors import ConfigError, DivergenceError, ModelError
 from tool0.hardware.engine import (
     JointState,
+    NativeStepper,
     check_dt,
     effort_divergence,
     fastest,
@@ -32,11 +37,22 @@ def _log_warning(message: str) -> None:
     logger.debug("MuJoCo: %s", message)
 
 
+@cache
+def mj_step_address() -> int | None:
+    """Return the address of MuJoCo's ``mj_step``; None if its library is not found."""
+    folder = Path(mujoco.__file__).parent
+    for path in sorted(folder.glob("libmujoco.*")):
+        with contextlib.suppress(OSError, AttributeError):
+            return ctypes.cast(ctypes.CDLL(str(path)).mj_step, ctypes.c_void_p).value
+    return None
+
+
 @final
 class MujocoEngine:
     """An ``Engine``: MuJoCo with explicit Euler steps."""
 
     name = "mujoco"
+    stepper: NativeStepper | None
 
     def __init__(
         self,
@@ -68,12 +84,7 @@ class MujocoEngine:
             raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")
         # Packing plain floats takes a third of the time of assigning to the array.
         self._pack = struct.Struct(f"{self.model.nu}d").pack_into
-        self._motors = joint_selector(
-            [
-                self.joint_names.index(self.model.actuator(i).name)
-                for i in range(self.model.nu)
-            ]
-        )
+        self._motors = joint_selector(self._motor_joints())
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
         self.world.reset(position, time)
@@ -112,6 +123,34 @@ class MujocoEngine:
         self._velocity = data.qvel
         self._has_objects = model.nv > n  # movable ones
         self._ctrl = memoryview(data.ctrl)
+        self.stepper = self._stepper()
+
+    def _motor_joints(self) -> tuple[int, ...]:
+        names = (self.model.actuator(i).name for i in range(self.model.nu))
+        return tuple(map(self.joint_names.index, names))
+
+    def _stepper(self) -> NativeStepper | None:
+        """Return how compiled code steps the current model and data."""
+        step = mj_step_address()
+        if step is None:
+            return None
+
+        def note_steps(steps: int, effort: list[float]) -> None:
+            self._steps, self._effort = steps, effort
+
+        model, data = self.model, self.data
+        return NativeStepper(
+            step=step,
+            model=model._address,
+            data=data._address,
+            position=data.qpos.ctypes.data,
+            velocity=data.qvel.ctypes.data,
+            n_velocities=model.nv,
+            motors=data.ctrl.ctypes.data,
+            motor_joints=self._motor_joints(),
+            steps=lambda: self._steps,
+            note_steps=note_steps,
+        )
 
     def _divergence(self, time: float, dof: int) -> DivergenceError:
         joint = int(self.model.dof_jntid[dof])

@@ -7,8 +7,9 @@ after the robot's joints, so the robot's values are the first of every array.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, final
 
@@ -38,7 +39,7 @@ from tool0.engines.mujoco.model import (
     quat_wxyz,
 )
 from tool0.errors import ModelError
-from tool0.hardware.engine import ObjectState
+from tool0.hardware.engine import ObjectState, RecordedObjects
 
 OBJECT_SOLREF = (0.004, 1.0)
 """Time constant of contacts between objects, ground and links [s]: a fifth of
@@ -88,6 +89,46 @@ def _compile_alone(
         ) from error
 
 
+def change_mass(
+    model: Any, item: SceneObject, scene: Scene, known_files: Mapping[str, bytes]
+) -> None:
+    """Give an object of a compiled model the mass of ``item``, one of ``scene``."""
+    alone = _compile_alone(item, scene, known_files).body(item.name)
+    body = model.body(item.name)
+    body.mass[:], body.inertia[:] = alone.mass, alone.inertia
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
+def change_friction(
+    model: Any, robot: RobotModel, item: SceneObject, scene: Scene
+) -> None:
+    """Give an object of a compiled model the friction of ``item``, one of ``scene``."""
+    friction = {
+        geom: other.friction for other in scene.objects for geom, _ in _geoms(other)
+    }
+    friction |= {pad: mu for pad, mu in _pads(robot)}
+    own = [model.geom(name).id for name, _ in _geoms(item)]
+    model.geom_friction[own, 0] = item.friction
+    pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+    for number, pair in enumerate(pairs):
+        if not set(own).isdisjoint(pair):
+            mu = min(friction[model.geom(geom).name] for geom in pair)
+            model.pair_friction[number, :2] = mu
+
+
+def _pads(robot: RobotModel) -> list[tuple[str, float]]:
+    """Return the name and the friction of each shape of a pad."""
+    return [
+        (
+            collision_name(link, number),
+            1.0 if link.surface.mu1 is None else link.surface.mu1,
+        )
+        for link in robot.links
+        if link.surface is not None
+        for number in range(len(link.collisions))
+    ]
+
+
 def free_joint_name(name: str) -> str:
     """Return the name of an object's free joint."""
     return f"{name}/free"  # no object's name has a slash
@@ -105,15 +146,8 @@ def _add_objects(
     # Static objects come first: messages about overlaps rely on this order.
     for item in sorted(scene.objects, key=lambda item: item.mass is not None):
         _add_object(spec, item, scene, known_files)
-    pads = [
-        (collision_name(link, number), link.surface)
-        for link in model.links
-        if link.surface is not None
-        for number in range(len(link.collisions))
-    ]
     named = [(item, _geoms(item)) for item in scene.objects]
-    for (item, geoms), (pad, surface) in itertools.product(named, pads):
-        mu = 1.0 if surface.mu1 is None else surface.mu1
+    for (item, geoms), (pad, mu) in itertools.product(named, _pads(model)):
         for geom, _ in geoms:
             pair = _add_pair(spec, geom, pad, min(item.friction, mu))
             pair.condim = GRIP_CONDIM
@@ -217,12 +251,14 @@ class ObjectStates:
     def __init__(self, model: Any, data: Any, scene: Scene) -> None:
         """View ``model`` and ``data``, compiled with ``scene``."""
         self._model = model
-        self._names = tuple(item.name for item in scene.objects)
+        self.names = tuple(item.name for item in scene.objects)
         movable = [item.name for item in scene.objects if item.mass is not None]
         # Free joints are the last ones, in the scene's order: 7 positions, 6 speeds.
         self._starts = {name: (7 * k, 6 * k) for k, name in enumerate(movable)}
-        self._position = data.qpos[model.nq - 7 * len(movable) :]  # views
-        self._velocity = data.qvel[model.nv - 6 * len(movable) :]
+        self.position = data.qpos[model.nq - 7 * len(movable) :]  # views
+        """Of the free joints, each with 7 numbers."""
+        self.velocity = data.qvel[model.nv - 6 * len(movable) :]
+        """Of the free joints, each with 6 numbers."""
         self._warm_start = data.qacc_warmstart[model.nv - 6 * len(movable) :]
         self._static_at_start = {
             item.name: ObjectState(
@@ -231,19 +267,23 @@ class ObjectStates:
             for item in scene.objects
             if item.mass is None
         }
-        self._static = dict(self._static_at_start)
+        self.static: Mapping[str, ObjectState] = self._static_at_start
+        """The states of the others, by name."""
 
-    def read(self) -> tuple[ObjectState, ...]:
-        """Return the state of each object, in the scene's order."""
+    def is_movable(self, name: str) -> bool:
+        """Return whether an object has a mass."""
+        return name in self._starts
+
+    def record(self) -> Sequence[ObjectState]:
+        """Return the state of each object, in the scene's order.
+
+        This copies numbers; the reader's thread computes the states.
+        """
         if not self._starts:
-            return tuple(self._static.values())
-        position, velocity = self._position.tolist(), self._velocity.tolist()
-        starts, static = self._starts, self._static
-        return tuple(
-            static[name]
-            if name in static
-            else _state(name, position, velocity, *starts[name])
-            for name in self._names
+            return tuple(self.static.values()) if self.static else ()
+        position, velocity = self.position.tobytes(), self.velocity.tobytes()
+        return RecordedObjects(
+            partial(_states, self.names, self._starts, self.static, position, velocity)
         )
 
     def place(self, state: ObjectState) -> None:
@@ -254,8 +294,8 @@ class ObjectStates:
         i, j = self._starts[state.name]
         w, x, y, z = state.quat_wxyz
         angular = _rotated((w, -x, -y, -z), state.angular)
-        self._position[i : i + 7] = (*state.position, *state.quat_wxyz)
-        self._velocity[j : j + 6] = (*state.linear, *angular)
+        self.position[i : i + 7] = (*state.position, *state.quat_wxyz)
+        self.velocity[j : j + 6] = (*state.linear, *angular)
         self._warm_start[j : j + 6] = 0.0
 
     def reset(self) -> None:
@@ -265,13 +305,31 @@ class ObjectStates:
 
     def copy_static_poses(self, other: ObjectStates) -> None:
         """Put static objects where ``other`` has them, if it has them."""
-        for name in self._static.keys() & other._static.keys():
-            self._put(other._static[name])
+        for name in self.static.keys() & other.static.keys():
+            self._put(other.static[name])
 
     def _put(self, state: ObjectState) -> None:
         body = self._model.body(state.name)
         body.pos[:], body.quat[:] = state.position, state.quat_wxyz
-        self._static[state.name] = state
+        self.static = {**self.static, state.name: state}  # records have the old one
+
+
+def _states(
+    names: tuple[str, ...],
+    starts: Mapping[str, tuple[int, int]],
+    static: Mapping[str, ObjectState],
+    packed_position: bytes,
+    packed_velocity: bytes,
+) -> tuple[ObjectState, ...]:
+    """Return the state of each object from the free joints' numbers."""
+    position = np.frombuffer(packed_position).tolist()
+    velocity = np.frombuffer(packed_velocity).tolist()
+    return tuple(
+        static[name]
+        if name in static
+        else _state(name, position, velocity, *starts[name])
+        for name in names
+    )
 
 
 def _state(

@@ -17,6 +17,8 @@ from tool0.description.transform import Quaternion, Vector3
 from tool0.engines.mujoco.model import MIMIC_SOLIMP, MIMIC_SOLREF
 from tool0.engines.mujoco.objects import (
     ObjectStates,
+    change_friction,
+    change_mass,
     compile_with_scene,
     free_joint_name,
 )
@@ -65,6 +67,7 @@ class MujocoWorld:
         self._robot_spec = robot_spec
         self._n_joints = len(robot.movable_joints)
         self._on_compiled = on_compiled
+        self._scene = scene
         self._mesh_files: Mapping[str, bytes] = {}
         self._contacts: tuple[float, tuple[Contact, ...]] = (0.0, ())
         """Simulated time at which contacts were last read [s], and those contacts."""
@@ -80,15 +83,15 @@ class MujocoWorld:
         if self._attached:
             self._compile(self._scene, {})
         mujoco.mj_resetData(self._model, self._data)
-        self._states.reset()
+        self.states.reset()
         self._data.qpos[: self._n_joints] = position
         self._data.time = time
         self._contacts = (time, ())
         mujoco.mj_forward(self._model, self._data)
         self._warn_of_overlaps()
 
-    def object_states(self) -> tuple[ObjectState, ...]:
-        return self._states.read()
+    def object_states(self) -> Sequence[ObjectState]:
+        return self.states.record()
 
     def spawn(self, item: SceneObject) -> None:
         check_new_name(self._objects, item.name)
@@ -105,7 +108,39 @@ class MujocoWorld:
     def place(self, state: ObjectState) -> None:
         self.detach(state.name)
         check_placement(self._objects, state)
-        self._states.place(state)
+        self.states.place(state)
+
+    def change(self, item: SceneObject) -> None:
+        """Give an object the mass and friction of ``item``, which is equal otherwise.
+
+        The model is then, bit for bit, as if it had been compiled with it.
+        """
+        old = find_object(self._objects, item.name)
+        self._objects[item.name] = item
+        scene = Scene(tuple(self._objects.values()), self._scene.locations)
+        if item.mass != old.mass:
+            change_mass(self._model, item, scene, self._mesh_files)
+        if item.friction != old.friction:
+            change_friction(self._model, self._robot, item, scene)
+        self._scene = scene
+
+    def normal_forces(self, links: Sequence[str]) -> list[float]:
+        """Return the sum of the normal forces on each link in the last step [N]."""
+        data = self._data
+        n = data.ncon
+        geoms = data.contact.geom
+        forces = data.efc_force
+        rows = data.contact.efc_address
+        found = []
+        for link in links:
+            numbers = self._geoms_of(link)
+            touching = np.isin(geoms, numbers).any(axis=1) & (rows >= 0)
+            found.append(float(forces[rows[touching]].sum()) if n else 0.0)
+        return found
+
+    def _geoms_of(self, link: str) -> list[int]:
+        owners = self._geom_owners
+        return [i for i, owner in enumerate(owners) if owner == link]
 
     def contacts(self) -> tuple[Contact, ...]:
         model, data = self._model, self._data
@@ -166,19 +201,21 @@ class MujocoWorld:
         self._model, self._data = model, mujoco.MjData(model)
         self._mesh_files = files
         self._scene = scene
-        self._objects = {item.name: item for item in scene.objects}
+        self._objects: dict[str, SceneObject] = {
+            item.name: item for item in scene.objects
+        }
         self._attached = attached
         self._geom_owners = geom_owners(model)
-        self._states = ObjectStates(model, self._data, scene)
+        self.states = ObjectStates(model, self._data, scene)
         self._on_compiled(model, self._data)
 
     def _recompile(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
         """Use another scene; everything in both keeps its state, to the bit."""
-        model, data, states = self._model, self._data, self._states
+        model, data, states = self._model, self._data, self.states
         self.contacts()  # the new data has no contacts of the last step
         self._compile(scene, attached)
         _transfer_state(model, data, self._model, self._data)
-        self._states.copy_static_poses(states)
+        self.states.copy_static_poses(states)
 
     def _warn_of_overlaps(self, of: str | None = None) -> None:
         """Log a warning for each overlap, of the object ``of`` if it is given."""

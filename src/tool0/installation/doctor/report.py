@@ -29,6 +29,7 @@ PROBES: Final = {
     "machine": "tool0.installation.doctor.probes",
     "python": "tool0.installation.doctor.probes",
     "mujoco": "tool0.api.probes",
+    "kernel": "tool0.kernel.probes",
     "panel": "tool0.interfaces.panel.probes",
     "browser": "tool0.interfaces.panel.probes",
     "gpu": "tool0.installation.doctor.probes",

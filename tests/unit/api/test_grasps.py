@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tool0.cli.demos.grasps import find_bin, find_grasps, finger_reach, half_height
+from tool0.api.grasps import find_bin, find_grasps, finger_reach, half_height
 from tool0.description.robot import assemble
 from tool0.description.scene import SceneObject, bin_walls
 from tool0.description.scene_file import load_scene

@@ -1,0 +1,123 @@
+"""Arrays that a caller passes, checked: one row per copy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tool0.control.goal_check import INSTANT
+from tool0.errors import ControlError
+from tool0.kinematics.chain import Array
+
+Which = Sequence[int] | Sequence[bool] | NDArray[np.integer] | NDArray[np.bool_] | int
+"""Copies: a mask of shape (n,), or their numbers."""
+Indices = NDArray[np.intp]
+
+
+@final
+class Arguments:
+    """Checks the arguments of one method."""
+
+    def __init__(self, n: int, method: str) -> None:
+        """Check arguments of ``method`` for ``n`` copies."""
+        self._n = n
+        self._method = method
+
+    def which(self, given: Which | None) -> Indices:
+        """Return the numbers of the chosen copies; None is all of them.
+
+        Raises:
+            ControlError: If it is no mask of shape (n,) and a number is no copy's.
+        """
+        n = self._n
+        if given is None:
+            return np.arange(n)
+        values = np.atleast_1d(np.asarray(given))
+        if values.dtype == np.bool_:
+            if values.shape != (n,):
+                raise self._error(
+                    f"the mask 'which' has shape {values.shape}; it must be ({n},), "
+                    "one per copy"
+                )
+            return np.flatnonzero(values)
+        if values.size == 0:
+            return np.empty(0, np.intp)
+        if values.ndim != 1 or not np.issubdtype(values.dtype, np.integer):
+            raise self._error(
+                f"'which' must be a mask of shape ({n},) or a list of copies, got "
+                f"{values.dtype} of shape {values.shape}"
+            )
+        for number in values.tolist():
+            if not 0 <= number < n:
+                raise self._error(f"'which' names copy {number}; there are 0 … {n - 1}")
+        return np.unique(values).astype(np.intp)
+
+    def rows(
+        self,
+        name: str,
+        values: ArrayLike,
+        shape: tuple[int, ...],
+        which: Indices,
+        axes: str = "",
+    ) -> Array:
+        """Return ``values`` for each copy, one row per copy.
+
+        A value of that ``shape`` without the first axis is the same for all copies.
+        ``axes`` explains the shape in messages.
+
+        Raises:
+            ControlError: If the shape is wrong, or a number of a chosen copy is not
+                finite.
+        """
+        whole = (self._n, *shape)
+        try:
+            given = np.asarray(values, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise self._error(
+                f"'{name}' must be numbers of shape {whole}{axes}, got {values!r:.80}"
+            ) from None
+        if given.shape == shape:
+            given = np.broadcast_to(given, whole)
+        if given.shape != whole:
+            raise self._error(
+                f"'{name}' has shape {given.shape}; it must be {whole}{axes}, or "
+                f"{shape} for all copies alike"
+            )
+        is_sound = np.isfinite(given[which])
+        if not is_sound.all():
+            at = np.argwhere(~is_sound)[0]
+            index = (int(which[at[0]]), *map(int, at[1:]))
+            raise self._error(
+                f"'{name}' has {given[index]} at {list(index)}; every number must be "
+                "finite"
+            )
+        return given
+
+    def duration(self, value: float) -> float:
+        """Return a duration [s] that is no INSTANT, or raise ControlError."""
+        name = "duration"
+        if not isinstance(value, int | float | np.floating | np.integer):
+            raise self._error(f"'{name}' must be a number, got {value!r:.80}")
+        if not INSTANT < float(value) < math.inf:
+            raise self._error(
+                f"'{name}' must be above {INSTANT:g} s and finite, got {value}"
+            )
+        return float(value)
+
+    def times(self, values: ArrayLike) -> list[float]:
+        """Return increasing times after an INSTANT [s], or raise ControlError."""
+        given = np.asarray(values, dtype=np.float64)
+        steps = np.diff(given, prepend=INSTANT) if given.ndim == 1 else np.zeros(0)
+        if not given.size or not (steps > 0.0).all():
+            raise self._error(
+                f"'times' must be numbers above {INSTANT:g} s, each above the one "
+                f"before, got {values!r:.80}"
+            )
+        return [float(value) for value in given]
+
+    def _error(self, problem: str) -> ControlError:
+        return ControlError(f"Batch.{self._method}: {problem}")

@@ -1,0 +1,213 @@
+"""The cores of a batch: the kernel executes all of them at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.batch.arguments import Indices
+from tool0.errors import EngineError, GoalRejectedError
+from tool0.hardware.limits import DriveLimits
+from tool0.kernel import library
+from tool0.kernel.many import Addresses, Many, Started
+from tool0.kernel.program import Ended, Program
+from tool0.kinematics.chain import Array
+from tool0.runtime.core import Core
+
+
+@final
+class Copies:
+    """Cores of one robot, with their state in the kernel's memory.
+
+    While a copy is loaded there, its core is out of date; ``core`` brings it up to
+    date.  Python runs the copies that the kernel cannot, and what it leaves to Python.
+    """
+
+    def __init__(
+        self, cores: Sequence[Core], views: Sequence[tuple[Array, Array]], threads: int
+    ) -> None:
+        """Take the cores over; the kernel runs them in so many threads.
+
+        ``views`` are those of the joints' positions and velocities in their engines.
+        """
+        self._cores = tuple(cores)
+        self._views = tuple(views)
+        n = len(cores)
+        compiled = library.load()
+        self._many = None if compiled is None else Many(compiled, threads)
+        self._ticks = np.zeros(n, dtype=np.int64)
+        self._untold = np.zeros(n, dtype=np.int64)
+        """Ticks that the kernel executed and the core does not know of."""
+        self._is_loaded = np.zeros(n, dtype=np.bool_)
+        self._programs: list[Program | None] = [None] * n
+        self._has_diverged = np.zeros(n, dtype=np.bool_)
+        self._robots: Addresses = np.zeros(n, dtype=np.uintp)
+        self._laws: dict[int, Addresses] = {}
+        """Of each running controller, by number."""
+
+    @property
+    def ticks(self) -> NDArray[np.int64]:
+        """Control periods since each copy's reset."""
+        return self._ticks
+
+    @property
+    def time(self) -> Array:
+        """Simulated time of each copy [s]."""
+        return np.asarray(self._ticks * self._cores[0].control_period)
+
+    @property
+    def has_diverged(self) -> NDArray[np.bool_]:
+        """Copies whose physics failed, until ``reset``."""
+        return self._has_diverged
+
+    def step(self, ticks: int) -> None:
+        """Advance each copy that has not diverged."""
+        left = np.where(self._has_diverged, 0, ticks).astype(np.int32)
+        while (rows := np.flatnonzero(left)).size:
+            self.load(rows)
+            native = rows[self._is_loaded[rows]]
+            if native.size and self._many is not None:
+                done, results = self._many.run(self._robots[native], left[native])
+                self._ticks[native] += done
+                self._untold[native] += done
+                left[native] -= done
+                events = np.flatnonzero(results)
+                for i, result in zip(
+                    native[events].tolist(), results[events].tolist(), strict=True
+                ):
+                    left[i] -= self._tick(i, Ended(result), int(left[i]))
+            for i in rows[~self._is_loaded[rows]].tolist():
+                if left[i]:
+                    left[i] -= self._tick(i, None, int(left[i]))
+
+    def _tick(self, i: int, event: Ended | None, left: int) -> int:
+        """Execute a tick of one copy in Python; return by how much less is left."""
+        core, untold = self._cores[i], int(self._untold[i])
+        self._untold[i] = 0
+        try:
+            if event is None:
+                core.tick()
+            else:
+                core.ran(event, untold)
+        except EngineError:
+            self._has_diverged[i] = True
+            self._ticks[i] = core.ticks
+            return left
+        self._unload(i)
+        self._ticks[i] = core.ticks
+        return 1
+
+    def load(self, rows: Indices) -> bool:
+        """Load these copies into the kernel; return whether all are."""
+        for i in rows[~self._is_loaded[rows]].tolist():
+            program = None if self._many is None else self._cores[i].program()
+            if program is None:
+                continue
+            self._is_loaded[i] = True
+            self._programs[i] = program
+            self._robots[i] = program.robot_address
+            for number in range(len(program.running)):
+                addresses = self._laws.setdefault(number, np.zeros_like(self._robots))
+                addresses[i] = program.law_address(number)
+        return bool(self._is_loaded[rows].all())
+
+    def core(self, i: int) -> Core:
+        """Return the core of one copy, up to date, for anything."""
+        core = self.observed(i)
+        core.settle()
+        self._unload(i)
+        return core
+
+    def observed(self, i: int) -> Core:
+        """Return the core of one copy with an up-to-date state, only to read it."""
+        core, untold = self._cores[i], int(self._untold[i])
+        if untold:
+            self._untold[i] = 0
+            core.ran(Ended.DONE, untold)
+        return core
+
+    def reset(self, i: int, start: dict[str, float]) -> None:
+        """Reset one copy, at the initial pose changed by ``start`` [rad | m]."""
+        core = self._cores[i]
+        core.settle()
+        core.reset(start, keep_time=False)
+        self._unload(i)
+        self._has_diverged[i] = False
+        self._ticks[i] = self._untold[i] = 0
+
+    def _unload(self, i: int) -> None:
+        self._is_loaded[i] = False
+        self._programs[i] = None
+
+    def states(self) -> tuple[Array, Array, Array]:
+        """Return positions, velocities and efforts, each of shape (n, n_joints)."""
+        rows = [
+            (*view, program.effort)
+            if program is not None and not has_diverged
+            else core.state[1:]
+            for core, view, program, has_diverged in zip(
+                self._cores,
+                self._views,
+                self._programs,
+                self._has_diverged.tolist(),
+                strict=True,
+            )
+        ]
+        position, velocity, effort = (
+            np.array(part) for part in zip(*rows, strict=True)
+        )
+        return position, velocity, effort
+
+    # ---- commands to copies that are loaded ----------------------------------------
+
+    def desired(self, rows: Indices, controller: int, joint: int) -> Array | None:
+        """Return the desired positions of a joint [rad | m]; None if only Python can.
+
+        ``controller`` and ``joint`` are their numbers, among the running controllers
+        and in the controller.
+        """
+        if self._many is None or not self.load(rows):
+            return None
+        laws = self._laws[controller][rows]
+        return self._many.desired(laws, joint, self.time[rows])
+
+    def start(
+        self,
+        rows: Indices,
+        controller: int,
+        joints: Sequence[int],
+        *,
+        durations: Array,
+        positions: Array,
+        velocities: Array | None,
+    ) -> bool:
+        """Start motions as ``Many.start``; return False if only Python can.
+
+        Raises:
+            GoalRejectedError: If no joint can move so; nothing has changed.
+        """
+        if self._many is None or not self.load(rows):
+            return False
+        started, which = self._many.start(
+            self._laws[controller][rows],
+            joints,
+            now=self.time[rows],
+            durations=durations,
+            positions=positions,
+            velocities=velocities,
+        )
+        if started is Started.REFUSED:
+            raise GoalRejectedError(
+                f"copy {rows[which]}: no joint can move to {positions[which].tolist()} "
+                f"within {durations[which]:.6g} s"
+            )
+        return started is Started.YES
+
+    def set_drive_limits(self, i: int, joint: int, limits: DriveLimits) -> None:
+        """Limit the drive of a joint, by its number, of a copy that is loaded."""
+        program = self._programs[i]
+        assert program is not None
+        program.set_drive_limits(joint, limits)

@@ -1,0 +1,122 @@
+"""From actions to targets of the joints and of the gripper, for n copies."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tool0.api.grasps import CLEARANCE
+from tool0.api.table import TABLE_TOP
+from tool0.errors import ControlError
+from tool0.gym.options import EnvOptions
+from tool0.gym.tool import ToolPose, downward, turned_by
+from tool0.gym.workspace import Workspace
+from tool0.kinematics.chain import Array
+
+LINEAR_SPEED = 0.4
+"""Of the tcp at an action of 1, for an arm of scale 1 [m/s]."""
+TURN_SPEED = 1.5
+"""Of the tool at an action of 1 [rad/s]."""
+JOINT_SPEED = 0.5
+"""Of a joint at an action of 1, part of its largest velocity."""
+FASTEST = 0.9
+"""Largest speed of a joint, part of its largest velocity."""
+LEAD = 0.25
+"""Largest distance of a joint's target from its position [rad]: a joint that something
+blocks does not wind up."""
+MARGIN = 0.02
+"""Distance of the targets from the joints' limits [rad]."""
+NAMES = {
+    "joint": (),
+    "cartesian": ("x", "y", "z", "yaw"),
+    "pose": ("x", "y", "z", "rx", "ry", "rz"),
+}
+
+
+@final
+class Actions:
+    """The meaning of actions: numbers within -1 … 1, the gripper's last."""
+
+    def __init__(self, workspace: Workspace, options: EnvOptions) -> None:
+        self._workspace = workspace
+        self.mode = options.action
+        self.names = (
+            *(NAMES[options.action] or workspace.chain.joint_names),
+            "gripper",
+        )
+        """What each number moves."""
+        period = options.period
+        self.linear = LINEAR_SPEED * workspace.scale * period
+        """Way of the tcp at an action of 1 [m]."""
+        self.turn = TURN_SPEED * period
+        """Turn of the tool at an action of 1 [rad]."""
+        self.joint = JOINT_SPEED * workspace.fastest * period
+        """Way of each joint at an action of 1 [rad], shape (6,)."""
+        self.limit = FASTEST * workspace.fastest * period
+        """Largest way of each joint [rad], shape (6,)."""
+        self._lowest = TABLE_TOP + workspace.reach + CLEARANCE
+
+    def checked(self, actions: ArrayLike, n: int) -> Array:
+        """Return actions of n copies as numbers within -1 … 1, shape (n, m).
+
+        Raises:
+            ControlError: If the shape is wrong, or a number is NaN.
+        """
+        wanted = (n, len(self.names))
+        axes = f" for {', '.join(self.names)}"
+        try:
+            given: NDArray[np.float64] = np.asarray(actions, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ControlError(
+                f"an action must be numbers of shape {wanted}{axes}, got "
+                f"{actions!r:.80}"
+            ) from None
+        if given.shape != wanted:
+            raise ControlError(
+                f"the action has shape {given.shape}; it must be {wanted}{axes}"
+            )
+        if np.isnan(given).any():
+            i, k = np.argwhere(np.isnan(given))[0].tolist()
+            raise ControlError(
+                f"the action of copy {i} is NaN for '{self.names[k]}'; every number "
+                "must be within -1 … 1"
+            )
+        return given.clip(-1.0, 1.0)
+
+    def openings(self, actions: Array) -> Array:
+        """Return the openings of the gripper: -1 is closed, 1 open [m], shape (n,)."""
+        return (actions[:, -1] + 1.0) / 2.0 * self._workspace.gripper.max_opening
+
+    def positions(self, actions: Array, target: Array, q: Array) -> Array:
+        """Return the new targets of the joints [rad], shape (n, 6).
+
+        Args:
+            actions: Checked ones, shape (n, m).
+            target: The present targets [rad], shape (n, 6).
+            q: The measured positions [rad], shape (n, 6).
+        """
+        if self.mode == "joint":
+            found = target + actions[:, :-1] * self.joint
+        else:
+            found = self.approach(target, self._tool_target(actions, target))
+        low = np.maximum(q - LEAD, self._workspace.lower + MARGIN)
+        high = np.minimum(q + LEAD, self._workspace.upper - MARGIN)
+        return np.asarray(np.clip(found, low, high))
+
+    def approach(self, target: Array, pose: ToolPose) -> Array:
+        """Return targets [rad], (n, 6), with which the tool is nearer to a pose."""
+        return self._workspace.tool.approach(target, pose, self.limit)
+
+    def _tool_target(self, actions: Array, target: Array) -> ToolPose:
+        pose = self._workspace.tool.pose(target)
+        position = pose.position + actions[:, :3] * self.linear
+        # Below, the finger tips would press on the table; out of there is allowed.
+        lowest = np.minimum(pose.position[:, 2], self._lowest)
+        position[:, 2] = np.maximum(position[:, 2], lowest)
+        if self.mode == "cartesian":
+            return ToolPose(position, downward(pose.yaw + actions[:, 3] * self.turn))
+        return ToolPose(
+            position, turned_by(actions[:, 3:6] * self.turn) @ pose.rotation
+        )

@@ -1,0 +1,246 @@
+"""n copies of a task: reset, act, observe, all of them at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tool0.batch.batch import Batch
+from tool0.gym.actions import Actions
+from tool0.gym.options import EnvOptions
+from tool0.gym.tasks import Mask, State, make_task
+from tool0.gym.tool import quaternions
+from tool0.gym.workspace import Workspace
+from tool0.kinematics.chain import Array
+
+GRIP_FORCE = 60.0
+"""At each pad [N], as far as the gripper can."""
+DEADBAND = 0.02
+"""Change of a gripper's target that moves it, part of its largest opening."""
+FARTHEST = 10.0
+"""Bound of coordinates in observations [m]."""
+FASTEST_OBJECT = 20.0
+"""Bound of velocities of objects in observations [m/s]."""
+
+
+class Part(NamedTuple):
+    """One part of the state that an observation has."""
+
+    name: str
+    values: Array
+    """Shape (n, m)."""
+    low: Array
+    """Shape (m,)."""
+    high: Array
+    """Shape (m,)."""
+
+
+@final
+class Copies:
+    """n copies of one task.  Each one has a random generator of its own."""
+
+    def __init__(self, task: str, n: int, options: EnvOptions) -> None:
+        """Make the copies; each needs a reset before it acts.
+
+        Raises:
+            Tool0Error: If an option is wrong.
+        """
+        self.n = n
+        self.options = options
+        self.workspace = workspace = Workspace(options)
+        self.task = make_task(task, workspace)
+        self.actions = Actions(workspace, options)
+        self.batch = Batch(
+            n,
+            description=workspace.description,
+            scene=self.task.scene(),
+            dt=options.dt,
+            threads=options.threads,
+        )
+        names, gripper = self.batch.joint_names, workspace.gripper
+        self._arm = [names.index(joint) for joint in workspace.chain.joint_names]
+        self._drive = names.index(gripper.joint)
+        self._objects = [self.batch.object_names.index(x) for x in self.task.objects]
+        self._start = self.batch.position[0].copy()
+        self._start[self._arm] = workspace.start
+        self._start[self._drive] = gripper.position(gripper.max_opening)
+        self._force = min(max(GRIP_FORCE, gripper.force[0]), gripper.force[1])
+        self.target = np.tile(workspace.start, (n, 1))
+        """Targets of the arm's joints [rad], shape (n, 6)."""
+        self._opening_target = np.full(n, gripper.max_opening)
+        self._last_opening = self._opening_target.copy()
+        width = len(self.task.draw(np.random.default_rng(0)).goal)
+        self._goal = np.zeros((n, width))
+        self._state: State | None = None
+
+    # ---- time -----------------------------------------------------------------------
+
+    def reset(self, which: Mask, generators: Sequence[np.random.Generator]) -> None:
+        """Start new episodes of the copies in ``which``, shape (n,).
+
+        What is random comes from each copy's own generator alone, so that an episode
+        does not depend on the other copies.
+        """
+        n, count = self.n, len(self.task.objects)
+        position = np.tile(self._start, (n, 1))
+        places, yaws = np.zeros((n, count, 3)), np.zeros((n, count))
+        mass, friction = np.ones((n, count)), np.ones((n, count))
+        ranges = self.options.ranges
+        for i in np.flatnonzero(which).tolist():
+            rng = generators[i]
+            start = self.task.draw(rng)
+            places[i], yaws[i], self._goal[i] = start
+            if ranges is not None:
+                mass[i] = rng.uniform(*ranges.mass, count)
+                friction[i] = rng.uniform(*ranges.friction, count)
+                noise = rng.uniform(-1.0, 1.0, len(self._arm)) * ranges.joint_noise
+                position[i, self._arm] += noise
+        batch = self.batch
+        batch.reset(which, position)
+        quat = np.zeros((n, count, 4))
+        quat[..., 0], quat[..., 3] = np.cos(yaws / 2.0), np.sin(yaws / 2.0)
+        for k, name in enumerate(self.task.objects):
+            if ranges is not None:
+                batch.set_mass(name, mass[:, k], which)
+                batch.set_friction(name, friction[:, k], which)
+            batch.place(name, places[:, k], quat[:, k], which)
+        self.target[which] = position[which][:, self._arm]
+        self._opening_target[which] = self.workspace.gripper.max_opening
+        self._last_opening[which] = self._opening_target[which]
+        self._state = None
+
+    def act(self, actions: Array) -> None:
+        """Advance all copies by one control period; ``actions`` are checked ones."""
+        batch, options = self.batch, self.options
+        q = batch.position[:, self._arm]
+        is_sound = np.isfinite(q).all(axis=1) & ~batch.diverged
+        self._last_opening = batch.opening().copy()
+        moved = self.actions.positions(actions, self.target, q)
+        self.target = np.where(is_sound[:, None], moved, self.target)
+        batch.command(
+            self.target,
+            duration=options.period,
+            joints=self.workspace.chain.joint_names,
+            which=is_sound,
+        )
+        widest = self.workspace.gripper.max_opening
+        openings = self.actions.openings(actions)
+        is_new = np.abs(openings - self._opening_target) > DEADBAND * widest
+        if is_new.any():
+            self._opening_target = np.where(is_new, openings, self._opening_target)
+            batch.move_gripper(self._opening_target, force=self._force, which=is_new)
+        batch.step(options.ticks)
+        self._state = None
+
+    # ---- what there is --------------------------------------------------------------
+
+    @property
+    def state(self) -> State:
+        """What is measured now."""
+        if self._state is None:
+            self._state = self._measure()
+        return self._state
+
+    def _measure(self) -> State:
+        batch = self.batch
+        q = _finite(batch.position[:, self._arm])
+        pose = self.workspace.tool.pose(q)
+        opening = _finite(batch.opening())
+        return State(
+            q=q,
+            qd=_finite(batch.velocity[:, self._arm]),
+            tcp_position=pose.position,
+            tcp_rotation=pose.rotation,
+            opening=opening,
+            opening_rate=(opening - self._last_opening) / self.options.period,
+            opening_target=self._opening_target.copy(),
+            object_position=_finite(batch.object_position[:, self._objects]),
+            object_quat=_finite(batch.object_quat[:, self._objects]),
+            object_velocity=_finite(batch.object_linear[:, self._objects]),
+            goal=self._goal.copy(),
+        )
+
+    def parts(self) -> list[Part]:
+        """Return the parts of the observed state, in their order."""
+        state, workspace = self.state, self.workspace
+        fastest = 2.0 * workspace.fastest
+        widest = 1.1 * workspace.gripper.max_opening
+        n = self.n
+        one, three = np.ones(1), np.ones(3)
+        far = FARTHEST * three
+        parts = [
+            Part(
+                "joint_position", state.q, workspace.lower - 0.1, workspace.upper + 0.1
+            ),
+            Part("joint_velocity", state.qd, -fastest, fastest),
+            Part("tcp_position", state.tcp_position, -far, far),
+            Part(
+                "tcp_quat_wxyz",
+                quaternions(state.tcp_rotation),
+                -np.ones(4),
+                np.ones(4),
+            ),
+            Part("opening", state.opening[:, None], 0.0 * one, widest * one),
+            Part(
+                "opening_target", state.opening_target[:, None], 0.0 * one, widest * one
+            ),
+        ]
+        speed = FASTEST_OBJECT * three
+        for k, name in enumerate(self.task.objects):
+            position = state.object_position[:, k]
+            parts += [
+                Part(f"{name}_position", position, -far, far),
+                Part(
+                    f"{name}_quat_wxyz",
+                    state.object_quat[:, k],
+                    -np.ones(4),
+                    np.ones(4),
+                ),
+                Part(f"{name}_velocity", state.object_velocity[:, k], -speed, speed),
+                Part(f"tcp_to_{name}", position - state.tcp_position, -far, far),
+            ]
+        goal = self.task.desired(state).reshape(n, -1)
+        bound = FARTHEST * np.ones(goal.shape[1])
+        parts.append(Part("goal", goal, -bound, bound))
+        return parts
+
+    def rewards(self, success: Mask) -> Array:
+        """Return the rewards, -1 … 0, shape (n,)."""
+        if self.options.reward == "sparse":
+            return np.where(success, 0.0, -1.0)
+        if self.options.observation == "goal":
+            state = self.state
+            achieved, desired = self.task.achieved(state), self.task.desired(state)
+            return self.goal_rewards(achieved, desired)
+        return np.where(
+            success, 0.0, np.clip(self.task.progress(self.state), 0, 1) - 1.0
+        )
+
+    def goal_rewards(self, achieved: Array, desired: Array) -> Array:
+        """Return the rewards that follow from goals alone, shape (…)."""
+        success = self.task.is_success(achieved, desired)
+        if self.options.reward == "sparse":
+            return np.where(success, 0.0, -1.0)
+        distance = self.task.distance(achieved, desired)
+        return np.where(success, 0.0, -np.tanh(5.0 * distance))
+
+    def successes(self) -> Mask:
+        """Return whether the task is done, shape (n,)."""
+        state = self.state
+        return self.task.is_success(self.task.achieved(state), self.task.desired(state))
+
+    def checked(self, actions: ArrayLike) -> Array:
+        """Return actions as numbers, shape (n, m), or raise ControlError."""
+        return self.actions.checked(actions, self.n)
+
+    def image(self, i: int) -> NDArray[np.uint8]:
+        """Return what the camera sees of copy ``i``, shape (height, width, 3)."""
+        return self.batch.render(i, self.options.camera).rgb
+
+
+def _finite(values: Array) -> Array:
+    """Return a copy in which what diverged is a number, too."""
+    return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)

@@ -1,0 +1,82 @@
+"""Observations of n copies, and their spaces."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from tool0.gym.copies import FARTHEST, Copies
+from tool0.kinematics.chain import Array
+
+Observation = Array | dict[str, NDArray[Any]]
+"""One array, or one per key; the first axis is that of the copies."""
+
+
+@final
+class Observer:
+    """Makes the observations of one mode; numbers are float64, images uint8."""
+
+    def __init__(self, copies: Copies) -> None:
+        self._copies = copies
+        self._mode = copies.options.observation
+        parts = copies.parts()
+        self._low = np.concatenate([part.low for part in parts])
+        self._high = np.concatenate([part.high for part in parts])
+        ends = np.cumsum([len(part.low) for part in parts]).tolist()
+        self.slices = {
+            part.name: slice(end - len(part.low), end)
+            for part, end in zip(parts, ends, strict=True)
+        }
+        """Where each part is in the state."""
+
+    @property
+    def space(self) -> spaces.Space[Any]:
+        """The space of the observations of one copy."""
+        state = spaces.Box(self._low, self._high, dtype=np.float64)
+        if self._mode == "state":
+            return state
+        if self._mode == "dict":
+            boxes: dict[str, spaces.Space[Any]] = {
+                name: spaces.Box(self._low[part], self._high[part], dtype=np.float64)
+                for name, part in self.slices.items()
+            }
+            return spaces.Dict(boxes)
+        if self._mode == "goal":
+            names = self._copies.task.goal_names
+            goal = spaces.Box(-FARTHEST, FARTHEST, (len(names),), np.float64)
+            return spaces.Dict(
+                {"observation": state, "achieved_goal": goal, "desired_goal": goal}
+            )
+        width, height = self._copies.options.image_size
+        image = spaces.Box(0, 255, (height, width, 3), np.uint8)
+        return spaces.Dict({"state": state, "rgb": image})
+
+    def observe(self) -> Observation:
+        """Return what the copies are observed to be now; nothing is shared."""
+        copies = self._copies
+        values = np.concatenate([part.values for part in copies.parts()], axis=1)
+        state = values.clip(self._low, self._high)
+        if self._mode == "state":
+            return state
+        if self._mode == "dict":
+            return {name: state[:, part].copy() for name, part in self.slices.items()}
+        if self._mode == "goal":
+            achieved = copies.task.achieved(copies.state)
+            desired = copies.task.desired(copies.state)
+            return {
+                "observation": state,
+                "achieved_goal": achieved.clip(-FARTHEST, FARTHEST),
+                "desired_goal": desired.clip(-FARTHEST, FARTHEST),
+            }
+        images = [copies.image(i) for i in range(copies.n)]
+        return {"state": state, "rgb": np.stack(images)}
+
+
+def row(observation: Observation, i: int) -> Any:  # an array, or one per key
+    """Return a copy of the observation of copy ``i``."""
+    if isinstance(observation, dict):
+        return {name: values[i].copy() for name, values in observation.items()}
+    return observation[i].copy()

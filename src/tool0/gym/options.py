@@ -1,0 +1,144 @@
+"""The options of a task's environment, checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Literal, final
+
+from tool0.errors import ConfigError, did_you_mean
+
+ActionMode = Literal["joint", "cartesian", "pose"]
+ObservationMode = Literal["state", "dict", "goal", "image"]
+RewardMode = Literal["dense", "sparse"]
+
+_CHOICES = {
+    "action": ("joint", "cartesian", "pose"),
+    "observation": ("state", "dict", "goal", "image"),
+    "reward": ("dense", "sparse"),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Randomisation:
+    """What differs from episode to episode, beside the poses of objects and goals.
+
+    Each range is drawn from uniformly; one whose ends are equal is constant.
+    """
+
+    mass: tuple[float, float] = (0.05, 0.2)
+    """Of each movable object [kg]."""
+    friction: tuple[float, float] = (0.7, 1.2)
+    """Coefficient of each movable object."""
+    joint_noise: float = 0.03
+    """Largest deviation of an arm's joint from the start pose [rad]."""
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "friction"):
+            given = getattr(self, name)
+            low, high = _pair(given, f"randomise.{name}")
+            if not 0.0 < low <= high < math.inf:
+                raise ConfigError(
+                    f"randomise.{name} must be two numbers above 0, the smaller first, "
+                    f"got {given}"
+                )
+        if not 0.0 <= self.joint_noise <= 0.2:
+            raise ConfigError(
+                f"randomise.joint_noise must be 0 … 0.2 rad, got {self.joint_noise}"
+            )
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EnvOptions:
+    """The options of an environment: keywords of ``gymnasium.make``."""
+
+    arm: str = "ur5"
+    """An arm of the catalogue."""
+    gripper: str = "2f85"
+    """A gripper of the catalogue."""
+    action: ActionMode = "cartesian"
+    """What an action moves (docs/gym.md)."""
+    observation: ObservationMode = "state"
+    """What an observation is (docs/gym.md)."""
+    reward: RewardMode = "dense"
+    """Reward in each step, or for success alone."""
+    control_rate: float = 20.0
+    """Actions per simulated second [Hz]."""
+    terminate_on_success: bool = True
+    """Whether an episode ends with success."""
+    randomise: bool | Randomisation = False
+    """Whether masses, frictions and start poses differ, and in which ranges."""
+    camera: str = "scene"
+    """The camera of images: scene or wrist."""
+    image_size: tuple[int, int] = (96, 96)
+    """Width and height of images in observations and of ``render`` [pixels]."""
+    dt: float = 0.001
+    """Length of a physics step [s]."""
+    threads: int | None = None
+    """Threads that step the copies; those of ``tool0.Batch`` if not given."""
+
+    def __post_init__(self) -> None:
+        for name, choices in _CHOICES.items():
+            value = getattr(self, name)
+            if value not in choices:
+                raise ConfigError(
+                    f"{name} must be one of {', '.join(choices)}; got {value!r}"
+                )
+        if not isinstance(self.randomise, bool | Randomisation):
+            raise ConfigError(
+                "randomise must be True, False or a tool0.gym.Randomisation, got "
+                f"{self.randomise!r}"
+            )
+        if not (_is_number(self.dt) and 0.0 < self.dt <= 0.01):
+            raise ConfigError(f"dt must be above 0 and at most 0.01 s, got {self.dt}")
+        if not (_is_number(self.control_rate) and 1.0 <= self.control_rate <= 200.0):
+            raise ConfigError(
+                f"control_rate must be 1 … 200 Hz, got {self.control_rate}"
+            )
+        if not math.isclose(self.ticks * self.dt * self.control_rate, 1.0):
+            raise ConfigError(
+                f"a period of control_rate {self.control_rate:g} Hz must be a whole "
+                f"number of steps of {self.dt:g} s; take 20, 25, 50 or 100 Hz"
+            )
+        _pair(self.image_size, "image_size")
+
+    @property
+    def ticks(self) -> int:
+        """Physics steps per action."""
+        return round(1.0 / (self.control_rate * self.dt))
+
+    @property
+    def period(self) -> float:
+        """Simulated time per action [s]."""
+        return self.ticks * self.dt
+
+    @property
+    def ranges(self) -> Randomisation | None:
+        """What to randomise; None for nothing."""
+        if self.randomise is True:
+            return Randomisation()
+        return self.randomise or None
+
+
+def read_options(given: Mapping[str, object]) -> EnvOptions:
+    """Return the options of keywords, or raise ConfigError."""
+    names = [item.name for item in fields(EnvOptions)]
+    for name in given:
+        if name not in names:
+            raise ConfigError(f"unknown option '{name}'{did_you_mean(name, names)}")
+    return EnvOptions(**given)  # type: ignore[arg-type]  # checked there
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _pair(value: object, what: str) -> tuple[float, float]:
+    if not (isinstance(value, tuple | list) and len(value) == 2) or not all(
+        map(_is_number, value)
+    ):
+        raise ConfigError(f"{what} must be two numbers, got {value!r}")
+    return value[0], value[1]

@@ -1,0 +1,234 @@
+"""Where the tasks are: a table in front of one arm with a gripper, in its reach."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from tool0.api.grasps import CLEARANCE, find_bin, finger_reach
+from tool0.api.table import (
+    BIN,
+    BIN_HALF_WIDTH,
+    BIN_Y,
+    FAR,
+    GAP,
+    ITEM,
+    LEFT,
+    NEAR,
+    RIGHT,
+    TABLE_TOP,
+    PickTable,
+    arm_scale,
+)
+from tool0.description.camera import default_cameras
+from tool0.description.config import DescriptionConfig
+from tool0.description.robot import load_description, named_poses
+from tool0.description.scene import PALETTE, Scene, SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose, Vector3
+from tool0.errors import ConfigError, did_you_mean
+from tool0.gym.options import EnvOptions
+from tool0.gym.tool import Tool, downward
+from tool0.kinematics.chain import Array, find_chains, fixed_transform
+from tool0.kinematics.geometry import wrapped
+from tool0.kinematics.inverse import InverseKinematics
+from tool0.runtime.simulation import only_part
+from tool0.sensing.grasp import grasp_frame
+
+LARGEST_EDGE = 0.045
+"""Of a cube [m]."""
+FILL = 0.8
+"""Largest part of the gripper's opening that a cube takes."""
+CUBE_MASS, CUBE_FRICTION = 0.1, 1.0
+"""[kg], coefficient; unless they are randomised."""
+HOVER = 0.02
+"""Least distance of the finger tips from cubes that they pass over [m]."""
+ATTEMPTS = 200
+"""Draws of a place before the last one is taken."""
+
+
+@final
+class Workspace:
+    """One arm and gripper of the catalogue, and the table that fits them.
+
+    Lengths on the table are in proportion to the arm; cubes and the bin are not.
+    Poses are in the robot's root.
+    """
+
+    def __init__(self, options: EnvOptions) -> None:
+        """Read the robot's description.
+
+        Raises:
+            Tool0Error: If the arm or the gripper is unknown, or not built for this.
+        """
+        if options.gripper in (None, "none"):
+            raise ConfigError("the tasks need a gripper; give one, such as 2f85")
+        self.description = DescriptionConfig(arm=options.arm, gripper=options.gripper)
+        robot = load_description(self.description)
+        model = robot.model
+        self.gripper = only_part(
+            {item.name: item for item in model.grippers}, "gripper", model
+        )
+        """The gripper's geometry."""
+        self.scale = arm_scale(model)
+        """Size of the arm, relative to a ur5."""
+        self.table = PickTable(scale=self.scale)
+        edge = min(LARGEST_EDGE, FILL * self.gripper.max_opening)
+        self.edge = round(edge, 4)
+        """Of each cube [m]."""
+        self.chain = only_part(find_chains(model), "arm", model)
+        self._inverse = InverseKinematics(self.chain)
+        self.fastest = self._inverse.fastest
+        """Largest velocities of the arm's joints [rad/s], shape (6,)."""
+        limits = [joint.limits for joint in self.chain.joints]
+        self.lower = np.array([item.lower for item in limits])
+        self.upper = np.array([item.upper for item in limits])
+        """Limits of the arm's joints [rad], shape (6,)."""
+        tip = self.chain.tip
+        T_tip_tcp = grasp_frame(model, self.gripper, self.edge, tip)
+        T_root_base = fixed_transform(model, model.root, self.chain.base)
+        self.tool = Tool(self.chain, T_root_base, T_tip_tcp)
+        """Its tcp is the point between the pads when they hold a cube."""
+        self.reach = finger_reach(model, self.gripper)
+        """Of the fingers beyond the tcp, when they hold a cube [m]."""
+        closed = grasp_frame(model, self.gripper, 0.0, tip)
+        away = closed.position[2] - T_tip_tcp.position[2]
+        self.advance = max(0.0, away)
+        """Of the finger tips, from holding a cube to closed [m]."""
+        # Lower, the fingers would touch the table, or the knuckles the cube.
+        self.grasp_height = max(
+            self.edge / 2.0, self.edge - self.reach, self.reach + CLEARANCE
+        )
+        """Of the tcp above what carries the cube, when it grasps it [m]."""
+        self._cameras = {camera.name: camera for camera in default_cameras(model)}
+        if options.camera not in self._cameras:
+            hint = did_you_mean(options.camera, self._cameras)
+            raise ConfigError(f"no camera '{options.camera}'{hint}")
+        width, height = options.image_size
+        self.camera = replace(self._cameras[options.camera], width=width, height=height)
+        """The camera of images."""
+        self._ready = named_poses(robot)["ready"]
+
+    # ---- places on the table --------------------------------------------------------
+
+    @property
+    def hover_height(self) -> float:
+        """Height of the tcp above the table where fingers pass over cubes [m]."""
+        return max(self.grasp_height, self.reach) + self.edge + HOVER
+
+    @property
+    def lift(self) -> float:
+        """Height at which a cube is carried above where it is grasped [m]."""
+        return self.table.lift
+
+    @cached_property
+    def bin_centre(self) -> Vector3:
+        """The middle of the bin's floor [m]."""
+        whole = self.table.scene(edge=self.edge, mass=CUBE_MASS, friction=CUBE_FRICTION)
+        x, y, z = find_bin(whole.objects, BIN).center
+        return x, y, z
+
+    def area(self, *, beside_bin: bool = False) -> tuple[Array, Array]:
+        """Return the corners of the area where objects start [m], each (2,)."""
+        right = RIGHT
+        if beside_bin:  # the bin keeps its size, so on a small table it reaches further
+            right = max(RIGHT, BIN_Y + (BIN_HALF_WIDTH + GAP) / self.scale)
+        low, high = self.table.at(NEAR, right), self.table.at(FAR, LEFT)
+        return np.array(low), np.array(high)
+
+    def draw_place(self, rng: np.random.Generator, low: Array, high: Array) -> Array:
+        """Return a random place in reach [m], shape (3,), between two corners."""
+        for _ in range(ATTEMPTS):
+            place = rng.uniform(low, high)
+            if self.is_in_reach(place):
+                break
+        return place
+
+    def is_in_reach(self, position: Array) -> bool:
+        """Return whether the arm reaches a point [m], (3,), in its usual posture."""
+        return self._posture(position, self.start_yaw) is not None
+
+    # ---- the start ------------------------------------------------------------------
+
+    @cached_property
+    def start(self) -> Array:
+        """Positions of the arm's joints at the start [rad], shape (6,)."""
+        return self._start[1]
+
+    @cached_property
+    def start_yaw(self) -> float:
+        """Yaw of the tcp at the start [rad]."""
+        return self._start[0]
+
+    @cached_property
+    def start_position(self) -> Array:
+        """Position of the tcp at the start [m], shape (3,)."""
+        x, y = self.table.at((NEAR + FAR) / 2.0, (RIGHT + LEFT) / 2.0)
+        return np.array([x, y, TABLE_TOP + self.grasp_height + self.lift])
+
+    @cached_property
+    def _start(self) -> tuple[float, Array]:
+        near = np.array([self._ready[name] for name in self.chain.joint_names])
+        best: tuple[float, float, Array] | None = None
+        for yaw in (k * math.pi / 2.0 for k in range(-1, 3)):
+            found = self._inverse.solutions(
+                self._flange(self.start_position, yaw), near
+            )
+            if best is None or found[0].distance < best[0]:
+                q = np.array([found[0].positions[j] for j in self.chain.joint_names])
+                best = found[0].distance, yaw, q
+        assert best is not None
+        return best[1], best[2]
+
+    @cached_property
+    def _branch(self) -> int:
+        """Which of the arm's eight postures the one at the start is."""
+        T = self._flange(self.start_position, self.start_yaw)
+        every = self._inverse.geometry.solve(T[None])[0]
+        away = np.nan_to_num(np.abs(wrapped(every - self.start)), nan=np.inf)
+        return int(away.max(axis=1).argmin())
+
+    def _posture(self, position: Array, yaw: float) -> Array | None:
+        T = self._flange(position, yaw)
+        with np.errstate(invalid="ignore"):
+            q = self._inverse.geometry.solve(T[None])[0][self._branch]
+        return q if bool(np.isfinite(q).all()) else None
+
+    def _flange(self, position: Array, yaw: float) -> Array:
+        """Return the flange's pose in the arm's base, (4, 4), for a pose of the tcp."""
+        T = np.eye(4)
+        T[:3, :3] = downward(np.array([yaw]))[0]
+        T[:3, 3] = position
+        tool = self.tool
+        base, tcp = tool.T_root_base.matrix, tool.T_tip_tcp.matrix
+        return np.asarray(np.linalg.inv(base) @ T @ np.linalg.inv(tcp))
+
+    # ---- the scene ------------------------------------------------------------------
+
+    def scene(self, cubes: tuple[str, ...], *, with_bin: bool = False) -> Scene:
+        """Return the table with cubes of these names, and perhaps the bin."""
+        whole = self.table.scene(edge=self.edge, mass=CUBE_MASS, friction=CUBE_FRICTION)
+        fixed = [
+            item
+            for item in whole.objects
+            if item.name != ITEM and (with_bin or not item.name.startswith(f"{BIN}."))
+        ]
+        (low, high) = self.area()
+        movable = [
+            SceneObject(
+                name=name,
+                geometry=Box(size=(self.edge, self.edge, self.edge)),
+                pose=Pose(xyz=(float(x), float(high[1]), TABLE_TOP + self.edge / 2.0)),
+                mass=CUBE_MASS,
+                friction=CUBE_FRICTION,
+                rgba=PALETTE[k % len(PALETTE)],
+            )
+            for k, (name, x) in enumerate(
+                zip(cubes, np.linspace(low[0], high[0], len(cubes)), strict=True)
+            )
+        ]
+        return Scene(objects=(*fixed, *movable), cameras=(self.camera,))

@@ -1,0 +1,201 @@
+"""Servos and brakes: the acceleration of one joint towards its command."""
+
+from __future__ import annotations
+
+import math
+from enum import IntEnum
+from typing import NamedTuple, final
+
+from tool0.description.model import JointLimits, SafetyController
+from tool0.hardware.limits import velocity_window
+
+BANDWIDTH = 80.0
+"""Natural frequency of a servo [rad/s]; steps of 1 ms are 12 times shorter."""
+DAMPING_RATIO = 1.0
+STIFF_BANDWIDTH = 200.0
+"""The same where a known rotor inertia dominates, whatever the load: a gripper grips
+with its full force if it is stopped 5 mm or more from its target."""
+STOPPED = 0.005
+"""Lag from which a stiff servo counts as blocked [rad | m]."""
+INTEGRAL_RATE = 4.0
+"""Rate at which the integral compensates a constant disturbance [1/s]."""
+BLOCKED = 0.02
+"""Lag at a standstill from which any servo counts as blocked [rad | m]: more than a
+load causes."""
+STANDSTILL = 0.02
+"""Velocity below which a brake considers the joint at rest [rad/s | m/s]."""
+
+
+class ServoKind(IntEnum):
+    """What a servo does."""
+
+    POSITION = 0
+    """It moves the joint to the controller's position."""
+    VELOCITY = 1
+    """It moves the joint at the controller's velocity."""
+    SLOWING = 2
+    """It slows the joint until it is at rest, and then holds it."""
+    HOLDING = 3
+    """It keeps the joint where it came to rest."""
+
+
+class ServoLaw(NamedTuple):
+    """The constants of a servo."""
+
+    kind: ServoKind
+    limits: JointLimits
+    soft: SafetyController | None
+    is_stiff: bool = False
+    held_at: float = 0.0
+    """Position that a brake holds [rad | m], or velocity 0 while it slows."""
+
+
+class ServoState(NamedTuple):
+    """The memory of a servo between two steps."""
+
+    target: float
+    """Position that it moves to, within its speed limit [rad | m]; 0 if it controls the
+    velocity."""
+    integral: float
+    """[rad/s² | m/s²]"""
+    speed: float
+    """Speed limit of a goal [rad/s | m/s]; infinite if it controls the velocity."""
+
+
+@final
+class PositionServo:
+    """Drives one joint to a position within its speed limit."""
+
+    def __init__(
+        self,
+        position: float,
+        limits: JointLimits,
+        soft: SafetyController | None = None,
+        *,
+        is_stiff: bool = False,
+    ) -> None:
+        self.law = ServoLaw(ServoKind.POSITION, limits, soft, is_stiff)
+        self._limits = limits
+        self._soft = soft
+        self._is_stiff = is_stiff
+        self._bandwidth = STIFF_BANDWIDTH if is_stiff else BANDWIDTH
+        self._target = limits.clamp(position)
+        self._integral = 0.0  # [1/s²], an acceleration
+        self.speed = math.inf
+        """Speed limit of a goal, below that of the joint [rad/s | m/s]."""
+
+    @property
+    def state(self) -> ServoState:
+        """What it remembers."""
+        return ServoState(self._target, self._integral, self.speed)
+
+    def restore(self, state: ServoState) -> None:
+        """Continue from ``state``."""
+        self._target, self._integral, self.speed = state
+
+    def acceleration(
+        self, command: float, position: float, velocity: float, dt: float
+    ) -> float:
+        """Return the acceleration for ``command`` [rad/s² | m/s²]."""
+        previous = self._target
+        lag = previous - position
+        is_stopped = self._is_stiff and abs(lag) > STOPPED
+        if is_stopped and (command - position) * lag < 0.0:
+            previous = position  # releasing need not wait for the joint to return
+        slowest, fastest = velocity_window(previous, self._limits, self._soft)
+        slowest, fastest = max(slowest, -self.speed), min(fastest, self.speed)
+        step = min(max(command - previous, slowest * dt), fastest * dt)
+        self._target = target = self._limits.clamp(previous + step)
+        error = target - position
+        stiffness = self._bandwidth**2
+        is_blocked = abs(lag) > BLOCKED and abs(velocity) < STANDSTILL
+        if is_stopped or is_blocked:
+            self._integral = 0.0  # an obstacle is no load
+        else:
+            self._integral += stiffness * INTEGRAL_RATE * error * dt
+        speed_error = (target - previous) / dt - velocity
+        return (
+            stiffness * error
+            + 2.0 * DAMPING_RATIO * self._bandwidth * speed_error
+            + self._integral
+        )
+
+
+@final
+class VelocityServo:
+    """Drives one joint at a velocity."""
+
+    def __init__(
+        self, limits: JointLimits, soft: SafetyController | None = None
+    ) -> None:
+        self.law = ServoLaw(ServoKind.VELOCITY, limits, soft)
+        self._limits = limits
+        self._soft = soft
+        self._integral = 0.0  # [rad/s² | m/s²]
+
+    @property
+    def state(self) -> ServoState:
+        """What it remembers."""
+        return ServoState(0.0, self._integral, math.inf)
+
+    def restore(self, state: ServoState) -> None:
+        """Continue from ``state``."""
+        self._integral = state.integral
+
+    def acceleration(
+        self, command: float, position: float, velocity: float, dt: float
+    ) -> float:
+        slowest, fastest = velocity_window(position, self._limits, self._soft)
+        error = min(max(command, slowest), fastest) - velocity
+        gain = 2.0 * DAMPING_RATIO * BANDWIDTH
+        self._integral += gain * INTEGRAL_RATE * error * dt
+        return gain * error + self._integral
+
+
+@final
+class Brake:
+    """Slows one joint to rest and then holds it there."""
+
+    def __init__(self) -> None:
+        # With an integral, so that a payload does not make the joint creep.
+        self._servo: PositionServo | VelocityServo = VelocityServo(JointLimits())
+        self.law = self._servo.law._replace(kind=ServoKind.SLOWING)
+
+    @property
+    def state(self) -> ServoState:
+        """What it remembers."""
+        return self._servo.state
+
+    def restore(self, state: ServoState) -> None:
+        """Continue from ``state``, of the same law."""
+        self._servo.restore(state)
+
+    def hold(self, position: float) -> None:
+        """Hold the joint at ``position`` [rad | m] from now on."""
+        self._servo = PositionServo(position, JointLimits())
+        kind = ServoKind.HOLDING
+        self.law = self._servo.law._replace(kind=kind, held_at=position)
+
+    def acceleration(
+        self, command: float, position: float, velocity: float, dt: float
+    ) -> float:
+        """Return the braking acceleration [rad/s² | m/s²]; ``command`` is not read."""
+        if self.law.kind is ServoKind.SLOWING and abs(velocity) <= STANDSTILL:
+            self.hold(position)
+        # A joint that is slowed down has velocity 0 as its target.
+        return self._servo.acceleration(self.law.held_at, position, velocity, dt)
+
+
+Servo = PositionServo | VelocityServo | Brake
+
+
+def servo_of(law: ServoLaw) -> Servo:
+    """Return a servo with this law; its state is to be restored."""
+    if law.kind is ServoKind.POSITION:
+        return PositionServo(0.0, law.limits, law.soft, is_stiff=law.is_stiff)
+    if law.kind is ServoKind.VELOCITY:
+        return VelocityServo(law.limits, law.soft)
+    brake = Brake()
+    if law.kind is ServoKind.HOLDING:
+        brake.hold(law.held_at)
+    return brake

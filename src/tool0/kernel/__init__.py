@@ -1,0 +1,1 @@
+"""The control kernel: C sources, their compilation, and what packs their structs."""

@@ -1,0 +1,91 @@
+/* The drives of a robot: RobotHardware.efforts of hardware/robot_hardware.py.
+ *
+ * The results are bit-identical to those of Python: the same operations in the same
+ * order, compiled without -ffast-math and with -ffp-contract=off.  Units are those of
+ * the Python attributes; kernel/drives.py mirrors the structures and fills them in.
+ */
+#ifndef TOOL0_DRIVES_H
+#define TOOL0_DRIVES_H
+
+enum { DRIVES_OK = 0, DRIVES_EVENT = 1 };
+
+/* A moving body (hardware/bodies.py, DynamicBody). */
+typedef struct DriveBody {
+    int parent, is_prismatic, master, joint; /* joint: its index in the engine */
+    double multiplier, mass;
+    double placement[12], center[3];
+} DriveBody;
+
+typedef struct DriveSpring {
+    int joint, master; /* indices of bodies */
+    double multiplier, stiffness, reference;
+} DriveSpring;
+
+/* The speeds that a position allows: limits.py, velocity_window. */
+typedef struct DriveWindow {
+    int is_soft;
+    double velocity, k_position, soft_lower, soft_upper;
+} DriveWindow;
+
+/* The limits of a drive (limits.py, DriveBounds). */
+typedef struct DriveBounds {
+    int joint, limits_effort; /* limits_effort: softly, by k_velocity */
+    double effort, velocity, lower, upper, rotor, ease, k_velocity;
+    DriveWindow window;
+} DriveBounds;
+
+/* What never changes; shared by all copies of a robot. */
+typedef struct DriveTable {
+    int n_joints, n_bodies, n_springs, n_drives, n_compensated, pose_period;
+    double dt, gravity;
+    double damping_ratio, velocity_bandwidth, integral_rate;
+    double stopped, blocked, standstill; /* servos.py */
+    const DriveBody *bodies;
+    const DriveSpring *springs;
+    const DriveBounds *bounds;
+    const int *compensated; /* joints */
+} DriveTable;
+
+/* The limits of a goal on one drive (limits.py, DriveLimits). */
+typedef struct DriveGoal {
+    int is_limited, is_linear, is_force;
+    double grip;  /* force at the pads, or effort of the joint; infinite if unlimited */
+    double speed; /* of the pads; infinite if unlimited */
+    double pad_cos, pad_sin, pad_slope;
+} DriveGoal;
+
+enum { SERVO_POSITION, SERVO_VELOCITY, SERVO_SLOWING, SERVO_HOLDING };
+
+/* A servo or a brake (servos.py, ServoLaw and ServoState). */
+typedef struct DriveServo {
+    int joint, kind, is_stiff;
+    double bandwidth, lower, upper, held_at;
+    double fastest; /* largest acceleration */
+    DriveWindow window;
+    double target, integral, speed;
+} DriveServo;
+
+/* The drives of one robot, or of one copy of it. */
+typedef struct Drives {
+    const DriveTable *table;
+    long long steps;
+    int has_compensation; /* 0: it is to be computed */
+    int n_servos, has_masses;
+    double *gravity;      /* (n_joints), the part of the effort that compensates it */
+    double *before;       /* (n_joints), velocity in the last step; NaN: not limited */
+    double *compensation; /* (n_compensated) */
+    DriveGoal *goals;     /* (n_joints) */
+    DriveServo *servos;   /* (n_servos) */
+    double *masses;       /* (n_servos, n_servos) */
+} Drives;
+
+/* Compute the efforts of the next step; all arrays have shape (n_joints).
+ *
+ * effort: in, the effort applied in the last step; out, that of the next one.
+ * Returns DRIVES_EVENT, with nothing changed, when Python must execute this step: the
+ * mass matrix is due, a brake comes to rest, or a value is not finite.
+ */
+int drives_efforts(Drives *drives, const double *command, const double *position,
+                   const double *velocity, double *effort);
+
+#endif

@@ -1,0 +1,344 @@
+"""The drives of a robot for ``drives.c``: its tables, and the state of one copy.
+
+The classes mirror the structures of ``drives.h``, which documents the fields.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Mapping
+from ctypes import POINTER, c_double, c_int, c_longlong
+from typing import Any, final
+
+from tool0.description.model import JointLimits, LinearOpening, SafetyController
+from tool0.hardware.limits import DriveBounds, DriveLimits
+from tool0.hardware.robot_hardware import (
+    POSE_PERIOD,
+    DriveSetup,
+    DriveState,
+    DriveTable,
+    RobotHardware,
+)
+from tool0.hardware.servos import (
+    BANDWIDTH,
+    BLOCKED,
+    DAMPING_RATIO,
+    INTEGRAL_RATE,
+    STANDSTILL,
+    STIFF_BANDWIDTH,
+    STOPPED,
+    ServoKind,
+    ServoLaw,
+    ServoState,
+)
+
+
+def _integers(*names: str) -> list[tuple[str, Any]]:
+    return [(name, c_int) for name in names]
+
+
+def _numbers(*names: str) -> list[tuple[str, Any]]:
+    return [(name, c_double) for name in names]
+
+
+class _Body(ctypes.Structure):
+    _fields_ = (
+        *_integers("parent", "is_prismatic", "master", "joint"),
+        *_numbers("multiplier", "mass"),
+        ("placement", c_double * 12),
+        ("center", c_double * 3),
+    )
+
+
+class _Spring(ctypes.Structure):
+    _fields_ = (
+        *_integers("joint", "master"),
+        *_numbers("multiplier", "stiffness", "reference"),
+    )
+
+
+class _Window(ctypes.Structure):
+    _fields_ = (
+        *_integers("is_soft"),
+        *_numbers("velocity", "k_position", "soft_lower", "soft_upper"),
+    )
+
+
+class _Bounds(ctypes.Structure):
+    _fields_ = (
+        *_integers("joint", "limits_effort"),
+        *_numbers("effort", "velocity", "lower", "upper"),
+        *_numbers("rotor", "ease", "k_velocity"),
+        ("window", _Window),
+    )
+
+
+class _Table(ctypes.Structure):
+    _fields_ = (
+        *_integers("n_joints", "n_bodies", "n_springs", "n_drives", "n_compensated"),
+        *_integers("pose_period"),
+        *_numbers("dt", "gravity"),
+        *_numbers("damping_ratio", "velocity_bandwidth", "integral_rate"),
+        *_numbers("stopped", "blocked", "standstill"),
+        ("bodies", POINTER(_Body)),
+        ("springs", POINTER(_Spring)),
+        ("bounds", POINTER(_Bounds)),
+        ("compensated", POINTER(c_int)),
+    )
+
+
+class _Goal(ctypes.Structure):
+    _fields_ = (
+        *_integers("is_limited", "is_linear", "is_force"),
+        *_numbers("grip", "speed", "pad_cos", "pad_sin", "pad_slope"),
+    )
+
+
+class _Servo(ctypes.Structure):
+    _fields_ = (
+        *_integers("joint", "kind", "is_stiff"),
+        *_numbers("bandwidth", "lower", "upper", "held_at", "fastest"),
+        ("window", _Window),
+        *_numbers("target", "integral", "speed"),
+    )
+
+
+class Drives(ctypes.Structure):
+    """The drives of one copy of a robot."""
+
+    _fields_ = (
+        ("table", POINTER(_Table)),
+        ("steps", c_longlong),
+        *_integers("has_compensation", "n_servos", "has_masses"),
+        ("gravity", POINTER(c_double)),
+        ("before", POINTER(c_double)),
+        ("compensation", POINTER(c_double)),
+        ("goals", POINTER(_Goal)),
+        ("servos", POINTER(_Servo)),
+        ("masses", POINTER(c_double)),
+    )
+
+
+@final
+class NativeDrives:
+    """The drives of one copy of a robot, in memory that ``drives.c`` works on.
+
+    ``drives_efforts`` changes what ``RobotHardware.state`` has, and never the setup.
+    """
+
+    struct: Drives
+    """For ``drives_efforts``."""
+    _setup: DriveSetup
+
+    def __init__(self, hardware: RobotHardware) -> None:
+        """Continue from the state of ``hardware``."""
+        table = hardware.table
+        n = len(hardware.joint_names)
+        self._allocate(hardware, {b.joint: b for b in table.bounds}, _table(n, table))
+        self.load()
+
+    def copy(self) -> NativeDrives:
+        """Return another copy of the robot, in the same state."""
+        other = NativeDrives.__new__(NativeDrives)
+        other._allocate(self._hardware, self._bounds, self._table)
+        other.assign(self)
+        return other
+
+    def assign(self, other: NativeDrives) -> None:
+        """Take over the state of ``other``, a copy of the same robot."""
+        self._setup = other._setup
+        for mine, its in zip(self._arrays, other._arrays, strict=True):
+            ctypes.memmove(mine, its, ctypes.sizeof(mine))
+        for name in ("steps", "has_compensation", "n_servos", "has_masses"):
+            setattr(self.struct, name, getattr(other.struct, name))
+
+    def _allocate(
+        self, hardware: RobotHardware, bounds: Mapping[int, DriveBounds], table: _Table
+    ) -> None:
+        self._hardware, self._bounds, self._table = hardware, bounds, table
+        self._rotors = {i for i, drive in bounds.items() if drive.rotor < math.inf}
+        self._setup = DriveSetup({}, (), (), [])
+        n_joints, n_drives = table.n_joints, table.n_drives
+        self._gravity = (c_double * n_joints)()
+        self._before = (c_double * n_joints)(*[math.nan] * n_joints)
+        self._compensation = (c_double * table.n_compensated)()
+        self._goals = (_Goal * n_joints)()
+        self._servos = (_Servo * n_drives)()
+        self._masses = (c_double * n_drives**2)()
+        self._arrays: tuple[ctypes.Array[Any], ...] = (
+            self._gravity,
+            self._before,
+            self._compensation,
+            self._goals,
+            self._servos,
+            self._masses,
+        )
+        self.struct = Drives(ctypes.pointer(table), 0, 0, 0, 0, *self._arrays)
+
+    def load(self) -> None:
+        """Continue from the state of the hardware."""
+        setup, state, struct = self._hardware.setup, self._hardware.state, self.struct
+        if setup != self._setup:
+            self._load_setup(setup)
+        struct.steps = state.steps
+        struct.has_compensation = bool(state.compensation)
+        self._gravity[:] = state.gravity
+        if state.compensation:
+            self._compensation[:] = state.compensation
+        for i, velocity in state.velocities.items():
+            self._before[i] = math.nan if velocity is None else velocity
+        for servo, memory in zip(self._servos, state.servos, strict=False):
+            servo.target, servo.integral, servo.speed = memory
+
+    def store(self) -> None:
+        """Let the hardware continue from this state."""
+        struct, before = self.struct, self._before
+        bounded = self._rotors | self._setup.drive_limits.keys()
+        state = DriveState(
+            struct.steps,
+            self._gravity[:],
+            self._compensation[:] if struct.has_compensation else [],
+            {i: None if math.isnan(v := before[i]) else v for i in bounded},
+            [
+                ServoState(servo.target, servo.integral, servo.speed)
+                for servo in self._servos[: struct.n_servos]
+            ],
+        )
+        self._hardware.restore(self._setup, state)
+
+    @property
+    def drive_limits(self) -> Mapping[int, DriveLimits]:
+        """The limits of goals, by joint."""
+        return self._setup.drive_limits
+
+    def set_drive_limits(self, index: int, limits: DriveLimits | None) -> None:
+        """Limit a drive as RobotHardware does, in this copy alone."""
+        current = dict(self._setup.drive_limits)
+        current.pop(index, None)
+        if limits is not None:
+            current[index] = limits
+        self._setup = self._setup._replace(drive_limits=current)
+        self._set_goal(index, limits)
+        if limits is not None:
+            return
+        for servo in self._servos[: self.struct.n_servos]:
+            if servo.joint == index:
+                self._gravity[index] = 0.0
+                if servo.kind == ServoKind.POSITION:
+                    servo.speed = math.inf
+
+    def _load_setup(self, setup: DriveSetup) -> None:
+        before, self._setup = self._setup, setup
+        for i in before.drive_limits.keys() | setup.drive_limits.keys():
+            self._set_goal(i, setup.drive_limits.get(i))
+        struct = self.struct
+        struct.n_servos, struct.has_masses = len(setup.servos), bool(setup.masses)
+        if setup.servos != before.servos:
+            for k, (i, law) in enumerate(setup.servos):
+                self._servos[k] = _servo(i, law)
+        if setup.masses:
+            for servo, fastest in zip(self._servos, setup.fastest, strict=False):
+                servo.fastest = fastest
+            values = [value for row in setup.masses for value in row]
+            self._masses[: len(values)] = values
+
+    def _set_goal(self, index: int, limits: DriveLimits | None) -> None:
+        if limits is not None:
+            self._goals[index] = _goal(limits)
+            return
+        self._goals[index] = _Goal()
+        if index not in self._rotors:
+            self._before[index] = math.nan  # no speed limiter remembers it
+
+
+def _table(n_joints: int, table: DriveTable) -> _Table:
+    dynamics = table.dynamics
+    bodies = [
+        _Body(
+            body.parent,
+            body.is_prismatic,
+            body.master,
+            joint,
+            body.multiplier,
+            body.mass,
+            body.placement,
+            body.center,
+        )
+        for body, joint in zip(dynamics.bodies, table.to_model, strict=True)
+    ]
+    springs = [_Spring(*spring) for spring in dynamics.springs]
+    bounds = [_drive(drive) for drive in table.bounds]
+    n_compensated = len(table.compensated)
+    return _Table(
+        n_joints,
+        len(bodies),
+        len(springs),
+        len(bounds),
+        n_compensated,
+        POSE_PERIOD,
+        table.dt,
+        dynamics.gravity,
+        DAMPING_RATIO,
+        BANDWIDTH,
+        INTEGRAL_RATE,
+        STOPPED,
+        BLOCKED,
+        STANDSTILL,
+        (_Body * len(bodies))(*bodies),
+        (_Spring * len(springs))(*springs),
+        (_Bounds * len(bounds))(*bounds),
+        (c_int * n_compensated)(*table.compensated),
+    )
+
+
+def _drive(drive: DriveBounds) -> _Bounds:
+    return _Bounds(
+        drive.joint,
+        drive.soft is not None,
+        drive.effort,
+        drive.velocity,
+        drive.lower,
+        drive.upper,
+        drive.rotor,
+        drive.ease,
+        drive.soft.k_velocity if drive.soft else 0.0,
+        _window(drive.hard, drive.soft),
+    )
+
+
+def _window(hard: JointLimits, soft: SafetyController | None) -> _Window:
+    if soft is None:
+        return _Window(False, hard.velocity)
+    limits = soft.soft_lower_limit, soft.soft_upper_limit
+    return _Window(True, hard.velocity, soft.k_position, *limits)
+
+
+def _servo(joint: int, law: ServoLaw) -> _Servo:
+    return _Servo(
+        joint,
+        law.kind,
+        law.is_stiff,
+        STIFF_BANDWIDTH if law.is_stiff else BANDWIDTH,
+        law.limits.lower,
+        law.limits.upper,
+        law.held_at,
+        0.0,
+        _window(law.limits, law.soft),
+    )
+
+
+def _goal(limits: DriveLimits) -> _Goal:
+    effort = math.inf if limits.effort is None else limits.effort
+    goal = _Goal(
+        is_limited=True,
+        is_force=limits.force is not None,
+        grip=effort if limits.force is None else limits.force,
+        speed=math.inf if limits.speed is None else limits.speed,
+    )
+    law = limits.gripper.law
+    if isinstance(law, LinearOpening):
+        goal.is_linear, goal.pad_slope = True, law.pad_slope
+    else:
+        goal.pad_cos, goal.pad_sin = law.pad_cos, law.pad_sin
+    return goal

@@ -1,0 +1,7 @@
+/* What the library exports; everything else stays hidden (-fvisibility=hidden). */
+#ifndef TOOL0_KERNEL_EXPORT_H
+#define TOOL0_KERNEL_EXPORT_H
+
+#define TOOL0_EXPORT __attribute__((visibility("default")))
+
+#endif

@@ -1,0 +1,78 @@
+/* The tick of runtime/core.py, without Python: laws, drives, engine. */
+
+#include <math.h>
+#include <string.h>
+
+#include "export.h"
+#include "robot.h"
+
+/* Sum of squares from which Python decides whether a state has diverged. */
+static const double SUSPICIOUS = 0.99e8;
+
+static void copy(double *to, const double *from, int n)
+{
+    memcpy(to, from, (size_t)n * sizeof(double));
+}
+
+static int is_suspicious(const double *velocity, int n)
+{
+    double sum = 0.0;
+    for (int i = 0; i < n; i++)
+        sum += velocity[i] * velocity[i];
+    return !(sum < SUSPICIOUS); /* NaN, too */
+}
+
+/* Execute the laws of one tick; return 0, with nothing changed, on an event. */
+static int update(Robot *robot)
+{
+    double time = (double)robot->steps * robot->dt;
+    for (int j = 0; j < robot->n_laws; j++)
+        if (!law_prepare(&robot->laws[j], time, robot->position, robot->velocity))
+            return 0;
+    for (int j = 0; j < robot->n_laws; j++)
+        law_execute(&robot->laws[j], time, robot->period, robot->velocity,
+                    robot->command);
+    return 1;
+}
+
+/* Execute one physics step; return RUN_EVENT, with nothing changed, on an event. */
+static int step(Robot *robot)
+{
+    int n = robot->n_joints;
+    copy(robot->step_position, robot->position, n);
+    copy(robot->step_velocity, robot->velocity, n);
+    copy(robot->step_effort, robot->effort, n);
+    if (drives_efforts(robot->drives, robot->command, robot->position, robot->velocity,
+                       robot->effort) != DRIVES_OK)
+        return RUN_EVENT;
+    for (int j = 0; j < robot->n_motors; j++)
+        robot->motors[j] = robot->effort[robot->motor_joints[j]];
+    robot->step(robot->model, robot->data);
+    robot->steps++;
+    return is_suspicious(robot->velocity, robot->n_velocities) ? RUN_CHECK : RUN_DONE;
+}
+
+/* Execute up to `most` ticks; *done is how many were.  Returns RUN_...
+
+   If `steps_left` is not 0 then, the laws of one further tick are executed, and so many
+   of its steps are left. */
+TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
+{
+    int n = robot->n_joints;
+    robot->steps_left = 0;
+    for (*done = 0; *done < most; ++*done) {
+        if (!update(robot))
+            return RUN_EVENT;
+        copy(robot->tick_position, robot->position, n);
+        copy(robot->tick_velocity, robot->velocity, n);
+        copy(robot->tick_effort, robot->effort, n);
+        for (int left = robot->steps_per_tick; left > 0; left--) {
+            int result = step(robot);
+            if (result != RUN_DONE) {
+                robot->steps_left = result == RUN_CHECK ? left - 1 : left;
+                return result;
+            }
+        }
+    }
+    return RUN_DONE;
+}

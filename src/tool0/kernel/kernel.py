@@ -1,0 +1,63 @@
+"""Ticks without Python: which robot's, and until when."""
+
+from __future__ import annotations
+
+from typing import final
+
+from tool0.control.law import Law
+from tool0.control.manager import ControllerManager
+from tool0.hardware.engine import Engine, JointState
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.kernel import library
+from tool0.kernel.program import Program
+
+
+@final
+class Kernel:
+    """Chooses what the kernel executes of one robot's ticks.
+
+    Only the thread that owns the tick may use it.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        hardware: RobotHardware,
+        manager: ControllerManager,
+        period: float,
+    ) -> None:
+        """Load nothing yet; ``period`` is that of a tick [s]."""
+        self._engine, self._hardware, self._manager = engine, hardware, manager
+        self._period = period
+        self._compiled = None if engine.stepper is None else library.load()
+        self._program: Program | None = None
+
+    def load(self, state: JointState) -> Program | None:
+        """Let a program execute the ticks from ``state`` on, and return it.
+
+        None if only Python can: there is no compiled kernel, the engine cannot be
+        stepped by it, or a controller has no law.
+        """
+        stepper, compiled = self._engine.stepper, self._compiled
+        if compiled is None or stepper is None:
+            return None
+        running = self._manager.running_controllers
+        laws: list[Law] = []
+        for controller, _ in running:
+            law = controller.law()
+            if law is None:
+                return None
+            laws.append(law)
+        program = self._program
+        if program is None or program.running is not running:
+            program = Program(
+                compiled,
+                running,
+                laws,
+                self._hardware,
+                dt=self._engine.dt,
+                period=self._period,
+            )
+            self._program = program
+        program.load(laws, state, stepper)
+        return program

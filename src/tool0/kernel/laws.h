@@ -1,0 +1,60 @@
+/* Control laws: what a controller does until something happens.
+
+   The reference is Python: control/joint_trajectory.py, gripper_action.py and
+   forward_command.py.  Every operation here is the same, in the same order. */
+
+#ifndef TOOL0_LAWS_H
+#define TOOL0_LAWS_H
+
+#include <stdint.h>
+
+enum { LAW_TRAJECTORY = 0, LAW_COMMAND = 1 };
+enum { CHECK_NOTHING = 0, CHECK_PATH = 1, CHECK_GOAL = 2 };
+
+/* The desired motion of one joint until an instant. */
+typedef struct {
+    double until; /* when the next piece begins [s] */
+    double origin, c[6], d[4]; /* as control/spline.Polynomial */
+    double check; /* what an active goal checks: CHECK_... */
+    double position_tolerance, velocity_tolerance; /* 0 is not checked */
+    double end; /* of the segment [s] */
+} Piece;
+
+typedef struct {
+    double p, i, d, i_min, i_max, antiwindup;
+} Gains;
+
+typedef struct {
+    int32_t kind;
+    int32_t n; /* joints */
+    int32_t has_pid;
+    int32_t is_monitored; /* by an active goal */
+    int32_t measures_velocity; /* LAW_COMMAND: the commands are velocities */
+    int32_t has_feed_forward;
+    int32_t max_pieces; /* per joint, in pieces */
+    int32_t is_moving;
+    const int32_t *joints; /* their numbers, shape (n) as all below */
+    const int32_t *wraps;  /* whether errors go the shortest way round */
+    const Gains *gains;
+    double *integrals;
+    const double *feed_forward;
+    Piece *pieces; /* shape (n, max_pieces) */
+    int32_t *n_pieces;
+    int32_t *piece; /* the active one */
+    int32_t *arrived;
+    int32_t *started; /* whether the kernel started the motion: Python lacks it */
+    const double *values; /* LAW_COMMAND: the commands */
+    double *last_errors;  /* LAW_COMMAND with a PID */
+    double *errors, *rates; /* scratch */
+    double next_change; /* of a piece [s] */
+    double goal_time; /* grace after the end of a goal [s] */
+} Law;
+
+/* Prepare the tick at `time`; return 0 if Python must execute it. */
+int law_prepare(Law *law, double time, const double *position, const double *velocity);
+
+/* Write the commands of the prepared tick. */
+void law_execute(Law *law, double time, double period, const double *velocity,
+                 double *command);
+
+#endif

@@ -1,0 +1,75 @@
+"""The compiled kernel of this installation, or why there is none."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+import shlex
+import sys
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Final, final
+
+from tool0.errors import ConfigError
+from tool0.kernel.build import FOLDER, LIBRARY, KernelUnusableError, open_library
+
+logger = logging.getLogger(__name__)
+
+VARIABLE: Final = "TOOL0_KERNEL"
+"""Set to ``python``, the Python reference runs: same results, more slowly."""
+COMPILE_COMMAND: Final = shlex.join([sys.executable, "-m", "tool0.kernel.build"])
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class KernelStatus:
+    """The compiled kernel, or why the Python reference runs."""
+
+    path: Path
+    """The library, which may not exist."""
+    library: ctypes.CDLL | None
+    """Its calls release the interpreter's lock."""
+    reason: str = ""
+    """Why there is no library; empty if there is one."""
+
+
+def load() -> ctypes.CDLL | None:
+    """Return the compiled kernel, or None if the Python reference has to run.
+
+    Raises:
+        ConfigError: If ``TOOL0_KERNEL`` has an unknown value.
+    """
+    return kernel_status().library
+
+
+def kernel_status() -> KernelStatus:
+    """Return the compiled kernel or why there is none, as ``load``."""
+    selected = os.environ.get(VARIABLE, "")
+    if selected == "python":
+        reason = f"{VARIABLE}=python selects the Python reference"
+        return KernelStatus(FOLDER / LIBRARY, None, reason)
+    if selected:
+        raise ConfigError(
+            f"unknown {VARIABLE}={selected!r}; valid: python, or unset it for the "
+            "compiled kernel"
+        )
+    return _opened(FOLDER)
+
+
+@cache
+def _opened(folder: Path) -> KernelStatus:
+    """Open the library in ``folder``, once per process: 0.3 ms."""
+    path = folder / LIBRARY
+    try:
+        return KernelStatus(path, open_library(folder))
+    except KernelUnusableError as error:
+        level = logging.WARNING if path.exists() else logging.INFO
+        logger.log(
+            level,
+            "no compiled kernel, so the simulation is slower: %s; compile it: %s",
+            error,
+            COMPILE_COMMAND,
+        )
+        return KernelStatus(path, None, str(error))

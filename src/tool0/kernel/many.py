@@ -1,0 +1,105 @@
+"""Many copies of a robot, executed by the kernel: ``many.c``."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.kernel.memory import FloatArray, IntArray
+
+Addresses = NDArray[np.uintp]
+"""Of structs or of numbers, one per copy."""
+
+
+class Started(IntEnum):
+    """Whether motions have started."""
+
+    YES = 0
+    UNKNOWN = 1
+    """No: Python knows more of the present motion than the kernel."""
+    REFUSED = 2
+    """No: the motion is implausible."""
+
+
+@final
+class Many:
+    """Runs robots that are loaded into the kernel, by the addresses of their structs.
+
+    Every array has one row per robot.
+    """
+
+    def __init__(self, compiled: ctypes.CDLL, threads: int) -> None:
+        """Run ticks in so many threads."""
+        self._compiled = compiled
+        self._threads = threads
+
+    def run(self, robots: Addresses, most: IntArray) -> tuple[IntArray, IntArray]:
+        """Execute up to ``most`` ticks of each; return how many, and ``Ended``."""
+        n = len(robots)
+        robots, most = np.ascontiguousarray(robots), np.ascontiguousarray(most)
+        done, results = np.zeros((2, n), dtype=np.int32)
+        self._compiled.tool0_run_many(
+            _at(robots), n, _at(most), self._threads, _at(done), _at(results)
+        )
+        return done, results
+
+    def start(
+        self,
+        laws: Addresses,
+        joints: Sequence[int],
+        *,
+        now: FloatArray,
+        durations: FloatArray,
+        positions: FloatArray,
+        velocities: FloatArray | None,
+    ) -> tuple[Started, int]:
+        """Start motions to one point, as ``JointTrajectoryController.command``.
+
+        Args:
+            laws: Those of trajectory controllers.
+            joints: Which k of their joints move, by number.
+            now: The time of the next tick [s], shape (n,).
+            durations: Of the motions [s], shape (n,).
+            positions: Of the points [rad | m], shape (n, k).
+            velocities: [rad/s | m/s], shape (n, k); None makes linear motions.
+
+        Returns:
+            Whether they started, all or none; if not, because of which row.
+        """
+        columns = np.array(joints, dtype=np.int32)
+        arrays = [np.ascontiguousarray(a) for a in (now, durations, positions)]
+        speeds = None if velocities is None else np.ascontiguousarray(velocities)
+        laws, which = np.ascontiguousarray(laws), ctypes.c_int32(-1)
+        result = self._compiled.tool0_start_many(
+            _at(laws),
+            len(laws),
+            len(columns),
+            _at(columns),
+            *map(_at, arrays),
+            None if speeds is None else _at(speeds),
+            ctypes.byref(which),
+        )
+        return Started(result), which.value
+
+    def desired(
+        self, laws: Addresses, joint: int, now: FloatArray
+    ) -> FloatArray | None:
+        """Return the desired positions of one joint [rad | m], shape (n,).
+
+        None if the kernel does not know one.
+        """
+        laws, now = np.ascontiguousarray(laws), np.ascontiguousarray(now)
+        found = np.zeros(len(laws))
+        result = self._compiled.tool0_desired_many(
+            _at(laws), len(laws), joint, _at(now), _at(found)
+        )
+        return found if result == Started.YES else None
+
+
+def _at(array: NDArray[np.generic]) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)

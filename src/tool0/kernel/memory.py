@@ -1,0 +1,193 @@
+"""The memory that the kernel works on: its structs, and arrays of laws.
+
+The structs are those of ``laws.h`` and ``robot.h``; addresses are integers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from ctypes import Structure, c_double, c_int32, c_int64, c_size_t
+from enum import IntEnum
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.control.goal import UNCHECKED
+from tool0.control.law import CommandLaw, TrajectoryLaw
+from tool0.control.sampler import Check, GoalMonitor, Piece
+from tool0.control.spline import JointSpline, Segment, along
+
+MOST_PIECES = 16
+"""Of a motion, per joint; Python continues a longer one."""
+PIECE_SIZE = 16
+"""Numbers of a piece."""
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int32]
+
+
+class LawKind(IntEnum):
+    """What a law does."""
+
+    TRAJECTORY = 0
+    COMMAND = 1
+
+
+@final
+class LawStruct(Structure):
+    """``Law`` of ``laws.h``."""
+
+    _fields_ = (
+        ("kind", c_int32),
+        ("n", c_int32),
+        ("has_pid", c_int32),
+        ("is_monitored", c_int32),
+        ("measures_velocity", c_int32),
+        ("has_feed_forward", c_int32),
+        ("max_pieces", c_int32),
+        ("is_moving", c_int32),
+        ("joints", c_size_t),
+        ("wraps", c_size_t),
+        ("gains", c_size_t),
+        ("integrals", c_size_t),
+        ("feed_forward", c_size_t),
+        ("pieces", c_size_t),
+        ("n_pieces", c_size_t),
+        ("piece", c_size_t),
+        ("arrived", c_size_t),
+        ("started", c_size_t),
+        ("values", c_size_t),
+        ("last_errors", c_size_t),
+        ("errors", c_size_t),
+        ("rates", c_size_t),
+        ("next_change", c_double),
+        ("goal_time", c_double),
+    )
+
+
+@final
+class RobotStruct(Structure):
+    """``Robot`` of ``robot.h``."""
+
+    _fields_ = (
+        ("n_joints", c_int32),
+        ("n_velocities", c_int32),
+        ("n_motors", c_int32),
+        ("n_laws", c_int32),
+        ("steps_per_tick", c_int32),
+        ("steps_left", c_int32),
+        ("steps", c_int64),
+        ("dt", c_double),
+        ("period", c_double),
+        ("step", c_size_t),
+        ("model", c_size_t),
+        ("data", c_size_t),
+        ("position", c_size_t),
+        ("velocity", c_size_t),
+        ("motors", c_size_t),
+        ("motor_joints", c_size_t),
+        ("laws", c_size_t),
+        ("drives", c_size_t),
+        ("command", c_size_t),
+        ("effort", c_size_t),
+        ("tick_position", c_size_t),
+        ("tick_velocity", c_size_t),
+        ("tick_effort", c_size_t),
+        ("step_position", c_size_t),
+        ("step_velocity", c_size_t),
+        ("step_effort", c_size_t),
+    )
+
+
+@final
+class LawMemory:
+    """The memory of one law in n robots, in arrays of shape (n, n_joints, …).
+
+    Gains, feed-forward and joints are the same for all robots.
+    """
+
+    def __init__(
+        self, law: TrajectoryLaw | CommandLaw, joints: Sequence[int], n: int = 1
+    ) -> None:
+        """Allocate it; ``joints`` are the engine's numbers of the law's joints."""
+        k = len(joints)
+        self._kind = LawKind.TRAJECTORY
+        if isinstance(law, CommandLaw):
+            self._kind = LawKind.COMMAND
+        self.joints: IntArray = np.array(joints, dtype=np.int32)
+        self.wraps: IntArray = np.zeros(k, dtype=np.int32)
+        self.wraps[list(law.wrapping)] = 1
+        self.gains: FloatArray = np.zeros((k, 6))
+        self.feed_forward: FloatArray = np.zeros(k)
+        self.integrals: FloatArray = np.zeros((n, k))
+        self.pieces: FloatArray = np.zeros((n, k, MOST_PIECES, PIECE_SIZE))
+        self.n_pieces: IntArray = np.zeros((n, k), dtype=np.int32)
+        self.piece: IntArray = np.zeros((n, k), dtype=np.int32)
+        self.arrived: IntArray = np.zeros((n, k), dtype=np.int32)
+        self.started: IntArray = np.zeros((n, k), dtype=np.int32)
+        self.values: FloatArray = np.zeros((n, k))
+        self.last_errors: FloatArray = np.zeros((n, k))
+        self._scratch: FloatArray = np.zeros((n, 2, k))
+        if isinstance(law, TrajectoryLaw) and law.feed_forward:
+            self.feed_forward[:] = law.feed_forward
+        if law.pid is not None:
+            self.gains[:] = [row[1:] for row in law.pid.rows]
+
+    def fill(
+        self, struct: LawStruct, law: TrajectoryLaw | CommandLaw, robot: int = 0
+    ) -> None:
+        """Set the constants and addresses in the struct of one robot."""
+        struct.kind, struct.n = self._kind, len(self.joints)
+        struct.has_pid = law.pid is not None
+        struct.max_pieces = MOST_PIECES
+        struct.next_change = -math.inf
+        if isinstance(law, TrajectoryLaw):
+            struct.has_feed_forward = bool(law.feed_forward)
+        else:
+            struct.measures_velocity = law.measures_velocity
+        for name in ("joints", "wraps", "gains", "feed_forward"):
+            setattr(struct, name, getattr(self, name).ctypes.data)
+        for name in _OF_ROBOT:
+            setattr(struct, name, getattr(self, name)[robot].ctypes.data)
+        struct.errors = self._scratch[robot, 0].ctypes.data
+        struct.rates = self._scratch[robot, 1].ctypes.data
+
+    def started_splines(self, robot: int = 0) -> dict[int, JointSpline]:
+        """Return the motions that the kernel started, by the joint's number."""
+        found = {}
+        for k in np.flatnonzero(self.started[robot]).tolist():
+            piece = self.pieces[robot, k, 0].tolist()
+            segment = Segment.of(piece[_ORIGIN], piece[_UNTIL], piece[_COEFFICIENTS])
+            found[k] = along(segment)
+        return found
+
+
+_UNTIL, _ORIGIN, _COEFFICIENTS = 0, 1, slice(2, 8)
+"""Where a piece has them."""
+_OF_ROBOT = (
+    "integrals",
+    "pieces",
+    "n_pieces",
+    "piece",
+    "arrived",
+    "started",
+    "values",
+    "last_errors",
+)
+
+
+def packed(piece: Piece, monitor: GoalMonitor | None = None) -> tuple[float, ...]:
+    """Return a piece as the kernel reads it, with what an active goal checks."""
+    check, tolerance = Check.NOTHING, UNCHECKED
+    if monitor is not None:
+        check, tolerance = monitor.check_of(piece)
+    return (
+        piece.until,
+        *piece.polynomial,
+        check,
+        tolerance.position,
+        tolerance.velocity,
+        piece.segment.end,
+    )

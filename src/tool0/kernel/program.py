@@ -1,0 +1,278 @@
+"""The ticks of one robot, executed by the kernel until an event."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from ctypes import CDLL, addressof, byref, c_int, sizeof
+from enum import IntEnum
+from typing import final
+
+import numpy as np
+
+from tool0.control.config import Controller
+from tool0.control.joint_trajectory import JointTrajectoryController
+from tool0.control.law import CommandLaw, IdleLaw, Law, TrajectoryLaw
+from tool0.control.sampler import pieces_from
+from tool0.hardware.engine import JointState, NativeStepper
+from tool0.hardware.limits import DriveLimits
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.kernel.drives import NativeDrives
+from tool0.kernel.memory import (
+    MOST_PIECES,
+    FloatArray,
+    LawMemory,
+    LawStruct,
+    RobotStruct,
+    packed,
+)
+
+
+@final
+class RobotMemory:
+    """The struct of one robot, with its state between ticks."""
+
+    def __init__(self, n_joints: int, n_laws: int) -> None:
+        self.laws = (LawStruct * n_laws)()
+        self.command: FloatArray = np.zeros(n_joints)
+        self.effort: FloatArray = np.zeros(n_joints)
+        self._tick: FloatArray = np.zeros((3, n_joints))
+        self._step: FloatArray = np.zeros((3, n_joints))
+        self.struct = struct = RobotStruct(n_joints=n_joints, n_laws=n_laws)
+        struct.laws = addressof(self.laws)
+        struct.command = self.command.ctypes.data
+        struct.effort = self.effort.ctypes.data
+        for at, rows in (("tick", self._tick), ("step", self._step)):
+            for row, name in zip(rows, ("position", "velocity", "effort"), strict=True):
+                setattr(struct, f"{at}_{name}", row.ctypes.data)
+
+    def set_stepper(self, stepper: NativeStepper) -> None:
+        """Step this engine from now on."""
+        self._motor_joints = np.array(stepper.motor_joints, dtype=np.int32)
+        struct = self.struct
+        struct.step, struct.model = stepper.step, stepper.model
+        struct.data = stepper.data
+        struct.position, struct.velocity = stepper.position, stepper.velocity
+        struct.n_velocities, struct.motors = stepper.n_velocities, stepper.motors
+        struct.n_motors = len(self._motor_joints)
+        struct.motor_joints = self._motor_joints.ctypes.data
+
+    def tick_start(self) -> JointState:
+        """Return the state at the start of the last tick, or of an unfinished one."""
+        struct = self.struct
+        steps = struct.steps - struct.steps_per_tick + struct.steps_left
+        position, velocity, effort = self._tick.tolist()
+        return JointState(steps * struct.dt, position, velocity, effort)
+
+    def step_start(self) -> JointState:
+        """Return the state at the start of the last step."""
+        struct = self.struct
+        position, velocity, effort = self._step.tolist()
+        return JointState((struct.steps - 1) * struct.dt, position, velocity, effort)
+
+
+@final
+class _LoadedLaw:
+    """A law of a running controller in the kernel's memory."""
+
+    def __init__(self, law: TrajectoryLaw | CommandLaw, joints: Sequence[int]) -> None:
+        self._memory = LawMemory(law, joints)
+        self._struct = LawStruct()
+        self._law = law
+        self._rows = law.pid and law.pid.rows
+        self._packed: tuple[object, object] | None = None
+        self._known_until = -math.inf
+
+    def use(self, struct: LawStruct) -> None:
+        """Use this struct, which is new."""
+        self._struct = struct
+        self._memory.fill(struct, self._law)
+
+    def load(self, law: TrajectoryLaw | CommandLaw, time: float) -> None:
+        """Take the law as it is at ``time`` [s]."""
+        memory, pid = self._memory, law.pid
+        self._law = law
+        if pid is not None:
+            if pid.rows is not self._rows:
+                self._rows = pid.rows
+                memory.gains[:] = [row[1:] for row in pid.rows]
+            memory.integrals[0] = pid.integrals
+        if isinstance(law, TrajectoryLaw):
+            self._load_motion(law, time)
+        else:
+            memory.values[0] = law.values
+            memory.last_errors[0] = law.last_errors
+
+    def _load_motion(self, law: TrajectoryLaw, time: float) -> None:
+        memory, struct, monitor = self._memory, self._struct, law.monitor
+        motion = law.sampler, monitor
+        if motion != self._packed or time >= self._known_until:
+            self._packed, self._known_until = motion, math.inf
+            for k, spline in enumerate(law.sampler.splines):
+                pieces = pieces_from(spline, time, MOST_PIECES)
+                memory.pieces[0, k, : len(pieces)] = [
+                    packed(piece, monitor) for piece in pieces
+                ]
+                memory.n_pieces[0, k] = len(pieces)
+                self._known_until = min(self._known_until, pieces[-1].until)
+            memory.piece[:] = 0
+            struct.next_change = -math.inf
+        struct.is_monitored = monitor is not None
+        if monitor is not None:
+            struct.goal_time = monitor.goal_time
+            memory.arrived[:] = 0
+            memory.arrived[0, list(monitor.arrived)] = 1
+
+    def store(self, controller: Controller, time: float) -> None:
+        """Give the controller its state back; ``time`` is that of the next tick [s]."""
+        law, memory = self._law, self._memory
+        if isinstance(controller, JointTrajectoryController) and memory.started.any():
+            controller.adopt(memory.started_splines(), time)
+            memory.started[:] = 0
+        if law.pid is not None:
+            law.pid.integrals[:] = memory.integrals[0].tolist()
+        if isinstance(law, CommandLaw):
+            law.last_errors[:] = memory.last_errors[0].tolist()
+        elif law.monitor is not None:
+            arrived: list[int] = np.flatnonzero(memory.arrived[0]).tolist()
+            law.monitor.note_arrived(arrived)
+
+
+class Ended(IntEnum):
+    """Why a run of the kernel ended."""
+
+    DONE = 0
+    """All ticks are executed."""
+    EVENT = 1
+    """Python executes the next tick, or the steps that are left of this one."""
+    CHECK = 2
+    """Python checks whether the state has diverged, and then as ``EVENT``."""
+
+
+@final
+class Program:
+    """The running controllers and drives of one robot in the kernel's memory.
+
+    From ``load`` to ``store``, their state is there, and the objects in Python are out
+    of date.
+    """
+
+    def __init__(
+        self,
+        compiled: CDLL,
+        running: Sequence[tuple[Controller, Sequence[int]]],
+        laws: Sequence[Law],
+        hardware: RobotHardware,
+        *,
+        dt: float,
+        period: float,
+    ) -> None:
+        """Allocate the memory; nothing is loaded.
+
+        Args:
+            compiled: The library.
+            running: The running controllers in load order, with their joints.
+            laws: One for each of them.
+            hardware: The drives.
+            dt: Length of a step of the engine [s].
+            period: Length of a tick [s].
+        """
+        self.running = running
+        self._hardware = hardware
+        self._laws = [
+            None if isinstance(law, IdleLaw) else _LoadedLaw(law, joints)
+            for law, (_, joints) in zip(laws, running, strict=True)
+        ]
+        self._drives = NativeDrives(hardware)
+        loaded = [law for law in self._laws if law is not None]
+        self._robot = RobotMemory(len(hardware.joint_names), len(loaded))
+        for law, struct in zip(loaded, self._robot.laws, strict=True):
+            law.use(struct)
+        self._struct = struct = self._robot.struct
+        struct.dt, struct.period = dt, period
+        struct.steps_per_tick = round(period / dt)
+        struct.drives = addressof(self._drives.struct)
+        self._stepper: NativeStepper | None = None
+        self._run = compiled.tool0_run
+        self._done = c_int()
+        self._arguments = byref(struct), byref(self._done)
+
+    def load(
+        self, laws: Sequence[Law], state: JointState, stepper: NativeStepper
+    ) -> None:
+        """Take over the controllers and drives in ``state``."""
+        for loaded, law in zip(self._laws, laws, strict=True):
+            if loaded is not None and not isinstance(law, IdleLaw):
+                loaded.load(law, state.time)
+        self._drives.load()
+        self._robot.command[:] = self._hardware.command
+        self._robot.effort[:] = state.effort
+        self._struct.steps = stepper.steps()
+        self._use(stepper)
+
+    def run(self, most: int, stepper: NativeStepper) -> tuple[Ended, int]:
+        """Execute up to ``most`` ticks; return how it ended, and how many were."""
+        self._use(stepper)
+        robot, done = self._arguments
+        result = self._run(robot, most, done)
+        return Ended(result), self._done.value
+
+    def _use(self, stepper: NativeStepper) -> None:
+        if stepper is not self._stepper:
+            self._stepper = stepper
+            self._robot.set_stepper(stepper)
+
+    def note_steps(self, stepper: NativeStepper) -> bool:
+        """Tell the engine what was executed; return whether a step was."""
+        before, steps = stepper.steps(), self.steps
+        stepper.note_steps(steps, self._robot.effort.tolist())
+        return steps > before
+
+    def set_drive_limits(self, joint: int, limits: DriveLimits) -> None:
+        """Limit the drive of a joint, by its number, as RobotHardware does."""
+        if self._drives.drive_limits.get(joint) != limits:
+            self._drives.set_drive_limits(joint, limits)
+
+    @property
+    def robot_address(self) -> int:
+        """Of the struct, for ``Many``."""
+        return addressof(self._struct)
+
+    @property
+    def effort(self) -> FloatArray:
+        """The effort applied in the last step [N·m | N], a view."""
+        return self._robot.effort
+
+    def law_address(self, controller: int) -> int:
+        """Of the law of a running controller, by its number."""
+        laws = [law for law in self._laws[:controller] if law is not None]
+        return addressof(self._robot.laws) + len(laws) * sizeof(LawStruct)
+
+    @property
+    def steps(self) -> int:
+        """Steps of the engine since its time was 0."""
+        steps: int = self._struct.steps
+        return steps
+
+    @property
+    def steps_left(self) -> int:
+        """Steps of a tick, whose laws are executed, that Python must execute."""
+        left: int = self._struct.steps_left
+        return left
+
+    def tick_start(self) -> JointState:
+        """Return the state at the start of the last tick, or of an unfinished one."""
+        return self._robot.tick_start()
+
+    def step_start(self) -> JointState:
+        """Return the state at the start of the last step."""
+        return self._robot.step_start()
+
+    def store(self) -> None:
+        """Give controllers and drives their state back."""
+        time = self.steps * self._struct.dt
+        for law, (controller, _) in zip(self._laws, self.running, strict=True):
+            if law is not None:
+                law.store(controller, time)
+        self._drives.store()
+        self._hardware.command[:] = self._robot.command.tolist()

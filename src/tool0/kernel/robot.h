@@ -1,0 +1,40 @@
+/* A robot as the kernel executes it: laws, drives, and the engine's memory. */
+
+#ifndef TOOL0_ROBOT_H
+#define TOOL0_ROBOT_H
+
+#include <stdint.h>
+
+#include "drives.h"
+#include "laws.h"
+
+enum {
+    RUN_DONE = 0,  /* all ticks */
+    RUN_EVENT = 1, /* Python executes the next tick, or the rest of this one */
+    RUN_CHECK = 2, /* Python checks the state; then as RUN_EVENT */
+};
+
+typedef struct {
+    int32_t n_joints;
+    int32_t n_velocities; /* of the engine, those of objects included */
+    int32_t n_motors;
+    int32_t n_laws;
+    int32_t steps_per_tick;
+    int32_t steps_left; /* out: of a tick that Python must finish */
+    int64_t steps;      /* since the time was 0 */
+    double dt, period;  /* of a step and of a tick [s] */
+    void (*step)(const void *model, void *data); /* mj_step */
+    const void *model;
+    void *data;
+    const double *position, *velocity; /* of the engine */
+    double *motors;                    /* efforts that the engine reads */
+    const int32_t *motor_joints;
+    Law *laws;
+    Drives *drives;
+    double *command, *effort; /* shape (n_joints) as all below */
+    /* The state at the start of the last tick, and of its last step: */
+    double *tick_position, *tick_velocity, *tick_effort;
+    double *step_position, *step_velocity, *step_effort;
+} Robot;
+
+#endif

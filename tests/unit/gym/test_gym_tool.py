@@ -1,0 +1,68 @@
+"""Kinematics of the tool: laws that hold for every copy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tool0.description.transform import from_matrix
+from tool0.gym.options import EnvOptions
+from tool0.gym.tool import ToolPose, downward, quaternions, rotation_vector, turned_by
+from tool0.gym.workspace import Workspace
+
+PAIRS = [("ur5", "2f85"), ("ur3e", "hande"), ("ur20", "2f140")]
+
+rng = np.random.default_rng(0)
+
+
+def random_rotations(n: int) -> np.ndarray:
+    return turned_by(rng.uniform(-2.0, 2.0, (n, 3)))
+
+
+def test_a_rotation_vector_is_what_turned_by_it() -> None:
+    R, vectors = random_rotations(50), rng.uniform(-0.1, 0.1, (50, 3))
+    turns = turned_by(vectors)
+    found = rotation_vector(R, turns @ R)
+    np.testing.assert_allclose(found, vectors, atol=2e-4)
+    both = turns @ turned_by(-vectors)
+    np.testing.assert_allclose(both, np.tile(np.eye(3), (50, 1, 1)), atol=1e-12)
+
+
+def test_quaternions_are_those_of_transforms() -> None:
+    R = random_rotations(50)
+    for matrix, quat in zip(R, quaternions(R), strict=True):
+        T = np.eye(4)
+        T[:3, :3] = matrix
+        np.testing.assert_allclose(quat, from_matrix(T).quat_wxyz, atol=1e-12)
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_a_step_takes_the_tool_where_it_is_to_go(pair: tuple[str, str]) -> None:
+    arm, gripper = pair
+    space = Workspace(EnvOptions(arm=arm, gripper=gripper))
+    n, tool = 20, space.tool
+    q = space.start + rng.uniform(-0.1, 0.1, (n, 6))
+    pose = tool.pose(q)
+    wanted = ToolPose(
+        pose.position + rng.uniform(-0.015, 0.015, (n, 3)),
+        turned_by(rng.uniform(-0.05, 0.05, (n, 3))) @ pose.rotation,
+    )
+    found = tool.pose(tool.approach(q, wanted, np.full(6, 1.0)))
+    np.testing.assert_allclose(found.position, wanted.position, atol=5e-4)
+    np.testing.assert_allclose(found.rotation, wanted.rotation, atol=5e-3)
+    limit = np.full(6, 0.001)
+    assert np.abs(tool.approach(q, wanted, limit) - q).max() <= 0.001 + 1e-12
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_the_tool_starts_above_the_table_and_looks_down(pair: tuple[str, str]) -> None:
+    space = Workspace(EnvOptions(arm=pair[0], gripper=pair[1]))
+    pose = space.tool.pose(space.start[None])
+    np.testing.assert_allclose(pose.position[0], space.start_position, atol=1e-6)
+    np.testing.assert_allclose(
+        pose.rotation, downward(np.array([space.start_yaw])), atol=1e-6
+    )
+    low, high = space.area()
+    assert (low < high).all()
+    assert space.is_in_reach(space.start_position)
+    assert not space.is_in_reach(np.array([5.0, 0.0, 0.0]))

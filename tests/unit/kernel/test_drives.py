@@ -1,0 +1,305 @@
+"""The compiled drives against those of Python, bit by bit."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import random
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from skew_robot import build_model
+
+from tool0.description.config import DescriptionConfig
+from tool0.description.model import Interface, RobotModel, SafetyController
+from tool0.description.robot import assemble, load_description
+from tool0.hardware.bodies import STANDARD_GRAVITY
+from tool0.hardware.engine import JointState
+from tool0.hardware.limits import DriveLimits
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.kernel.drives import NativeDrives
+from tool0.kernel.library import kernel_status
+
+Efforts = Callable[[NativeDrives, list[float], JointState], list[float] | None]
+Change = Callable[[RobotHardware, JointState], None]
+
+
+@pytest.fixture(scope="module")
+def efforts() -> Efforts:
+    """Return the compiled function; it returns None where Python must step."""
+    status = kernel_status()
+    if status.library is None:
+        pytest.skip(status.reason)
+    function = status.library.drives_efforts
+
+    def run(
+        drives: NativeDrives, command: list[float], state: JointState
+    ) -> list[float] | None:
+        def array(values: list[float]) -> Any:
+            return (ctypes.c_double * len(values))(*values)
+
+        effort = array(state.effort)
+        is_event = function(
+            ctypes.byref(drives.struct),
+            array(command),
+            array(state.position),
+            array(state.velocity),
+            effort,
+        )
+        return None if is_event else effort[:]
+
+    return run
+
+
+def hexes(values: list[float]) -> list[str]:
+    return [float(value).hex() for value in values]
+
+
+def driven_by(model: RobotModel, *interfaces: Interface) -> RobotModel:
+    """Return the model with these interfaces in turn."""
+    transmissions = tuple(
+        replace(transmission, interface=interfaces[i % len(interfaces)])
+        for i, transmission in enumerate(model.transmissions)
+    )
+    return replace(model, transmissions=transmissions)
+
+
+def softened(model: RobotModel) -> RobotModel:
+    """Return the model with soft limits, every other one without k_velocity."""
+    joints = tuple(
+        replace(
+            joint,
+            safety=SafetyController(
+                soft_lower_limit=joint.limits.lower + 0.15,
+                soft_upper_limit=joint.limits.upper - 0.15,
+                k_position=20.0,
+                k_velocity=15.0 * (i % 2),
+            ),
+        )
+        for i, joint in enumerate(model.joints)
+    )
+    return replace(model, joints=joints)
+
+
+def compensated(model: RobotModel) -> RobotModel:
+    """Return the model with drives that all compensate gravity."""
+    transmissions = tuple(
+        replace(transmission, gravity_compensation=True)
+        for transmission in model.transmissions
+    )
+    return replace(model, transmissions=transmissions)
+
+
+def cell() -> RobotModel:
+    robots = ["left=ur5+2f85@0,0.6,0", "right=ur10e+hande@0,-0.6,0,0,0,1.2"]
+    return load_description(DescriptionConfig(robots=robots)).model
+
+
+MODELS: dict[str, Callable[[], RobotModel]] = {
+    "ur5+2f85": lambda: assemble("ur5", "2f85").model,
+    "ur5e+hande": lambda: assemble("ur5e", "hande").model,
+    "ur3+2f140": lambda: assemble("ur3", "2f140").model,
+    "cell": cell,
+    "linkage": lambda: assemble("ur5", "2f85", gripper_model="linkage").model,
+    "skew": lambda: build_model(Interface.EFFORT),
+    "position": lambda: driven_by(assemble().model, Interface.POSITION),
+    "velocity": lambda: driven_by(assemble("ur5", "hande").model, Interface.VELOCITY),
+    "mixed": lambda: driven_by(compensated(cell()), *Interface),
+    "soft": lambda: softened(assemble().model),
+    "soft-servos": lambda: driven_by(
+        softened(assemble("ur5", "hande").model), Interface.POSITION, Interface.VELOCITY
+    ),
+    "compensated": lambda: compensated(assemble().model),
+}
+GRAVITY = {"skew": (1.0, -2.0, -9.0), "soft": (0.0, 0.0, 9.81)}
+
+
+class Script:
+    """Random states, commands and requests: the same for all that take part."""
+
+    def __init__(self, model: RobotModel, hardware: RobotHardware, seed: str) -> None:
+        self.random = random.Random(seed)
+        self.model, self.hardware = model, hardware
+        self.limits = [model.joint(name).limits for name in hardware.joint_names]
+        n = len(self.limits)
+        self.state = JointState(0.0, [0.1] * n, [0.0] * n, [0.0] * n)
+        self.command = [0.0] * n
+
+    def advance(self, applied: list[float]) -> None:
+        """Move somewhere: mostly smoothly, at rest, or beyond any limit."""
+        draw, position, velocity = self.random, [], []
+        for q, qd, limits in zip(*self.state[1:3], self.limits, strict=True):
+            top = min(limits.velocity, 10.0)
+            qd = draw.choice([qd, qd, qd, 0.0, draw.gauss(0.0, 0.01), -qd])  # noqa: PLW2901
+            if draw.random() < 0.05:
+                qd = draw.choice([-1, 1]) * top * draw.uniform(0.0, 1.3)  # noqa: PLW2901
+            q = q + 1e-3 * qd  # noqa: PLW2901
+            if draw.random() < 0.01:
+                low, high = max(limits.lower, -7.0), min(limits.upper, 7.0)
+                q = draw.choice([low, high, draw.uniform(low, high), -0.0])  # noqa: PLW2901
+                q += draw.gauss(0.0, 1e-3)  # noqa: PLW2901
+            position.append(q)
+            velocity.append(qd)
+        time = self.state.time + 1e-3
+        self.state = JointState(time, position, velocity, applied)
+        if draw.random() < 0.3:
+            for name, i in self.hardware.index.items():
+                if name in self.hardware.interfaces:
+                    self.command[i] = self._some_command(name, i)
+
+    def _some_command(self, name: str, i: int) -> float:
+        draw, limits = self.random, self.limits[i]
+        if self.hardware.interfaces[name] is Interface.POSITION:
+            return self.state.position[i] + draw.gauss(0.0, 0.02)
+        if self.hardware.interfaces[name] is Interface.VELOCITY:
+            return draw.gauss(0.0, 0.5 * min(limits.velocity, 10.0))
+        return draw.gauss(0.0, 0.7 * min(limits.effort, 200.0))
+
+    def change(self) -> Change:
+        """Return what somebody requests between two steps."""
+        draw, driven = self.random, list(self.hardware.interfaces)
+        some = draw.sample(driven, draw.randint(1, len(driven)))
+        engaged = draw.random() < 0.2
+        return draw.choice(
+            [
+                lambda hardware, state: hardware.claim(some, state),
+                lambda hardware, state: hardware.claim(driven, state),
+                lambda hardware, state: hardware.claim(driven, state),
+                lambda hardware, state: hardware.release(some, state),
+                lambda hardware, state: hardware.set_stopped(engaged, state),
+                lambda hardware, state: hardware.restart(state),
+            ]
+        )
+
+    def goal(self) -> tuple[str, DriveLimits | None]:
+        """Return a joint, mostly a gripper's, and limits for its drive."""
+        draw, grippers = self.random, self.model.grippers
+        joints, chosen = list(self.hardware.interfaces), DriveLimits
+        if not grippers:
+            return draw.choice(joints), None
+        gripper = draw.choice(grippers)
+        joint = gripper.joint if draw.random() < 0.8 else draw.choice(joints)
+        limits: DriveLimits | None = draw.choice(
+            [
+                None,
+                chosen(gripper=gripper, effort=draw.uniform(0.1, 10.0)),
+                chosen(
+                    gripper=gripper,
+                    speed=draw.choice([None, draw.uniform(*gripper.speed)]),
+                    force=draw.choice([None, draw.uniform(*gripper.force)]),
+                ),
+            ]
+        )
+        return joint, limits
+
+
+def pair(name: str) -> tuple[RobotModel, RobotHardware, RobotHardware]:
+    """Return a model, and its drives twice."""
+    model = MODELS[name]()
+    names = [joint.name for joint in model.movable_joints]
+    random.Random(name).shuffle(names)  # an engine may have its own order
+    gravity = GRAVITY.get(name, STANDARD_GRAVITY)
+    first, second = (
+        RobotHardware(model, names, 1e-3, gravity=gravity) for _ in range(2)
+    )
+    return model, first, second
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_efforts_are_those_of_python_bit_by_bit(name: str, efforts: Efforts) -> None:
+    model, reference, hardware = pair(name)
+    script = Script(model, reference, name)
+    drives, draw = NativeDrives(hardware), random.Random(f"{name} steps")
+    n_native, n_steps = 0, 3000
+    for step in range(n_steps):
+        state = script.state
+        if step == 5 or draw.random() < 0.006:  # what somebody requests
+            change = script.change()
+            drives.store()
+            for each in (reference, hardware):
+                change(each, state)
+            script.command = reference.command.copy()
+            drives.load()
+        if draw.random() < 0.01:  # in a batch, the hardware knows nothing of it
+            joint, limits = script.goal()
+            reference.set_drive_limits(joint, limits)
+            drives.set_drive_limits(hardware.index[joint], limits)
+        if draw.random() < 0.01:  # meanwhile the hardware continues with another copy
+            drives.store()
+            hardware.set_drive_limits(*script.goal())
+            for _ in range(draw.randint(1, 70)):
+                hardware.efforts(state._replace(velocity=[0.0] * len(state.velocity)))
+            drives = drives.copy()
+        reference.command[:] = script.command
+        expected = reference.efforts(state)
+        actual = efforts(drives, script.command, state)
+        n_native += actual is not None
+        if actual is None:
+            drives.store()
+            hardware.command[:] = script.command
+            actual = hardware.efforts(state)
+            drives.load()
+        assert hexes(actual) == hexes(expected), f"step {step}"
+        script.advance(actual)
+    drives.store()
+    assert (hardware.setup, hardware.state) == (reference.setup, reference.state)
+    assert hardware.drive_limits == reference.drive_limits
+    assert n_native > 0.7 * n_steps
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("name", ["ur5+2f85", "position"])
+def test_what_is_not_finite_is_left_to_python(
+    name: str, value: float, efforts: Efforts
+) -> None:
+    model, hardware, _ = pair(name)
+    hardware.claim(list(hardware.interfaces), Script(model, hardware, name).state)
+    state = Script(model, hardware, name).state
+    hardware.efforts(state)
+    drives, last = NativeDrives(hardware), len(hardware.command) - 1
+    before = hardware.state
+    for k in range(4):
+        rows = [hardware.command.copy(), *(row.copy() for row in state[1:])]
+        rows[k][last] = value
+        command, position, velocity, effort = rows
+        bad = JointState(0.0, position, velocity, effort)
+        assert efforts(drives, command, bad) is None
+    drives.store()
+    assert hardware.state == before
+    assert efforts(drives, hardware.command, state) is not None
+
+
+def test_copies_are_independent_and_can_be_set_back(efforts: Efforts) -> None:
+    model, hardware, _ = pair("mixed")
+    script = Script(model, hardware, "copies")
+    hardware.claim(list(hardware.interfaces), script.state)
+    hardware.efforts(script.state)
+    start = NativeDrives(hardware)
+    copy = start.copy()
+    (gripper, *_) = model.grippers
+    joint, command = hardware.index[gripper.joint], [5.0] * len(hardware.command)
+
+    def run(drives: NativeDrives) -> list[list[str]]:
+        state = script.state
+        found = []
+        for k in range(40):
+            velocity = [0.1 * k] * len(state.velocity)
+            effort = efforts(drives, command, state._replace(velocity=velocity))
+            assert effort is not None
+            found.append(hexes(effort))
+        return found
+
+    first = run(copy)
+    copy.assign(start)
+    assert run(copy) == first
+    copy.assign(start)
+    limits = DriveLimits(gripper=gripper, effort=0.1, speed=gripper.speed[0])
+    copy.set_drive_limits(joint, limits)
+    assert run(copy) != first
+    assert run(start) == first
+    copy.store()
+    assert hardware.drive_limits == {gripper.joint: limits}
+    start.store()
+    assert hardware.drive_limits == {}
