@@ -9,15 +9,16 @@ from __future__ import annotations
 import contextlib
 import os
 import secrets
-import shutil
 import signal
 import socket
 import sys
 import tempfile
 import threading
+import time
 from collections import deque
 from collections.abc import Iterator, Sequence
 from functools import cache
+from pathlib import Path
 from typing import Any, Final, final
 
 from tool0.collect.executor import QUEUED, Finished, lost
@@ -25,20 +26,19 @@ from tool0.collect.packets import unpacked
 from tool0.collect.settings import Settings, differences, programs
 from tool0.collect.worker import Chunk, Worker, arguments
 from tool0.errors import CollectError, ConfigError, TransportError
-from tool0.installation.child_process import last_lines, run_program
+from tool0.installation.child_process import ChildProcess, last_lines, run_program
 
 LOCAL: Final = "local"
 _CONNECT_TIMEOUT: Final = 5.0
 """Longest wait for a connection to the cluster [wall s]."""
-_ANSWER_TIMEOUT: Final = 20.0
+_ANSWER_TIMEOUT: Final = 30.0
 """Longest wait for the cluster's answer [wall s]; it starts a Python."""
 _START_TIMEOUT: Final = 120.0
 """Longest time without any worker [wall s]."""
-_OWN_CLUSTER: Final = {
-    "RAY_USAGE_STATS_ENABLED": "0",
-    "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0",  # listens on 127.0.0.1 alone
-    "RAY_AUTH_MODE": "token",
-}
+_POLL_PERIOD: Final = 0.05
+"""Interval between two looks at a Ray that starts [wall s]."""
+_LOOPBACK: Final = "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"
+"""Ray reads it when it is imported: with 0 it uses no address but 127.0.0.1."""
 
 
 @final
@@ -163,19 +163,13 @@ class RayWorkers:
 
 @contextlib.contextmanager
 def _connected(address: str, n_workers: int | None) -> Iterator[Any]:
-    """Connect to a cluster, or start one; return the module ``ray``."""
-    if address != LOCAL:
-        _reach(address)
+    """Connect to a cluster, or to a new one; return the module ``ray``."""
     with contextlib.ExitStack() as exits:
-        options: dict[str, Any] = {"address": address}
         if address == LOCAL:
-            folder = tempfile.mkdtemp(prefix="tool0-ray-")
-            exits.callback(shutil.rmtree, folder, ignore_errors=True)
-            token = {"RAY_AUTH_TOKEN": _token()}
-            exits.enter_context(_environment(_OWN_CLUSTER | token))
             n_processors = n_workers or len(os.sched_getaffinity(0))
-            options |= {"num_cpus": n_processors, "include_dashboard": False}
-            options |= {"_temp_dir": folder}
+            address = exits.enter_context(own_cluster(n_processors))
+        else:
+            _reach(address)
         ray = _imported()
         if ray.is_initialized():
             raise ConfigError(
@@ -184,21 +178,48 @@ def _connected(address: str, n_workers: int | None) -> Iterator[Any]:
         exits.enter_context(_signals_kept())
         exits.callback(ray.shutdown)
         try:
-            context = ray.init(
-                **options,
+            ray.init(
+                address=address,
                 log_to_driver=False,
                 configure_logging=False,
                 logging_level="error",
             )
         except (Exception, SystemExit) as error:  # Ray's own are of many types
             raise TransportError(f"Ray at {address}: {error}") from error
-        host = context.address_info["gcs_address"].rpartition(":")[0]
-        if address == LOCAL and host != "127.0.0.1":
-            raise ConfigError(
-                "Ray was imported before and would listen to other machines; set "
-                "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER=0 before, or start it yourself"
-            )
         yield ray
+
+
+@contextlib.contextmanager
+def own_cluster(n_processors: int) -> Iterator[str]:
+    """Start a Ray that listens to this machine alone and ends with this process.
+
+    Its processes have a common group, which a supervisor ends.  Other users do not
+    know its token.
+
+    Raises:
+        ConfigError: If Ray was imported for clusters of several machines.
+        TransportError: If it does not start.
+    """
+    if "ray" in sys.modules and os.environ.get(_LOOPBACK) != "0":
+        raise ConfigError(
+            "Ray was imported before: set the environment variable "
+            f"{_LOOPBACK}=0 before that, or start this Ray first"
+        )
+    os.environ.update({_LOOPBACK: "0", "RAY_AUTH_MODE": "token"})
+    os.environ["RAY_AUTH_TOKEN"] = _token()
+    _imported()
+    with tempfile.TemporaryDirectory(
+        prefix="tool0-ray-", ignore_cleanup_errors=True
+    ) as folder:
+        answer = Path(folder, "address")
+        program = [sys.executable, "-m", "tool0.collect.ray_head", folder]
+        with ChildProcess([*program, str(n_processors)]) as head:
+            deadline = time.monotonic() + _ANSWER_TIMEOUT
+            while not answer.exists():
+                if head.exit_status is not None or time.monotonic() > deadline:
+                    raise TransportError(f"Ray does not start:\n{head.last_output()}")
+                time.sleep(_POLL_PERIOD)
+            yield answer.read_text()
 
 
 @cache
@@ -239,25 +260,12 @@ def _reach(address: str) -> None:
         done = run_program([*command, "--address", address], timeout=_ANSWER_TIMEOUT)
     except subprocess.TimeoutExpired:
         raise TransportError(
-            f"what listens at {address} does not answer as a Ray cluster"
+            f"what listens at {address} does not answer as a Ray cluster does; if it "
+            "is one, see that RAY_AUTH_TOKEN is its token"
         ) from None
     if done.returncode:
         said = last_lines(done.stderr)
         raise TransportError(f"the Ray cluster at {address} refuses:\n{said}")
-
-
-@contextlib.contextmanager
-def _environment(variables: dict[str, str]) -> Iterator[None]:
-    before = {name: os.environ.get(name) for name in variables}
-    os.environ.update(variables)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
 
 
 @contextlib.contextmanager
