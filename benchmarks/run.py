@@ -59,12 +59,6 @@ class Figure:
 def figures() -> Iterator[Figure]:
     """Measure one after the other."""
     yield from _speed_figures()
-    yield Figure(
-        "steps/s ÷ raw mj_step, holding", tick.speed_ratio(moving=False), 0.45, 0.75
-    )
-    yield Figure(
-        "steps/s ÷ raw mj_step, moving", tick.speed_ratio(moving=True), 0.45, 0.75
-    )
     many = batch.cost()
     name = f"batch of {batch.N_COPIES} on {batch.THREADS} threads: steps/s ÷ raw"
     yield Figure(name, many.ratio, 0.85, 0.95)
