@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from ctypes import Structure, c_double, c_int32, c_int64, c_size_t
+from ctypes import Structure, addressof, c_double, c_int32, c_int64, c_size_t
 from enum import IntEnum
 from typing import final
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.control.goal import UNCHECKED
-from tool0.control.law import CommandLaw, TrajectoryLaw
+from tool0.control.law import ActiveLaw, CommandLaw, GripperLaw, TrajectoryLaw
 from tool0.control.sampler import Check, GoalMonitor, Piece
 from tool0.control.spline import JointSpline, Segment, along
 
@@ -33,6 +33,31 @@ class LawKind(IntEnum):
 
     TRAJECTORY = 0
     COMMAND = 1
+    GRIPPER = 2
+
+
+_KINDS = {
+    TrajectoryLaw: LawKind.TRAJECTORY,
+    CommandLaw: LawKind.COMMAND,
+    GripperLaw: LawKind.GRIPPER,
+}
+
+
+@final
+class GripStruct(Structure):
+    """``Grip`` of ``laws.h``."""
+
+    _fields_ = (
+        ("target", c_double),
+        ("tolerance", c_double),
+        ("max_effort", c_double),
+        ("stall_range", c_double),
+        ("stall_timeout", c_double),
+        ("ramp", c_double),
+        ("effort", c_double),
+        ("stall_position", c_double),
+        ("stall_since", c_double),
+    )
 
 
 @final
@@ -62,6 +87,8 @@ class LawStruct(Structure):
         ("last_errors", c_size_t),
         ("errors", c_size_t),
         ("rates", c_size_t),
+        ("grip", c_size_t),
+        ("bounds", c_size_t),
         ("next_change", c_double),
         ("goal_time", c_double),
     )
@@ -108,17 +135,14 @@ class LawMemory:
     Gains, feed-forward and joints are the same for all robots.
     """
 
-    def __init__(
-        self, law: TrajectoryLaw | CommandLaw, joints: Sequence[int], n: int = 1
-    ) -> None:
+    def __init__(self, law: ActiveLaw, joints: Sequence[int], n: int = 1) -> None:
         """Allocate it; ``joints`` are the engine's numbers of the law's joints."""
         k = len(joints)
-        self._kind = LawKind.TRAJECTORY
-        if isinstance(law, CommandLaw):
-            self._kind = LawKind.COMMAND
+        self._kind = _KINDS[type(law)]
         self.joints: IntArray = np.array(joints, dtype=np.int32)
         self.wraps: IntArray = np.zeros(k, dtype=np.int32)
-        self.wraps[list(law.wrapping)] = 1
+        if not isinstance(law, GripperLaw):
+            self.wraps[list(law.wrapping)] = 1
         self.gains: FloatArray = np.zeros((k, 6))
         self.feed_forward: FloatArray = np.zeros(k)
         self.integrals: FloatArray = np.zeros((n, k))
@@ -129,15 +153,14 @@ class LawMemory:
         self.started: IntArray = np.zeros((n, k), dtype=np.int32)
         self.values: FloatArray = np.zeros((n, k))
         self.last_errors: FloatArray = np.zeros((n, k))
+        self.grips = (GripStruct * n)()
         self._scratch: FloatArray = np.zeros((n, 2, k))
         if isinstance(law, TrajectoryLaw) and law.feed_forward:
             self.feed_forward[:] = law.feed_forward
         if law.pid is not None:
             self.gains[:] = [row[1:] for row in law.pid.rows]
 
-    def fill(
-        self, struct: LawStruct, law: TrajectoryLaw | CommandLaw, robot: int = 0
-    ) -> None:
+    def fill(self, struct: LawStruct, law: ActiveLaw, robot: int = 0) -> None:
         """Set the constants and addresses in the struct of one robot."""
         struct.kind, struct.n = self._kind, len(self.joints)
         struct.has_pid = law.pid is not None
@@ -145,8 +168,9 @@ class LawMemory:
         struct.next_change = -math.inf
         if isinstance(law, TrajectoryLaw):
             struct.has_feed_forward = bool(law.feed_forward)
-        else:
+        elif isinstance(law, CommandLaw):
             struct.measures_velocity = law.measures_velocity
+        struct.grip = addressof(self.grips[robot])
         for name in ("joints", "wraps", "gains", "feed_forward"):
             setattr(struct, name, getattr(self, name).ctypes.data)
         for name in _OF_ROBOT:

@@ -12,15 +12,23 @@ import numpy as np
 
 from tool0.control.config import Controller
 from tool0.control.joint_trajectory import JointTrajectoryController
-from tool0.control.law import CommandLaw, IdleLaw, Law, TrajectoryLaw
+from tool0.control.law import (
+    ActiveLaw,
+    CommandLaw,
+    GripperLaw,
+    IdleLaw,
+    Law,
+    TrajectoryLaw,
+)
 from tool0.control.sampler import pieces_from
 from tool0.hardware.engine import JointState, NativeStepper
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.kernel.drives import NativeDrives
+from tool0.kernel.drives import NativeDrives, goal_limits
 from tool0.kernel.memory import (
     MOST_PIECES,
     FloatArray,
+    GripStruct,
     LawMemory,
     LawStruct,
     RobotStruct,
@@ -75,7 +83,7 @@ class RobotMemory:
 class _LoadedLaw:
     """A law of a running controller in the kernel's memory."""
 
-    def __init__(self, law: TrajectoryLaw | CommandLaw, joints: Sequence[int]) -> None:
+    def __init__(self, law: ActiveLaw, joints: Sequence[int]) -> None:
         self._memory = LawMemory(law, joints)
         self._struct = LawStruct()
         self._law = law
@@ -88,7 +96,7 @@ class _LoadedLaw:
         self._struct = struct
         self._memory.fill(struct, self._law)
 
-    def load(self, law: TrajectoryLaw | CommandLaw, time: float) -> None:
+    def load(self, law: ActiveLaw, time: float) -> None:
         """Take the law as it is at ``time`` [s]."""
         memory, pid = self._memory, law.pid
         self._law = law
@@ -99,6 +107,8 @@ class _LoadedLaw:
             memory.integrals[0] = pid.integrals
         if isinstance(law, TrajectoryLaw):
             self._load_motion(law, time)
+        elif isinstance(law, GripperLaw):
+            self._load_grip(law)
         else:
             memory.values[0] = law.values
             memory.last_errors[0] = law.last_errors
@@ -123,6 +133,25 @@ class _LoadedLaw:
             memory.arrived[:] = 0
             memory.arrived[0, list(monitor.arrived)] = 1
 
+    def _load_grip(self, law: GripperLaw) -> None:
+        grip = law.grip
+        self._memory.grips[0] = GripStruct(
+            law.target,
+            law.tolerance,
+            law.max_effort,
+            law.stall_range,
+            law.stall_timeout,
+            grip.ramp,
+            grip.effort,
+            grip.stall_position,
+            grip.stall_since,
+        )
+        self._struct.is_monitored = law.has_goal
+        self._struct.bounds = 0
+        if law.drive_limits is not None:
+            self._bounds = goal_limits(law.drive_limits)
+            self._struct.bounds = addressof(self._bounds)
+
     def store(self, controller: Controller, time: float) -> None:
         """Give the controller its state back; ``time`` is that of the next tick [s]."""
         law, memory = self._law, self._memory
@@ -133,6 +162,10 @@ class _LoadedLaw:
             law.pid.integrals[:] = memory.integrals[0].tolist()
         if isinstance(law, CommandLaw):
             law.last_errors[:] = memory.last_errors[0].tolist()
+        elif isinstance(law, GripperLaw):
+            grip, now = law.grip, memory.grips[0]
+            grip.ramp, grip.effort = now.ramp, now.effort
+            grip.stall_position, grip.stall_since = now.stall_position, now.stall_since
         elif law.monitor is not None:
             arrived: list[int] = np.flatnonzero(memory.arrived[0]).tolist()
             law.monitor.note_arrived(arrived)
