@@ -96,12 +96,12 @@ class _LoadedLaw:
             if pid.rows is not self._rows:
                 self._rows = pid.rows
                 memory.gains[:] = [row[1:] for row in pid.rows]
-            memory.integrals[0] = pid.integrals
+            memory.integrals[:] = pid.integrals
         if isinstance(law, TrajectoryLaw):
             self._load_motion(law, time)
         else:
-            memory.values[0] = law.values
-            memory.last_errors[0] = law.last_errors
+            memory.values[:] = law.values
+            memory.last_errors[:] = law.last_errors
 
     def _load_motion(self, law: TrajectoryLaw, time: float) -> None:
         memory, struct, monitor = self._memory, self._struct, law.monitor
@@ -110,10 +110,10 @@ class _LoadedLaw:
             self._packed, self._known_until = motion, math.inf
             for k, spline in enumerate(law.sampler.splines):
                 pieces = pieces_from(spline, time, MOST_PIECES)
-                memory.pieces[0, k, : len(pieces)] = [
+                memory.pieces[k, : len(pieces)] = [
                     packed(piece, monitor) for piece in pieces
                 ]
-                memory.n_pieces[0, k] = len(pieces)
+                memory.n_pieces[k] = len(pieces)
                 self._known_until = min(self._known_until, pieces[-1].until)
             memory.piece[:] = 0
             struct.next_change = -math.inf
@@ -121,7 +121,7 @@ class _LoadedLaw:
         if monitor is not None:
             struct.goal_time = monitor.goal_time
             memory.arrived[:] = 0
-            memory.arrived[0, list(monitor.arrived)] = 1
+            memory.arrived[list(monitor.arrived)] = 1
 
     def store(self, controller: Controller, time: float) -> None:
         """Give the controller its state back; ``time`` is that of the next tick [s]."""
@@ -130,11 +130,11 @@ class _LoadedLaw:
             controller.adopt(memory.started_splines(), time)
             memory.started[:] = 0
         if law.pid is not None:
-            law.pid.integrals[:] = memory.integrals[0].tolist()
+            law.pid.integrals[:] = memory.integrals.tolist()
         if isinstance(law, CommandLaw):
-            law.last_errors[:] = memory.last_errors[0].tolist()
+            law.last_errors[:] = memory.last_errors.tolist()
         elif law.monitor is not None:
-            arrived: list[int] = np.flatnonzero(memory.arrived[0]).tolist()
+            arrived: list[int] = np.flatnonzero(memory.arrived).tolist()
             law.monitor.note_arrived(arrived)
 
 
