@@ -452,8 +452,8 @@ class Batch:
             which: The copies.
 
         Raises:
-            EngineError: If there is no such object.
-            ControlError: If a shape or a number is wrong; nothing has changed.
+            ControlError: If there is no such object, or a shape or a number is wrong;
+                nothing has changed.
         """
         check = Arguments(self._n, "place")
         rows = check.which(which)
