@@ -26,7 +26,7 @@ def collect(
     workers: int | None = None,
     ray: Annotated[str | None, Option(metavar="ADDRESS")] = None,
     policy: str | None = None,
-    options: Annotated[tuple[str, ...], Option(metavar="NAME=VALUE ...")] = (),
+    env: Annotated[tuple[str, ...], Option(metavar="NAME=VALUE ...")] = (),
     seed: int = 0,
     format: Literal["parquet", "lerobot"] = "parquet",  # the option's name
     copies: int = 8,
@@ -45,7 +45,7 @@ def collect(
         ray: Collect with Ray: HOST:PORT of a cluster, or `local` to start Ray on this
             machine.
         policy: MODULE:NAME or FILE.py:NAME; if not given, the task's expert.
-        options: Keywords of the environment, such as arm=ur5e randomise=true.
+        env: Keywords of the environment, such as arm=ur5e randomise=true.
         seed: Base of the seeds of the episodes.
         format: Columns and further files.
         copies: Simulations of a worker that take turns.
@@ -62,7 +62,7 @@ def collect(
             workers=workers,
             ray=ray,
             policy=policy,
-            options=_keywords(options),
+            options=_keywords(env),
             seed=seed,
             format=format,
             copies=copies,
