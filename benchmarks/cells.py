@@ -9,6 +9,7 @@ from benchmarks import process, tick
 
 N_ROBOTS = 8
 ROBOTS = tuple(f"robot{k}=ur5+2f85@{k % 4},{k // 4},0" for k in range(N_ROBOTS))
+TWO = ("left=ur5+2f85@0,0.6,0", "right=ur5+2f85@0,-0.6,0")
 ROUNDS = 5
 
 
@@ -22,8 +23,16 @@ def start_ratio() -> float:
     return statistics.median(many.seconds / one.seconds for many, one in pairs)
 
 
-def speed_ratio() -> float:
-    """Return simulated steps/s of eight arms that hold ÷ raw ``mj_step``."""
+def speed_ratio(robots: tuple[str, ...], *, moving: bool) -> float:
+    """Return simulated steps/s of several robots ÷ raw ``mj_step``."""
     return tick.speed_ratio(
-        moving=False, description=tool0.DescriptionConfig(robots=ROBOTS)
+        moving=moving, description=tool0.DescriptionConfig(robots=robots)
     )
+
+
+if __name__ == "__main__":
+    for robots in (TWO, ROBOTS):
+        for moving in (False, True):
+            ratio = speed_ratio(robots, moving=moving)
+            state = "moving" if moving else "holding"
+            print(f"{len(robots)} robots: steps/s ÷ raw mj_step, {state}: {ratio:.3f}")

@@ -15,6 +15,7 @@ BRINGUP = [
     *("--no-realtime", "--summary", "none", "--name", "benchmark"),
 ]
 IMPORT = [sys.executable, "-c", "import mujoco"]
+IMPORT_TOOL0 = [sys.executable, "-c", "import tool0"]
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,12 @@ def start_ratio() -> float:
     """Return bring-up to all controllers running, and out ÷ ``import mujoco``."""
     cost(BRINGUP)  # byte-compiles
     pairs = [(cost(BRINGUP), cost(IMPORT)) for _ in range(ROUNDS)]
+    return statistics.median(ours.seconds / bare.seconds for ours, bare in pairs)
+
+
+def import_ratio() -> float:
+    """Return ``import tool0`` ÷ ``import mujoco``, with Python's own start in both."""
+    pairs = [(cost(IMPORT_TOOL0), cost(IMPORT)) for _ in range(ROUNDS)]
     return statistics.median(ours.seconds / bare.seconds for ours, bare in pairs)
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from benchmarks import (
+    batch,
     cells,
     drives,
     gazebo,
@@ -21,6 +22,7 @@ from benchmarks import (
     panel,
     process,
     rest,
+    robosuite,
     ros1,
     streams,
     tick,
@@ -56,14 +58,15 @@ class Figure:
 
 def figures() -> Iterator[Figure]:
     """Measure one after the other."""
-    yield Figure(
-        "steps/s ÷ raw mj_step, holding", tick.speed_ratio(moving=False), 0.45, 0.75
-    )
-    yield Figure(
-        "steps/s ÷ raw mj_step, moving", tick.speed_ratio(moving=True), 0.45, 0.75
-    )
+    yield from _speed_figures()
+    many = batch.cost()
+    name = f"batch of {batch.N_COPIES} on {batch.THREADS} threads: steps/s ÷ raw"
+    yield Figure(name, many.ratio, 0.85, 0.95)
+    same = many.same_threads
+    yield Figure("the same ÷ raw on as many threads at once", same, 0.85, 0.95)
+    yield Figure("the same, with actions and arrays", many.with_actions, 0.75, 0.9)
+    yield Figure("memory of a copy [MB]", many.bytes_per_copy / 1e6, 2.0, 1.0)
     eight = f"{cells.N_ROBOTS} robots"
-    yield Figure(f"{eight}: steps/s ÷ raw mj_step", cells.speed_ratio(), 0.4, 0.6)
     yield Figure(f"{eight}: start-up ÷ that of one", cells.start_ratio(), 5.0, 2.5)
     for name in golden.SCENARIOS:
         worst = golden.compare(name, "mujoco").worst
@@ -71,7 +74,8 @@ def figures() -> Iterator[Figure]:
     yield Figure(
         "start to end of a bring-up ÷ import mujoco", process.start_ratio(), 3.0, 2.0
     )
-    yield Figure("resident memory, headless [MB]", process.memory(), 220.0, 150.0)
+    yield Figure("import tool0 ÷ import mujoco", process.import_ratio(), 0.2, 0.1)
+    yield Figure("resident memory, headless [MB]", process.memory(), 100.0, 80.0)
     trips = [kinematics.round_trip(arm) for arm in arms()]
     name = f"inverse kinematics, {len(trips)} arms x {kinematics.N_POSES} poses"
     n_missed = sum(trip.n_missed for trip in trips)
@@ -101,6 +105,26 @@ def figures() -> Iterator[Figure]:
         print(
             f"no Gazebo can run here, so none is measured: {'; '.join(found.missing)}"
         )
+
+
+def _speed_figures() -> Iterator[Figure]:
+    for moving in (False, True):
+        state = "moving" if moving else "holding"
+        name = f"steps/s ÷ raw mj_step, {state}"
+        yield Figure(name, tick.speed_ratio(moving=moving), 0.75, 0.85)
+        ratio = tick.speed_ratio(moving=moving, scene="table_and_cubes")
+        yield Figure(f"{name}, table and cubes", ratio, 0.75, 0.85)
+        for robots in (cells.TWO, cells.ROBOTS):
+            ratio = cells.speed_ratio(robots, moving=moving)
+            yield Figure(f"{name}, {len(robots)} robots", ratio, 0.75, 0.85)
+    yield Figure("steps/s ÷ the original's", tick.speed_against_original(), 20.0, 25.0)
+    try:
+        ratios = robosuite.speed_ratios()
+    except robosuite.UnavailableError as why:
+        print(f"no robosuite can run here, so it is not measured: {why}")
+    else:
+        for controller, ratio in ratios.items():
+            yield Figure(f"steps/s ÷ robosuite's, {controller}", ratio, 7.0, 9.0)
 
 
 def _grasp_figures(engine: str, n_picks: int) -> Iterator[Figure]:

@@ -104,6 +104,13 @@ PRINTED = {
         r"tools apart: \d\.\d\d m",
         "stopped: True",
     ],
+    "18_batch": [
+        r"forces on the pads of copy 5: \[(49|50|51)\. (49|50|51)\.\] N",
+        "0.05 kg lifted with 25 N 50 N 100 N 200 N",
+        "3.00 kg lifted with 100 N 200 N",
+        r"shapes: \(16, 12\) \(16, 3\) \(16, 4\)",
+        r"times after the reset: \[0\. +2\.5\] s",
+    ],
     "14_pick": [r"holding_inside, gOBJ 2", r"the cube weighs (9\d|10\d) g, .*"],
 }
 """Example → what some of its lines are, in this order."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import os
 from typing import NoReturn
@@ -12,6 +13,7 @@ from tool0.engines.mujoco.gl import make_context
 from tool0.errors import RenderError
 from tool0.installation.gazebo.status import gazebo_status
 from tool0.installation.ros1.packages import required_components, ros1_status
+from tool0.kernel.library import kernel_status
 
 
 def absent(part: str, why: str) -> NoReturn:
@@ -37,6 +39,14 @@ def require_gl() -> None:
         make_context(8, 8).free()
     except RenderError as error:
         absent("gl", str(error))
+
+
+def require_kernel() -> ctypes.CDLL:
+    """Return the compiled kernel; else skip, or fail if this run promised it."""
+    status = kernel_status()
+    if status.library is None:
+        absent("kernel", status.reason)
+    return status.library
 
 
 def require_ros(*, rviz: bool = False) -> None:

@@ -7,8 +7,6 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tool0.api.grasps import CLEARANCE
-from tool0.api.table import TABLE_TOP
 from tool0.errors import ControlError
 from tool0.gym.options import EnvOptions
 from tool0.gym.tool import ToolPose, downward, turned_by
@@ -56,7 +54,6 @@ class Actions:
         """Way of each joint at an action of 1 [rad], shape (6,)."""
         self.limit = FASTEST * workspace.fastest * period
         """Largest way of each joint [rad], shape (6,)."""
-        self._lowest = TABLE_TOP + workspace.reach + CLEARANCE
 
     def checked(self, actions: ArrayLike, n: int) -> Array:
         """Return actions of n copies as numbers within -1 … 1, shape (n, m).
@@ -113,7 +110,7 @@ class Actions:
         pose = self._workspace.tool.pose(target)
         position = pose.position + actions[:, :3] * self.linear
         # Below, the finger tips would press on the table; out of there is allowed.
-        lowest = np.minimum(pose.position[:, 2], self._lowest)
+        lowest = np.minimum(pose.position[:, 2], self._workspace.lowest)
         position[:, 2] = np.maximum(position[:, 2], lowest)
         if self.mode == "cartesian":
             return ToolPose(position, downward(pose.yaw + actions[:, 3] * self.turn))

@@ -53,10 +53,15 @@ class Copies:
         self.workspace = workspace = Workspace(options)
         self.task = make_task(task, workspace)
         self.actions = Actions(workspace, options)
+        scene = self.task.scene()
+        by_name = {item.name: item for item in scene.objects}
+        cubes = [by_name[name] for name in self.task.objects]
+        self._mass = np.array([cube.mass for cube in cubes], dtype=np.float64)
+        self._friction = np.array([cube.friction for cube in cubes])
         self.batch = Batch(
             n,
             description=workspace.description,
-            scene=self.task.scene(),
+            scene=scene,
             dt=options.dt,
             threads=options.threads,
         )
@@ -94,8 +99,8 @@ class Copies:
             start = self.task.draw(rng)
             places[i], yaws[i], self._goal[i] = start
             if ranges is not None:
-                mass[i] = rng.uniform(*ranges.mass, count)
-                friction[i] = rng.uniform(*ranges.friction, count)
+                mass[i] = self._mass * rng.uniform(*ranges.mass, count)
+                friction[i] = self._friction * rng.uniform(*ranges.friction, count)
                 noise = rng.uniform(-1.0, 1.0, len(self._arm)) * ranges.joint_noise
                 position[i, self._arm] += noise
         batch = self.batch

@@ -27,7 +27,6 @@ from tool0.gym.tasks import (
     is_holding,
 )
 from tool0.gym.tool import ToolPose, downward, rotation_vector, turned_by
-from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 from tool0.kinematics.geometry import wrapped
 
@@ -238,12 +237,14 @@ def _push(copies: Copies, state: State) -> Target:
     heading = np.arctan2(along[:, 1], along[:, 0])
     half = np.remainder(heading - pose.yaw + np.pi / 2.0, np.pi) - np.pi / 2.0
     yaw, twist = pose.yaw + half, np.abs(half)
-    low = TABLE_TOP + space.grasp_height + space.advance
+    low = space.lowest + space.advance
     hover = TABLE_TOP + space.hover_height + space.advance
-    clear = _behind(space)
+    clear = space.run_up
     is_low = tcp[:, 2] < low + 0.01
-    slack = np.where(is_low, 2.0, 1.0)
-    ready = (behind > 0.4 * edge) & (behind < clear + 0.03)
+    slack = np.where(is_low, NEAR, 1.0)
+    opening = np.full(copies.n, PUSH_OPENING * edge)
+    ready = is_low | (state.opening < 1.5 * opening)
+    ready &= (behind > 0.4 * edge) & (behind < clear + 0.03)
     ready &= (np.abs(aside) < slack * 0.008) & (twist < slack * 0.1)
     aim = np.empty((copies.n, 3))
     # Behind the cube, above it, until the tool can go down there.
@@ -256,13 +257,11 @@ def _push(copies: Copies, state: State) -> Target:
     forward = on_line + along * (_length(way) + 0.02)[:, None]
     aim[:, :2] = np.where(pushing[:, None], forward, aim[:, :2])
     speed = np.where(pushing, PUSH_SLOW, 1.0)
-    opening = np.full(copies.n, PUSH_OPENING * edge)
+    # A cube between the fingers is let go.
+    caught = cube[:, 2] > TABLE_TOP + edge
+    aim = np.where(caught[:, None], pose.position, aim)
+    opening = np.where(caught, space.gripper.max_opening, opening)
     return Target(aim, yaw, opening, speed)
-
-
-def _behind(space: Workspace) -> float:
-    """Return how far behind a cube the tool goes down to push it [m]."""
-    return 0.71 * space.edge + 0.03
 
 
 def _length(vectors: Array) -> Array:

@@ -25,13 +25,14 @@ _CHOICES = {
 class Randomisation:
     """What differs from episode to episode, beside the poses of objects and goals.
 
-    Each range is drawn from uniformly; one whose ends are equal is constant.
+    Factors are drawn uniformly, for each movable object; a range whose ends are equal
+    is constant.
     """
 
-    mass: tuple[float, float] = (0.05, 0.2)
-    """Of each movable object [kg]."""
-    friction: tuple[float, float] = (0.7, 1.2)
-    """Coefficient of each movable object."""
+    mass: tuple[float, float] = (0.5, 2.0)
+    """Of the task's own mass."""
+    friction: tuple[float, float] = (0.8, 1.25)
+    """Of the task's own friction coefficient."""
     joint_noise: float = 0.03
     """Largest deviation of an arm's joint from the start pose [rad]."""
 

@@ -35,6 +35,8 @@ RELEASED = 0.006
 """Least opening beyond a cube's edge that has released it [m]."""
 APART = 0.13
 """Least distance of two cubes at the start: the open gripper fits between [m]."""
+SLIDING = 0.4
+"""Friction coefficient of a cube to push: with 1, one that is pushed tips over."""
 PUSH_WAY = (0.08, 0.20)
 """Range of the way to push, for an arm of scale 1 [m]."""
 HELD = 0.025
@@ -281,17 +283,21 @@ class Push:
         self._workspace = workspace
 
     def scene(self) -> Scene:
-        return self._workspace.scene(self.objects)
+        return self._workspace.scene(self.objects, friction=SLIDING)
 
     def draw(self, rng: np.random.Generator) -> Start:
         low, high = self._workspace.area()
         shortest, longest = (way * self._workspace.scale for way in PUSH_WAY)
         shortest = max(shortest, 2.0 * PUSHED)
-        place = goal = _on_table(self._workspace, rng, low, high)
-        while not shortest <= math.dist(place, goal) <= longest:
+        while True:
             place = _on_table(self._workspace, rng, low, high)
             goal = _on_table(self._workspace, rng, low, high)
-        return Start(place[None], _yaws(rng, 1), goal)
+            way = math.dist(place, goal)
+            if not shortest <= way <= longest:
+                continue
+            behind = place + (place - goal) * self._workspace.run_up / way
+            if (low <= behind[:2]).all() and (behind[:2] <= high).all():
+                return Start(place[None], _yaws(rng, 1), goal)
 
     def achieved(self, state: State) -> Array:
         return state.object_position[:, 0]

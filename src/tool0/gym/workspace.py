@@ -47,6 +47,8 @@ CUBE_MASS, CUBE_FRICTION = 0.1, 1.0
 """[kg], coefficient; unless they are randomised."""
 HOVER = 0.02
 """Least distance of the finger tips from cubes that they pass over [m]."""
+RUN_UP = 0.03
+"""The same from its nearest corner, which leaves room for the fingers [m]."""
 ATTEMPTS = 200
 """Draws of a place before the last one is taken."""
 
@@ -116,9 +118,19 @@ class Workspace:
     # ---- places on the table --------------------------------------------------------
 
     @property
+    def lowest(self) -> float:
+        """Least height of the tcp in the root [m]: the finger tips clear the table."""
+        return TABLE_TOP + self.reach + CLEARANCE
+
+    @property
     def hover_height(self) -> float:
         """Height of the tcp above the table where fingers pass over cubes [m]."""
         return max(self.grasp_height, self.reach) + self.edge + HOVER
+
+    @property
+    def run_up(self) -> float:
+        """Distance from a cube's middle at which a tool goes down to push it [m]."""
+        return 0.71 * self.edge + RUN_UP
 
     @property
     def lift(self) -> float:
@@ -209,7 +221,13 @@ class Workspace:
 
     # ---- the scene ------------------------------------------------------------------
 
-    def scene(self, cubes: tuple[str, ...], *, with_bin: bool = False) -> Scene:
+    def scene(
+        self,
+        cubes: tuple[str, ...],
+        *,
+        friction: float = CUBE_FRICTION,
+        with_bin: bool = False,
+    ) -> Scene:
         """Return the table with cubes of these names, and perhaps the bin."""
         whole = self.table.scene(edge=self.edge, mass=CUBE_MASS, friction=CUBE_FRICTION)
         fixed = [
@@ -224,7 +242,7 @@ class Workspace:
                 geometry=Box(size=(self.edge, self.edge, self.edge)),
                 pose=Pose(xyz=(float(x), float(high[1]), TABLE_TOP + self.edge / 2.0)),
                 mass=CUBE_MASS,
-                friction=CUBE_FRICTION,
+                friction=friction,
                 rgba=PALETTE[k % len(PALETTE)],
             )
             for k, (name, x) in enumerate(

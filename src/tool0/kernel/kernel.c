@@ -76,3 +76,9 @@ TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
     }
     return RUN_DONE;
 }
+
+/* The sizes of the structs that Python has, too, for a test: they must agree. */
+TOOL0_EXPORT const int tool0_struct_sizes[] = {
+    sizeof(Robot), sizeof(Law), sizeof(Piece), sizeof(Drives), sizeof(DriveTable),
+    sizeof(DriveBody), sizeof(DriveBounds), sizeof(DriveGoal), sizeof(DriveServo), 0,
+};

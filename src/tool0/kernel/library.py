@@ -60,7 +60,7 @@ def kernel_status() -> KernelStatus:
 
 @cache
 def _opened(folder: Path) -> KernelStatus:
-    """Open the library in ``folder``, once per process: 0.3 ms."""
+    """Open the library in ``folder``, once per process: 0.5 ms."""
     path = folder / LIBRARY
     try:
         return KernelStatus(path, open_library(folder))

@@ -196,7 +196,7 @@ def test_success_ends_an_episode_or_does_not(terminates: bool) -> None:
 
 
 def test_randomised_masses_stay_in_their_range_and_differ() -> None:
-    ranges = tool0.gym.Randomisation(mass=(0.1, 0.3), friction=(0.5, 0.6))
+    ranges = tool0.gym.Randomisation(mass=(1.0, 3.0), friction=(0.5, 0.6))
     env = make_vec("Stack", 4, randomise=ranges)
     env.reset(seed=0)
     batch = env.unwrapped.copies.batch

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from promised import require_kernel
 from skew_robot import build_model
 
 from tool0.description.config import DescriptionConfig
@@ -20,7 +21,6 @@ from tool0.hardware.engine import JointState
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives
-from tool0.kernel.library import kernel_status
 
 Efforts = Callable[[NativeDrives, list[float], JointState], list[float] | None]
 Change = Callable[[RobotHardware, JointState], None]
@@ -29,10 +29,7 @@ Change = Callable[[RobotHardware, JointState], None]
 @pytest.fixture(scope="module")
 def efforts() -> Efforts:
     """Return the compiled function; it returns None where Python must step."""
-    status = kernel_status()
-    if status.library is None:
-        pytest.skip(status.reason)
-    function = status.library.drives_efforts
+    function = require_kernel().drives_efforts
 
     def run(
         drives: NativeDrives, command: list[float], state: JointState

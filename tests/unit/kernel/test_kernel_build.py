@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import os
 import random
 import shlex
 import shutil
@@ -210,7 +211,7 @@ def run_command(folder: Path, *words: str, cc: str) -> tuple[int, str]:
         capture_output=True,
         text=True,
         check=False,
-        env={"CC": cc, "PATH": "/usr/bin:/bin"},
+        env={**os.environ, "CC": cc},
     )
     assert done.stdout == ""
     return done.returncode, done.stderr

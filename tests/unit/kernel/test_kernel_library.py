@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from kernel_sources import require_compiler, write_function
 
+import tool0
 from tool0.errors import ConfigError
 from tool0.kernel import library
 from tool0.kernel.build import LIBRARY, build, source_digest
@@ -105,3 +106,13 @@ def test_what_cannot_be_read_is_not_used(
     (folder / LIBRARY).unlink()
     (folder / LIBRARY).mkdir()
     assert "cannot read" in reason_to_run_python(caplog)
+
+
+def test_a_bringup_runs_without_a_usable_kernel(
+    folder: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    write_function(folder, 43)
+    with tool0.bringup(realtime=False) as robot:
+        robot.run(0.02)
+        assert robot.time == 0.02
+    assert "compiled from other sources" in reason_to_run_python(caplog)

@@ -277,6 +277,25 @@ def test_commands_of_many_threads_are_all_answered_while_it_runs(
     assert core.manager.status("arm").state == "running"
 
 
+def test_a_late_loop_catches_up_in_bursts_that_end_at_snapshots(
+    start: Starter, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bursts: list[tuple[int, int]] = []
+    advance = Core.advance
+
+    def recorded(core: Core, most: int) -> int:
+        bursts.append((core.ticks, most))
+        return advance(core, most)
+
+    monkeypatch.setattr(Core, "advance", recorded)
+    loop, bus, _ = start(speed=1000.0)
+    wait_until(bus, lambda snapshot: snapshot.time > 1.0)
+    answered_at = loop.call(lambda: loop.steps)
+    assert any(ticks == answered_at for ticks, _ in bursts)  # between two of them
+    assert max(most for _, most in bursts) > 1
+    assert all(ticks % 8 + most <= 8 for ticks, most in bursts)
+
+
 def test_after_a_pause_not_one_tick_passes(start: Starter) -> None:
     loop, bus, _ = start()
     errors: list[ControlError] = []

@@ -10,6 +10,7 @@ from typing import Any, final
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
@@ -126,21 +127,20 @@ class MujocoWorld:
 
     def normal_forces(self, links: Sequence[str]) -> list[float]:
         """Return the sum of the normal forces on each link in the last step [N]."""
-        data = self._data
-        n = data.ncon
-        geoms = data.contact.geom
-        forces = data.efc_force
-        rows = data.contact.efc_address
-        found = []
-        for link in links:
-            numbers = self._geoms_of(link)
-            touching = np.isin(geoms, numbers).any(axis=1) & (rows >= 0)
-            found.append(float(forces[rows[touching]].sum()) if n else 0.0)
-        return found
+        contacts = self._data.contact
+        rows = contacts.efc_address
+        if not (rows >= 0).any():
+            return [0.0] * len(links)
+        forces = np.where(rows >= 0, self._data.efc_force[rows], 0.0)
+        geoms = contacts.geom
+        return [float(forces @ self._is_of(link)[geoms].any(axis=1)) for link in links]
 
-    def _geoms_of(self, link: str) -> list[int]:
-        owners = self._geom_owners
-        return [i for i, owner in enumerate(owners) if owner == link]
+    def _is_of(self, link: str) -> NDArray[np.bool_]:
+        """Return for each geom whether it is of ``link``."""
+        if link not in self._masks:
+            owners = self._geom_owners
+            self._masks[link] = np.array([owner == link for owner in owners])
+        return self._masks[link]
 
     def contacts(self) -> tuple[Contact, ...]:
         model, data = self._model, self._data
@@ -206,6 +206,7 @@ class MujocoWorld:
         }
         self._attached = attached
         self._geom_owners = geom_owners(model)
+        self._masks: dict[str, NDArray[np.bool_]] = {}
         self.states = ObjectStates(model, self._data, scene)
         self._on_compiled(model, self._data)
 
@@ -220,14 +221,15 @@ class MujocoWorld:
     def _warn_of_overlaps(self, of: str | None = None) -> None:
         """Log a warning for each overlap, of the object ``of`` if it is given."""
         deepest: dict[tuple[str, str], float] = {}
-        for contact in self._data.contact[: self._data.ncon]:
-            if contact.dist < -OVERLAP_WARNING:
-                # The moving body is named first, the static one second.
-                geoms = [self._model.geom(int(geom)) for geom in contact.geom]
-                geoms.sort(key=self._mobility, reverse=True)
-                first, second = (self._geom_owners[geom.id] for geom in geoms)
-                depth = max(-contact.dist, deepest.get((first, second), 0.0))
-                deepest[first, second] = depth
+        contacts = self._data.contact
+        for i in np.flatnonzero(contacts.dist < -OVERLAP_WARNING).tolist():
+            contact = contacts[i]
+            # The moving body is named first, the static one second.
+            geoms = [self._model.geom(int(geom)) for geom in contact.geom]
+            geoms.sort(key=self._mobility, reverse=True)
+            first, second = (self._geom_owners[geom.id] for geom in geoms)
+            depth = max(-contact.dist, deepest.get((first, second), 0.0))
+            deepest[first, second] = depth
         for (first, second), depth in deepest.items():
             if of in (None, first, second):
                 logger.warning(

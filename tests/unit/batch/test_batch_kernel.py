@@ -1,0 +1,166 @@
+"""What the kernel executes of a batch, and what Python does: the result is the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from batch_rig import Beside
+from numpy.typing import NDArray
+from promised import require_gl
+
+import tool0
+from tool0.kernel import library
+from tool0.runtime.core import Core
+
+Array = NDArray[np.float64]
+POSITION = "hardware_interface/PositionJointInterface"
+CONTROLLERS = """
+arm_controller:
+  type: position_controllers/JointTrajectoryController
+  joints: [shoulder_pan_joint, shoulder_lift_joint, elbow_joint,
+           wrist_1_joint, wrist_2_joint, wrist_3_joint]
+gripper_controller:
+  type: position_controllers/JointTrajectoryController
+  joints: [finger_joint]
+"""
+
+needs_kernel = pytest.mark.skipif(
+    library.load() is None, reason="no compiled kernel in this installation"
+)
+
+
+@pytest.fixture
+def python_ticks(monkeypatch: pytest.MonkeyPatch) -> list[Core]:
+    """The cores whose ticks Python executed, in order."""
+    found: list[Core] = []
+    tick = Core.tick
+
+    def counted(core: Core) -> None:
+        found.append(core)
+        tick(core)
+
+    monkeypatch.setattr(Core, "tick", counted)
+    return found
+
+
+def moved(batch: tool0.Batch) -> tuple[Array, ...]:
+    """Move arms and grippers in several ways; return what came of it."""
+    columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
+    rng = np.random.default_rng(4)
+    found: list[Array] = []
+    for k in range(6):
+        q = batch.position[:, columns] + rng.uniform(-0.1, 0.1, (batch.n, len(columns)))
+        velocities = rng.uniform(-0.2, 0.2, q.shape) if k % 2 else None
+        batch.command(q, velocities=velocities, duration=0.02 + 0.01 * k)
+        batch.move_gripper(rng.uniform(0.0, 0.08, batch.n), force=30.0 + 10 * k)
+        if k == 4:
+            batch.reset([1])
+        batch.run(0.045)
+        found += [batch.time, batch.position, batch.velocity, batch.effort]
+        found += [batch.object_position, batch.object_angular]
+    return tuple(found)
+
+
+@needs_kernel
+def test_the_kernel_executes_every_ordinary_tick(python_ticks: list[Core]) -> None:
+    with tool0.Batch(3, scene="table_and_cubes") as batch:
+        moved(batch)
+    assert python_ticks == []
+
+
+@needs_kernel
+def test_python_gives_the_same(
+    monkeypatch: pytest.MonkeyPatch, python_ticks: list[Core]
+) -> None:
+    with tool0.Batch(2, scene="table_and_cubes") as batch:
+        compiled = moved(batch)
+    monkeypatch.setenv(library.VARIABLE, "python")
+    with tool0.Batch(2, scene="table_and_cubes") as batch:
+        reference = moved(batch)
+    assert len(python_ticks) == 2 * 6 * 45
+    for one, other in zip(compiled, reference, strict=True):
+        assert np.array_equal(one, other)
+
+
+def test_drives_that_need_python_now_and_then(
+    tmp_path: Path, python_ticks: list[Core]
+) -> None:
+    """Servos update their mass matrix every 64 steps, in Python."""
+    servos = tool0.DescriptionConfig(transmission_hw_interface=POSITION)
+    file = tmp_path / "controllers.yaml"
+    file.write_text(CONTROLLERS)
+    control = tool0.ControlConfig(
+        controllers_file=file, controllers="arm_controller gripper_controller"
+    )
+    with Beside(2, description=servos, control=control) as beside:
+        rng = np.random.default_rng(2)
+        columns = [beside.batch.joint_names.index(j) for j in beside.batch.arm_joints]
+        for _ in range(3):
+            q = beside.batch.position[:, columns]
+            beside.command(q + rng.uniform(-0.1, 0.1, q.shape), duration=0.1)
+            beside.move_gripper(rng.uniform(0.0, 0.08, 2).tolist())
+            beside.run(0.15)
+            beside.check()
+    if library.load() is not None:
+        assert 0 < len(python_ticks) < 2 * 2 * 450 / 10
+
+
+def test_motions_of_joints_that_turn_without_end() -> None:
+    """A target goes the shortest way round, from wherever the joint is."""
+    description = tool0.DescriptionConfig(arm="ur3e", gripper=None)
+    with Beside(2, description=description) as beside:
+        batch = beside.batch
+        joint = batch.arm_joints.index("wrist_3_joint")
+        columns = [batch.joint_names.index(j) for j in batch.arm_joints]
+        q = batch.position[:, columns]
+        for target in (3.0, -3.0, 7.0, -20.0):
+            q[:, joint] = target
+            beside.command(q, duration=0.2)
+            beside.run(0.12)
+            beside.check()
+        turned = batch.position[:, batch.joint_names.index("wrist_3_joint")]
+        assert (np.abs(turned) < 12.0).all()
+
+
+def test_long_trajectories_and_what_replaces_them() -> None:
+    with Beside(2) as beside:
+        batch = beside.batch
+        columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
+        steps = np.random.default_rng(1).uniform(-0.01, 0.01, (2, 40, 6))
+        path = batch.position[:, None, columns] + steps.cumsum(axis=1)
+        beside.follow(path, (0.01 * np.arange(1, 41)).tolist())
+        beside.run(0.255)
+        beside.check()
+        beside.command(path[:, 0], duration=0.05)
+        beside.run(0.1)
+        beside.check()
+
+
+def test_implausible_motions_are_refused() -> None:
+    with tool0.Batch(2) as batch:
+        columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
+        q = batch.position[:, columns]
+        before = batch.position
+        velocities = np.zeros_like(q)
+        velocities[1, 2] = 1e12
+        with pytest.raises(tool0.GoalRejectedError, match="copy 1"):
+            batch.command(q, velocities=velocities, duration=1.0)
+        assert np.array_equal(batch.position, before)
+        batch.run(0.01)
+        with tool0.bringup(realtime=False) as robot:
+            robot.run(0.01)
+            assert batch.position[1].tolist() == list(robot.snapshot.position)
+
+
+def test_images_show_the_present_state() -> None:
+    require_gl()
+    with tool0.Batch(2, scene="table_and_cubes") as batch:
+        columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
+        batch.command(batch.position[:, columns] + 0.3, duration=0.1, which=[1])
+        batch.run(0.1)
+        one, other = (batch.render(i, "scene") for i in range(2))
+        assert one.time == other.time == batch.time[0]
+        assert one.rgb.shape == other.rgb.shape
+        assert np.abs(one.rgb.astype(int) - other.rgb).max() > 50

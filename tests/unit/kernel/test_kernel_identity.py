@@ -1,0 +1,226 @@
+"""The kernel and the Python reference give the same results, to the bit."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import tool0
+from tool0 import TrajectoryPoint
+from tool0.description.config import DescriptionConfig
+from tool0.description.shapes import Box
+from tool0.errors import Tool0Error
+from tool0.kernel import library
+from tool0.runtime.config import ControlConfig, SimulationConfig
+
+Record = list[object]
+Scenario = Callable[[Any, Record], None]
+
+POSITION = """
+arm:
+  type: position_controllers/JointTrajectoryController
+  joints: [shoulder_pan_joint, shoulder_lift_joint, elbow_joint, wrist_1_joint,
+           wrist_2_joint, wrist_3_joint]
+  constraints: {goal_time: 0.5, elbow_joint: {trajectory: 0.05, goal: 0.01}}
+"""
+FORWARD = """
+arm:
+  type: effort_controllers/JointGroupPositionController
+  joints: [shoulder_pan_joint, shoulder_lift_joint, elbow_joint, wrist_1_joint,
+           wrist_2_joint, wrist_3_joint]
+  shoulder_pan_joint: {pid: {p: 4000, i: 100, d: 200, i_clamp: 1}}
+  shoulder_lift_joint: {pid: {p: 10000, i: 100, d: 200, i_clamp: 1}}
+  elbow_joint: {pid: {p: 2000, i: 100, d: 200, i_clamp: 1}}
+  wrist_1_joint: {pid: {p: 500, i: 100, d: 5, i_clamp: 1, antiwindup: true}}
+  wrist_2_joint: {pid: {p: 500, i: 100, d: 5, i_clamp: 1}}
+  wrist_3_joint: {pid: {p: 10, i: 0, d: 0.1}}
+"""
+
+
+@pytest.fixture(autouse=True)
+def _needs_the_kernel() -> None:
+    status = library.kernel_status()
+    if status.library is None:
+        pytest.fail(f"no compiled kernel: {status.reason}")
+
+
+def numbers(robot: Any) -> list[str]:
+    """Return the state as exact text: signs of zeros count."""
+    snapshot = robot.snapshot
+    state = (*snapshot.position, *snapshot.velocity, *snapshot.effort)
+    objects = [
+        x
+        for item in snapshot.objects
+        for x in (*item.position, *item.quat_wxyz, *item.linear, *item.angular)
+    ]
+    errors = [
+        x
+        for setpoint in snapshot.controller_setpoints.values()
+        for x in setpoint.state().error.positions
+    ]
+    return [float(x).hex() for x in (snapshot.time, *state, *objects, *errors)]
+
+
+def recorded(
+    monkeypatch: pytest.MonkeyPatch, scenario: Scenario, kernel: str, **options: Any
+) -> Record:
+    """Run a scenario with the kernel, or by Python alone."""
+    if kernel:
+        monkeypatch.setenv(library.VARIABLE, kernel)
+    else:
+        monkeypatch.delenv(library.VARIABLE, raising=False)
+    record: Record = []
+    with tool0.bringup(realtime=False, **options) as robot:
+        scenario(robot, record)
+        record.append(numbers(robot))
+    return record
+
+
+def assert_identical(
+    monkeypatch: pytest.MonkeyPatch, scenario: Scenario, **options: Any
+) -> None:
+    compiled = recorded(monkeypatch, scenario, "", **options)
+    reference = recorded(monkeypatch, scenario, "python", **options)
+    assert compiled == reference
+    assert len(compiled) > 1
+
+
+def trajectories(robot: Any, record: Record) -> None:
+    """Send random goals, and let most of them end."""
+    send_goals(robot, record, random.Random(1), count=12, rest=1.5)
+
+
+def send_goals(
+    robot: Any, record: Record, rng: random.Random, *, count: int, rest: float
+) -> None:
+    """Send random goals to the trajectory controllers: some are replaced, some fail.
+
+    ``rest`` [s] is how long some of them have after their end.
+    """
+    names = [
+        status.name
+        for status in robot.snapshot.controllers
+        if status.kind == "JointTrajectoryController" and status.state == "running"
+    ]
+    for _ in range(count):
+        controller = robot.controller(rng.choice(names))
+        n_joints = len(robot.snapshot.controller_setpoints[controller.name].joint_names)
+        start = robot.snapshot.controller_setpoints[controller.name].state().desired
+        points, time = [], 0.0
+        for _ in range(rng.choice((1, 1, 2, 25))):
+            time += rng.uniform(0.01, 0.2 * rest)
+            target = [q + rng.uniform(-0.3, 0.3) for q in start.positions]
+            velocities = rng.choice((None, [0.0] * n_joints))
+            points.append(
+                TrajectoryPoint(target, velocities, time_from_start=round(time, 3))
+            )
+        try:
+            goal = controller.follow(points)
+        except Tool0Error as error:
+            record.append(str(error))
+            continue
+        robot.run(rng.choice((0.02, 0.05, min(time, rest), min(time, rest) + rest)))
+        if rng.random() < 0.2:
+            goal.cancel()
+        record.append((goal.status, getattr(goal.result, "error_string", None)))
+        record.append(numbers(robot))
+
+
+def grips(robot: Any, record: Record) -> None:
+    """Grip a cube with limits of speed and force, and squeeze and release it."""
+    tcp = robot.gripper.tcp().position
+    robot.scene.add("cube", Box(size=(0.04, 0.04, 0.04)), xyz=tuple(tcp), mass=0.1)
+    for opening, speed, force in (
+        (0.0, 0.05, 40.0),
+        (0.0, 0.1, 100.0),
+        (0.05, 0.1, 20.0),
+    ):
+        goal = robot.gripper.move(opening=opening, speed=speed, force=force)
+        goal.wait(5.0)
+        robot.run(0.3)
+        record.append((goal.status, numbers(robot)))
+
+
+def stops(robot: Any, record: Record) -> None:
+    """Engage and release the emergency stop during a motion; switch; reset."""
+    goals = robot.move_joints({"shoulder_pan_joint": 1.0, "elbow_joint": 1.0})
+    robot.run(0.3)
+    robot.emergency_stop()
+    robot.run(0.3)
+    record.append((goals[0].status, numbers(robot)))
+    robot.emergency_stop(False)
+    robot.run(0.3)
+    record.append(numbers(robot))
+    robot.reset()
+    robot.run(0.2)
+    record.append(numbers(robot))
+
+
+@pytest.mark.parametrize("scenario", [trajectories, grips, stops])
+def test_of_the_default_robot(
+    monkeypatch: pytest.MonkeyPatch, scenario: Scenario
+) -> None:
+    assert_identical(monkeypatch, scenario)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"description": DescriptionConfig(arm="ur10e", gripper="hande")},
+        {
+            "description": DescriptionConfig(
+                robots=("left=ur5e+2f140", "right=ur3e+hande@1,0,0")
+            )
+        },
+        {"control": ControlConfig(control_period=0.004)},
+        {"control": ControlConfig(gripper_action=True)},
+        {"simulation": SimulationConfig(dt=0.002)},
+    ],
+    ids=["hande", "cell", "four steps a tick", "gripper action", "2 ms"],
+)
+def test_of_trajectories(
+    monkeypatch: pytest.MonkeyPatch, options: dict[str, Any]
+) -> None:
+    assert_identical(monkeypatch, trajectories, **options)
+
+
+def test_of_grips_by_an_action(monkeypatch: pytest.MonkeyPatch) -> None:
+    control = ControlConfig(gripper_action=True)
+    assert_identical(monkeypatch, grips, control=control)
+
+
+@pytest.mark.parametrize("yaml", [POSITION, FORWARD], ids=["position", "forward"])
+def test_of_other_controllers(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, yaml: str
+) -> None:
+    file = tmp_path / "controllers.yaml"
+    file.write_text(yaml)
+
+    def commands(robot: Any, record: Record) -> None:
+        if yaml is POSITION:
+            trajectories(robot, record)
+            return
+        for k in range(5):
+            robot.controller("arm").command(
+                [0.1 * k, -1.5, 1.5, -0.1 * k, 0.2 * k, 9.0]
+            )
+            robot.run(0.4)
+            record.append(numbers(robot))
+
+    control = ControlConfig(controllers_file=file, controllers="arm")
+    interface = "Position" if yaml is POSITION else "Effort"
+    description = DescriptionConfig(
+        transmission_hw_interface=f"hardware_interface/{interface}JointInterface"
+    )
+    assert_identical(monkeypatch, commands, control=control, description=description)
+
+
+def test_of_two_thousand_goals(monkeypatch: pytest.MonkeyPatch) -> None:
+    def many(robot: Any, record: Record) -> None:
+        send_goals(robot, record, random.Random(7), count=2000, rest=0.05)
+
+    assert_identical(monkeypatch, many)
