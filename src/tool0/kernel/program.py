@@ -151,6 +151,7 @@ class Ended(IntEnum):
 
 _ENDED = tuple(Ended)  # an index takes a tenth of the time of Ended(...)
 
+
 @final
 class Program:
     """The running controllers and drives of one robot in the kernel's memory.
