@@ -114,7 +114,7 @@ class Copies:
             self._is_loaded[i] = True
             self._programs[i] = program
             self._robots[i] = program.robot_address
-            for number in range(len(program.running)):
+            for number in range(program.n_controllers):
                 addresses = self._laws.setdefault(number, np.zeros_like(self._robots))
                 addresses[i] = program.law_address(number)
         return bool(self._is_loaded[rows].all())

@@ -10,7 +10,7 @@ from typing import final
 
 import numpy as np
 
-from tool0.control.config import Controller
+from tool0.control.config import Controller, ControllerSpec
 from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.law import (
     ActiveLaw,
@@ -193,6 +193,7 @@ class Program:
         self,
         compiled: CDLL,
         running: Sequence[tuple[Controller, Sequence[int]]],
+        specs: Sequence[ControllerSpec],
         laws: Sequence[Law],
         hardware: RobotHardware,
         *,
@@ -204,12 +205,13 @@ class Program:
         Args:
             compiled: The library.
             running: The running controllers in load order, with their joints.
+            specs: Their parameters.
             laws: One for each of them.
             hardware: The drives.
             dt: Length of a step of the engine [s].
             period: Length of a tick [s].
         """
-        self.running = running
+        self._running, self._specs = running, specs
         self._hardware = hardware
         self._laws = [
             None if isinstance(law, IdleLaw) else _LoadedLaw(law, joints)
@@ -228,6 +230,24 @@ class Program:
         self._run = compiled.tool0_run
         self._done = c_int()
         self._arguments = byref(struct), byref(self._done)
+
+    def takes(
+        self,
+        running: Sequence[tuple[Controller, Sequence[int]]],
+        specs: Sequence[ControllerSpec],
+    ) -> bool:
+        """Run these controllers from the next ``load`` on, if the memory fits them.
+
+        It fits those that were restarted, as by a reset.
+        """
+        if running is self._running:
+            return True
+        is_fitting = len(specs) == len(self._specs) and all(
+            one is other for one, other in zip(specs, self._specs, strict=True)
+        )
+        if is_fitting:
+            self._running = running
+        return is_fitting
 
     def load(
         self, laws: Sequence[Law], state: JointState, stepper: NativeStepper
@@ -264,6 +284,11 @@ class Program:
         """Limit the drive of a joint, by its number, as RobotHardware does."""
         if self._drives.drive_limits.get(joint) != limits:
             self._drives.set_drive_limits(joint, limits)
+
+    @property
+    def n_controllers(self) -> int:
+        """The running controllers, with and without a law."""
+        return len(self._running)
 
     @property
     def robot_address(self) -> int:
@@ -303,7 +328,7 @@ class Program:
     def store(self) -> None:
         """Give controllers and drives their state back."""
         time = self.steps * self._struct.dt
-        for law, (controller, _) in zip(self._laws, self.running, strict=True):
+        for law, (controller, _) in zip(self._laws, self._running, strict=True):
             if law is not None:
                 law.store(controller, time)
         self._drives.store()
