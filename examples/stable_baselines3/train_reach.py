@@ -6,13 +6,14 @@ python train_reach.py
 
 import gymnasium
 import numpy as np
+import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
 import tool0.gym  # noqa: F401  # registers the tasks
 
-STEPS = 400_000
+STEPS = 60_000
 
 
 class Copies(VecEnv):
@@ -73,12 +74,16 @@ class Progress(BaseCallback):
             print(f"{self.num_timesteps},{rate:.3f},{returned:.2f}", flush=True)
 
 
-env = VecNormalize(VecMonitor(Copies("tool0/Reach-v0", 64)), norm_reward=False)
+torch.set_num_threads(1)  # the physics needs the processors
+env = VecNormalize(
+    VecMonitor(Copies("tool0/Reach-v0", 32, dt=0.002)), norm_reward=False
+)
 model = PPO(
     "MlpPolicy",
     env,
-    n_steps=64,
-    batch_size=512,
+    n_steps=32,
+    batch_size=256,
+    learning_rate=1e-3,
     gamma=0.95,
     seed=0,
     device="cpu",
