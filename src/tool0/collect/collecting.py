@@ -26,12 +26,12 @@ from tool0.errors import CollectError, ConfigError, did_you_mean
 logger = logging.getLogger(__name__)
 
 N_COPIES: Final = 8
-_CHUNK: Final = 16
-"""Largest number of episodes in a chunk."""
+_ROUNDS: Final = 2
+"""Largest number of episodes in a chunk per copy."""
 _WINDOW: Final = 4
 """Chunks per worker between the first that is missing and the last that is given."""
 _SHARES: Final = 8
-"""Least number of chunks per worker, if there are enough episodes."""
+"""Number of chunks per worker, if that gives each copy at least one episode."""
 _ATTEMPTS: Final = 3
 """Workers that may end over the same chunk."""
 _POLL: Final = 0.5
@@ -111,7 +111,7 @@ def collect(
         with opened(Path(folder), settings, episodes) as dataset:
             if not dataset.manifest.is_complete:
                 with closing(_executor(workers, ray, settings, copies)) as executor:
-                    _Schedule(executor, dataset, progress).run()
+                    _Schedule(executor, dataset, copies, progress).run()
             return dataset.manifest
     except OSError as error:
         where = error.filename or folder
@@ -155,6 +155,7 @@ class _Schedule:
         self,
         executor: Executor,
         dataset: Dataset,
+        n_copies: int,
         progress: Callable[[Progress], None] | None,
     ) -> None:
         self._executor = executor
@@ -164,7 +165,9 @@ class _Schedule:
         self._n_before = manifest.n_episodes
         self._n_requested = manifest.n_requested
         n_left = self._n_requested - self._n_before
-        self._size = min(_CHUNK, math.ceil(n_left / (_SHARES * executor.n_workers)))
+        share = n_left / executor.n_workers
+        least = min(n_copies, math.ceil(share))
+        self._size = min(max(least, math.ceil(share / _SHARES)), _ROUNDS * n_copies)
         self._window = _WINDOW * self._size * executor.n_workers
         starts = range(self._n_before, self._n_requested, self._size)
         self._waiting = deque(
@@ -211,11 +214,18 @@ class _Schedule:
             )
 
     def _add(self) -> None:
-        while (first := self._dataset.manifest.n_episodes) in self._messages:
-            header, files = unpacked(self._messages.pop(first))
-            if "error" in header:
-                raise CollectError(header["error"])
-            self._dataset.add(list(zip(header["episodes"], files, strict=True)))
+        """Add the chunks that follow, together: the disk is waited for once."""
+        index = self._dataset.manifest.n_episodes
+        episodes: list[tuple[dict[str, Any], bytes]] = []
+        problem = None
+        while problem is None and index + len(episodes) in self._messages:
+            header, files = unpacked(self._messages.pop(index + len(episodes)))
+            problem = header.get("error")
+            episodes += zip(header.get("episodes", ()), files, strict=True)
+        if episodes:
+            self._dataset.add(episodes)
+        if problem is not None:
+            raise CollectError(problem)
 
     def _report(self, progress: Callable[[Progress], None], elapsed: float) -> None:
         manifest = self._dataset.manifest

@@ -12,6 +12,7 @@ import hashlib
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, final
@@ -29,6 +30,8 @@ DATA_PATH: Final = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.p
 _LEROBOT_EPISODES: Final = "meta/episodes.jsonl"
 _LEROBOT_STATS: Final = "meta/episodes_stats.jsonl"
 _PART: Final = ".part"
+_WRITERS: Final = 8
+"""Files that are written at a time."""
 
 
 @final
@@ -120,8 +123,14 @@ class Dataset:
         self, rows: Sequence[Mapping[str, Any]], files: Mapping[Path, bytes]
     ) -> None:
         """Write files first and rows last, each step when the one before is on disk."""
-        for path, file in files.items():
-            _write(_part(path), file)
+        parts = [_part(path) for path in files]
+        with ThreadPoolExecutor(_WRITERS) as pool:  # a disk flushes them together
+            writes = [
+                pool.submit(_write, part, file)
+                for part, file in zip(parts, files.values(), strict=True)
+            ]
+        for write in writes:
+            write.result()
         for path in files:
             _part(path).replace(path)
         for folder in {path.parent for path in files}:

@@ -69,7 +69,7 @@ def test_a_complete_data_set_stays_as_it_is(tmp_path: Path) -> None:
 def test_a_killed_worker_is_replaced(
     reference: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("TOOL0_TEST_PACE", "0.05")
+    monkeypatch.setenv("TOOL0_TEST_PACE", "0.1")
     killed: list[Progress] = []
 
     def kill(progress: Progress) -> None:
@@ -204,7 +204,7 @@ def test_what_a_policy_does_wrong_is_told(tmp_path: Path) -> None:
 
 
 def test_a_policy_that_kills_its_worker_ends_the_collection(tmp_path: Path) -> None:
-    with raises_naming(CollectError, "3 workers", "episodes 0 to 0", "signal 9"):
+    with raises_naming(CollectError, "3 workers", "episodes 0 to 1", "signal 9"):
         collected(tmp_path / "walk", 2, policy=fake_tasks.deadly)
 
 
