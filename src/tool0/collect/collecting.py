@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import logging
 import math
@@ -89,6 +90,7 @@ def collect(
         CollectError: If a worker or the policy fails, or the disk is full.
         TransportError: If the Ray cluster cannot be reached.
     """
+    _require("gymnasium", "pyarrow")
     _check(episodes=episodes, copies=copies)
     if workers is not None:
         _check(workers=workers)
@@ -119,6 +121,15 @@ def collect(
             f"{where}: {error.strerror or error}; the episodes so far are kept, and "
             "the same call continues"
         ) from error
+
+
+def _require(*modules: str) -> None:
+    for name in modules:
+        if importlib.util.find_spec(name) is None:
+            raise ConfigError(
+                f"collecting needs {name}, which is not installed; run "
+                "pip install 'tool0[collect]'"
+            )
 
 
 def _check(**counts: int) -> None:
