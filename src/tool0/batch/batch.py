@@ -3,30 +3,31 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, final
+from typing import TYPE_CHECKING, Any, TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tool0.batch.arguments import Arguments, Indices, Which
+from tool0.batch.commands import Commands
 from tool0.batch.copies import Copies
 from tool0.batch.frames import GripperFrames, LinkFrames
-from tool0.control.goal_check import check_names, check_position, position_range
-from tool0.control.manager import GRIPPER_KIND, TRAJECTORY_KIND, why_not_driven
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.batch.making import (
+    checked_count,
+    checked_threads,
+    copied_scenes,
+    make_cores,
+)
 from tool0.description.camera import default_cameras, merged
-from tool0.description.config import SPAWN_Z, DescriptionConfig, File
+from tool0.description.config import DescriptionConfig, File
 from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
 from tool0.description.robot import load_description
 from tool0.description.scene import Scene
-from tool0.engines.registry import make_engine
 from tool0.errors import (
     ConfigError,
     ControlError,
@@ -34,12 +35,8 @@ from tool0.errors import (
     did_you_mean,
 )
 from tool0.hardware.engine import ObjectState
-from tool0.hardware.limits import DriveLimits
 from tool0.kinematics.chain import Array
-from tool0.runtime.assembly import Assembly, chosen_scene
 from tool0.runtime.config import ControlConfig
-from tool0.runtime.core import Core
-from tool0.runtime.gripper_motion import direct_motion
 from tool0.runtime.simulation import only_part
 from tool0.sensing.cameras import CameraImage, Cameras
 from tool0.sensing.grasp import pad_links
@@ -50,15 +47,6 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 FrozenArray = TypeVar("FrozenArray", bound=NDArray[Any])
-
-
-class _Part(NamedTuple):
-    """Joints of one running trajectory controller."""
-
-    controller: str
-    joints: tuple[str, ...]
-    columns: list[int]
-    """Of the joints, in an array of all joints that are commanded."""
 
 
 @final
@@ -99,28 +87,16 @@ class Batch:
             ConfigError: If ``n`` or ``threads`` is out of range, or scenes differ.
             Tool0Error: If an option or a file is wrong.
         """
-        self._n = _checked_count(n)
-        self._threads = _checked_threads(threads, self._n)
+        self._n = checked_count(n)
+        self._threads = checked_threads(threads, self._n)
         self._dt = dt
         robot = load_description(description)
         self._model = robot.model
-        if scene is None or isinstance(scene, Scene | str | Path):
-            scenes = [chosen_scene(robot, scene)] * self._n
-        else:
-            scenes = _checked_scenes([chosen_scene(robot, one) for one in scene], n)
-        assembly = Assembly.of(robot, control)
-        self._cores: list[Core] = []
-        try:
-            for one in scenes:
-                engine = make_engine("mujoco", robot, dt=dt, spawn_z=SPAWN_Z, scene=one)
-                self._cores.append(assembly.core(engine, one))
-            cameras = merged(default_cameras(self._model), scenes[0].cameras)
-            for camera in cameras.values():
-                camera.check_on(self._model)
-        except BaseException:
-            for core in self._cores:
-                core.engine.close()
-            raise
+        scenes = copied_scenes(robot, scene, self._n)
+        cameras = merged(default_cameras(self._model), scenes[0].cameras)
+        for camera in cameras.values():
+            camera.check_on(self._model)
+        self._cores = make_cores(robot, control, scenes, dt)
         ground = self._cores[0].engine.world.ground
         self._cameras = Cameras(self._model, cameras, ground, lambda: self._snapshot(0))
         from tool0.engines.mujoco.copies import joint_views, mujoco_engine
@@ -129,6 +105,7 @@ class Batch:
         self._worlds = [engine.world for engine in self._engines]
         views = [joint_views(engine) for engine in self._engines]
         self._copies = Copies(self._cores, views, self._threads)
+        self._commands = Commands(self._model, self._copies, self._cores[0])
         self._chains: dict[str, LinkFrames] = {}
         self._tcp_frames: dict[str, GripperFrames] = {}
         self._joints: tuple[Array, Array, Array] | None = None
@@ -169,12 +146,7 @@ class Batch:
 
         Those of every running trajectory controller that drives no gripper.
         """
-        return tuple(
-            joint
-            for joints in self._trajectory_controllers.values()
-            if self._driven_by_grippers.isdisjoint(joints)
-            for joint in joints
-        )
+        return self._commands.arm_joints
 
     @cached_property
     def object_names(self) -> tuple[str, ...]:
@@ -314,17 +286,17 @@ class Batch:
         """
         check = Arguments(self._n, "command")
         duration = check.duration(duration)
-        names, parts = self._parts(joints)
+        names, parts = self._commands.parts(joints)
         rows = check.which(which)
         shape, axes = (len(names),), f" for joints {', '.join(names)}"
         q = check.rows("positions", positions, shape, rows, axes)
         qd = None
         if velocities is not None:
             qd = check.rows("velocities", velocities, shape, rows, axes)
-        self._check_positions(names, q[:, None], rows)
-        self._start(
-            rows, parts, q[:, None], None if qd is None else qd[:, None], [duration]
-        )
+        self._commands.check_positions(names, q[:, None], rows)
+        self._change()
+        speeds = None if qd is None else qd[:, None]
+        self._commands.start(rows, parts, q[:, None], speeds, [duration])
 
     def follow(
         self,
@@ -349,7 +321,7 @@ class Batch:
             ControlError: If a shape, a number or a joint is wrong; nothing has moved.
         """
         check = Arguments(self._n, "follow")
-        names, parts = self._parts(joints)
+        names, parts = self._commands.parts(joints)
         rows = check.which(which)
         points = check.times(times)
         shape = (len(points), len(names))
@@ -358,8 +330,9 @@ class Batch:
         qd = None
         if velocities is not None:
             qd = check.rows("velocities", velocities, shape, rows, axes)
-        self._check_positions(names, q, rows)
-        self._start(rows, parts, q, qd, points)
+        self._commands.check_positions(names, q, rows)
+        self._change()
+        self._commands.start(rows, parts, q, qd, points)
 
     def move_gripper(
         self,
@@ -396,35 +369,15 @@ class Batch:
         fastest, strongest = geometry.speed[1], geometry.force[1]
         speeds = check.rows("speed", fastest if speed is None else speed, (), rows)
         forces = check.rows("force", strongest if force is None else force, (), rows)
-        for value in openings:
-            geometry.position(value)  # raises
-        limits: dict[tuple[float, float], DriveLimits] = {}
-        bounds = []
-        for pair in zip(speeds[rows].tolist(), forces[rows].tolist(), strict=True):
-            if pair not in limits:
-                speed_, force_ = pair
-                limits[pair] = DriveLimits(gripper=geometry, speed=speed_, force=force_)
-            bounds.append(limits[pair])
-        name, kind = self._gripper_controller(geometry)
-        joint = geometry.joint
-        effort = None
-        if force is not None:
-            effort = self._cores[0].hardware.limits[joint].effort
         self._change()
-        motions = zip(rows.tolist(), openings, bounds, strict=True)
-        if kind == GRIPPER_KIND:
-            for i, end, bound in motions:
-                core, target = self._copies.core(i), geometry.position(end)
-                core.command_gripper(name, target, effort, bound)
-        elif not self._grip(rows, name, openings, bounds):
-            for i, end, bound in motions:
-                core = self._copies.core(i)
-                controller = core.trajectory_controller(name)
-                column = controller.spec.joints.index(joint)
-                here = controller.query_state(core.time).positions[column]
-                point = self._grip_point(bound, here, end)
-                goal = TrajectoryGoal(points=[point], joint_names=[joint])
-                core.command_trajectory(name, goal, {joint: bound})
+        self._commands.grip(
+            geometry,
+            rows,
+            openings,
+            speeds[rows].tolist(),
+            forces[rows].tolist(),
+            has_force=force is not None,
+        )
 
     # ---- time -----------------------------------------------------------------------
 
@@ -499,8 +452,8 @@ class Batch:
             which: The copies.
 
         Raises:
-            EngineError: If there is no such object.
-            ControlError: If a shape or a number is wrong; nothing has changed.
+            ControlError: If there is no such object, or a shape or a number is wrong;
+                nothing has changed.
         """
         check = Arguments(self._n, "place")
         rows = check.which(which)
@@ -647,180 +600,6 @@ class Batch:
                 f"there is no object '{name}'{did_you_mean(name, self.object_names)}"
             )
 
-    @cached_property
-    def _driven_by_grippers(self) -> frozenset[str]:
-        return frozenset(gripper.joint for gripper in self._model.grippers)
-
-    @cached_property
-    def _trajectory_controllers(self) -> dict[str, tuple[str, ...]]:
-        """The joints of each running trajectory controller."""
-        manager = self._cores[0].manager
-        return {
-            status.name: manager.spec(status.name).joints
-            for status in manager.list()
-            if status.state == "running" and status.kind == TRAJECTORY_KIND
-        }
-
-    def _parts(
-        self, joints: Sequence[str] | None
-    ) -> tuple[tuple[str, ...], list[_Part]]:
-        """Return the joints to move, and those of each controller."""
-        names = self.arm_joints if joints is None else tuple(joints)
-        manager = self._cores[0].manager
-        owners = {
-            joint: name
-            for name, its in self._trajectory_controllers.items()
-            for joint in its
-        }
-        if not names:
-            raise ControlError(
-                "no running trajectory controller drives an arm's joints"
-            )
-        for joint in names:
-            if joint not in owners:
-                raise ControlError(why_not_driven(manager.list(), [joint]))
-            if names.count(joint) > 1:
-                raise ControlError(f"joint '{joint}' is named twice")
-        parts = []
-        for name in dict.fromkeys(owners[joint] for joint in names):
-            columns = [k for k, joint in enumerate(names) if owners[joint] == name]
-            part = _Part(name, tuple(names[k] for k in columns), columns)
-            controller = self._cores[0].trajectory_controller(name)
-            check_names(
-                TrajectoryGoal(points=(), joint_names=part.joints),
-                controller.spec.joints,
-                allow_partial=controller.spec.allow_partial_joints_goal,
-            )
-            parts.append(part)
-        return names, parts
-
-    def _check_positions(
-        self, names: Sequence[str], positions: Array, rows: Indices
-    ) -> None:
-        """Raise GoalRejectedError for positions (n, m, k) beyond the joints' limits."""
-        limits = self._cores[0].hardware.limits
-        joints = [
-            replace(joint, limits=limits.get(joint.name, joint.limits))
-            for joint in map(self._model.joint, names)
-        ]
-        ranges = np.array([position_range(joint) for joint in joints])
-        chosen = positions[rows]
-        is_beyond = (chosen < ranges[:, 0]) | (chosen > ranges[:, 1])
-        if is_beyond.any():
-            i, m, k = np.argwhere(is_beyond)[0].tolist()
-            where = f"point {m} of copy {rows[i]}"
-            check_position(joints[k], float(chosen[i, m, k]), where)
-
-    def _start(
-        self,
-        rows: Indices,
-        parts: list[_Part],
-        positions: Array,
-        velocities: Array | None,
-        times: Sequence[float],
-    ) -> None:
-        """Start trajectories through points (n, m, k)."""
-        self._change()
-        for part in parts:
-            q = positions[..., part.columns]
-            qd = None if velocities is None else velocities[..., part.columns]
-            if len(times) == 1 and self._start_native(rows, part, q, qd, times[0]):
-                continue
-            for i in rows.tolist():
-                points = [
-                    TrajectoryPoint(
-                        q[i, m].tolist(),
-                        None if qd is None else qd[i, m].tolist(),
-                        time_from_start=time,
-                    )
-                    for m, time in enumerate(times)
-                ]
-                goal = TrajectoryGoal(points=points, joint_names=part.joints)
-                self._copies.core(i).command_trajectory(part.controller, goal)
-
-    def _start_native(
-        self,
-        rows: Indices,
-        part: _Part,
-        positions: Array,
-        velocities: Array | None,
-        duration: float,
-    ) -> bool:
-        """Start motions to one point in the kernel; False if only Python can."""
-        if not self._driven_by_grippers.isdisjoint(part.joints):
-            return False  # it also lifts the limits of the drive
-        number, joints = self._running[part.controller]
-        return self._copies.start(
-            rows,
-            number,
-            [joints.index(joint) for joint in part.joints],
-            durations=np.full(len(rows), duration),
-            positions=positions[rows, 0],
-            velocities=None if velocities is None else velocities[rows, 0],
-        )
-
-    def _grip(
-        self,
-        rows: Indices,
-        controller: str,
-        openings: Sequence[float],
-        bounds: Sequence[DriveLimits],
-    ) -> bool:
-        """Move grippers in the kernel; return False if only Python can."""
-        joint = bounds[0].gripper.joint if bounds else ""
-        number, joints = self._running[controller]
-        column = joints.index(joint) if bounds else 0
-        here = self._copies.desired(rows, number, column)
-        if here is None:
-            return False
-        points = [
-            self._grip_point(bound, at, end)
-            for bound, at, end in zip(bounds, here.tolist(), openings, strict=True)
-        ]
-        target = np.array([point.positions for point in points]).reshape(-1, 1)
-        has_started = self._copies.start(
-            rows,
-            number,
-            [column],
-            durations=np.array([point.time_from_start for point in points]),
-            positions=target,
-            velocities=np.zeros_like(target),
-        )
-        if has_started:
-            index = self.joint_names.index(joint) if bounds else 0
-            for i, bound in zip(rows.tolist(), bounds, strict=True):
-                self._copies.set_drive_limits(i, index, bound)
-        return has_started
-
-    def _grip_point(
-        self, bounds: DriveLimits, here: float, end: float
-    ) -> TrajectoryPoint:
-        """Return the motion to an opening [m] from the joint's setpoint."""
-        gripper = bounds.gripper
-        speed = bounds.speed or gripper.speed[1]
-        start = gripper.opening(here)
-        return direct_motion(gripper, start, end, speed, self.control_period)
-
-    @cached_property
-    def _running(self) -> dict[str, tuple[int, tuple[str, ...]]]:
-        """Number and joints of each running controller, in load order."""
-        manager = self._cores[0].manager
-        names = [s.name for s in manager.list() if s.state == "running"]
-        return {
-            name: (number, manager.spec(name).joints)
-            for number, name in enumerate(names)
-        }
-
-    def _gripper_controller(self, gripper: ParallelGripper) -> tuple[str, str]:
-        """Return name and kind of the running controller that drives a gripper."""
-        statuses = self._cores[0].manager.list()
-        kinds = (TRAJECTORY_KIND, GRIPPER_KIND)
-        for status in statuses:
-            is_owner = status.state == "running" and gripper.joint in status.joints
-            if is_owner and status.kind in kinds:
-                return status.name, status.kind
-        raise ControlError(why_not_driven(statuses, [gripper.joint], kinds))
-
     def _snapshot(self, i: int) -> Snapshot:
         """Return the state of one copy, for its image."""
         core = self._copies.observed(i)
@@ -868,45 +647,3 @@ def _check_starts(joints: Sequence[Joint], positions: Array, rows: Indices) -> N
 def _frozen(values: FrozenArray) -> FrozenArray:
     values.flags.writeable = False
     return values
-
-
-def _checked_count(n: int) -> int:
-    if not isinstance(n, int | np.integer) or isinstance(n, bool) or n < 1:
-        raise ConfigError(f"a batch needs a whole number of copies, 1 or more, got {n}")
-    return int(n)
-
-
-def _checked_threads(threads: int | None, n: int) -> int:
-    if threads is None:
-        return min(n, os.cpu_count() or 1)
-    if not isinstance(threads, int | np.integer) or not 1 <= threads <= n:
-        raise ConfigError(
-            f"threads must be within 1 … {n}, the number of copies, got {threads}"
-        )
-    return int(threads)
-
-
-def _checked_scenes(scenes: list[Scene], n: int) -> list[Scene]:
-    """Return the scenes, which differ only in what may differ between copies."""
-    if len(scenes) != n:
-        raise ConfigError(f"give one scene for all copies, or {n}, got {len(scenes)}")
-    first = scenes[0]
-    for i, scene in enumerate(scenes):
-        names, wanted = ([o.name for o in each.objects] for each in (scene, first))
-        if names != wanted:
-            raise ConfigError(
-                f"scene {i} has objects {', '.join(names) or 'none'}; the first has "
-                f"{', '.join(wanted) or 'none'}; they must be the same"
-            )
-        for item, other in zip(scene.objects, first.objects, strict=True):
-            what = None
-            if item.geometry != other.geometry:
-                what = "another shape"
-            elif (item.mass is None) != (other.mass is None):
-                what = "no mass" if item.mass is None else "a mass"
-            if what is not None:
-                raise ConfigError(
-                    f"object '{item.name}' of scene {i} has {what}, unlike that of the "
-                    "first; copies differ in mass, friction, pose and colour only"
-                )
-    return scenes

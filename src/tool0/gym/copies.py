@@ -173,7 +173,6 @@ class Copies:
         state, workspace = self.state, self.workspace
         fastest = 2.0 * workspace.fastest
         widest = 1.1 * workspace.gripper.max_opening
-        n = self.n
         one, three = np.ones(1), np.ones(3)
         far = FARTHEST * three
         parts = [
@@ -207,9 +206,11 @@ class Copies:
                 Part(f"{name}_velocity", state.object_velocity[:, k], -speed, speed),
                 Part(f"tcp_to_{name}", position - state.tcp_position, -far, far),
             ]
-        goal = self.task.desired(state).reshape(n, -1)
+        goal = self.task.desired(state)
+        missing = goal - self.task.achieved(state)
         bound = FARTHEST * np.ones(goal.shape[1])
         parts.append(Part("goal", goal, -bound, bound))
+        parts.append(Part("to_goal", missing, -bound, bound))
         return parts
 
     def rewards(self, success: Mask) -> Array:
