@@ -122,59 +122,35 @@ class Drives(ctypes.Structure):
 
 @final
 class NativeDrives:
-    """The drives of one copy of a robot, in memory that ``drives.c`` works on.
+    """The drives of one robot, in memory that ``drives.c`` works on.
 
     ``drives_efforts`` changes what ``RobotHardware.state`` has, and never the setup.
     """
 
     struct: Drives
     """For ``drives_efforts``."""
-    _setup: DriveSetup
 
     def __init__(self, hardware: RobotHardware) -> None:
         """Continue from the state of ``hardware``."""
         table = hardware.table
-        n = len(hardware.joint_names)
-        self._allocate(hardware, {b.joint: b for b in table.bounds}, _table(n, table))
-        self.load()
-
-    def copy(self) -> NativeDrives:
-        """Return another copy of the robot, in the same state."""
-        other = NativeDrives.__new__(NativeDrives)
-        other._allocate(self._hardware, self._bounds, self._table)
-        other.assign(self)
-        return other
-
-    def assign(self, other: NativeDrives) -> None:
-        """Take over the state of ``other``, a copy of the same robot."""
-        self._setup = other._setup
-        for mine, its in zip(self._arrays, other._arrays, strict=True):
-            ctypes.memmove(mine, its, ctypes.sizeof(mine))
-        for name in ("steps", "has_compensation", "n_servos", "has_masses"):
-            setattr(self.struct, name, getattr(other.struct, name))
-
-    def _allocate(
-        self, hardware: RobotHardware, bounds: Mapping[int, DriveBounds], table: _Table
-    ) -> None:
-        self._hardware, self._bounds, self._table = hardware, bounds, table
-        self._rotors = {i for i, drive in bounds.items() if drive.rotor < math.inf}
+        self._hardware = hardware
+        self._bounds = {drive.joint: drive for drive in table.bounds}
+        self._rotors = {drive.joint for drive in table.bounds if drive.rotor < math.inf}
         self._setup = DriveSetup({}, (), (), [])
-        n_joints, n_drives = table.n_joints, table.n_drives
-        self._gravity = (c_double * n_joints)()
-        self._before = (c_double * n_joints)(*[math.nan] * n_joints)
-        self._compensation = (c_double * table.n_compensated)()
+        n_joints, n_drives = len(hardware.joint_names), len(table.bounds)
+        self._gravity: ctypes.Array[Any] = (c_double * n_joints)()
+        self._before: ctypes.Array[Any] = (c_double * n_joints)(*[math.nan] * n_joints)
+        self._compensation: ctypes.Array[Any] = (c_double * len(table.compensated))()
         self._goals = (_Goal * n_joints)()
         self._servos = (_Servo * n_drives)()
-        self._masses = (c_double * n_drives**2)()
-        self._arrays: tuple[ctypes.Array[Any], ...] = (
-            self._gravity,
-            self._before,
-            self._compensation,
-            self._goals,
-            self._servos,
-            self._masses,
+        self._masses: ctypes.Array[Any] = (c_double * n_drives**2)()
+        self.struct = Drives(
+            ctypes.pointer(_table(n_joints, table)),
+            *(0, 0, 0, 0),
+            *(self._gravity, self._before, self._compensation),
+            *(self._goals, self._servos, self._masses),
         )
-        self.struct = Drives(ctypes.pointer(table), 0, 0, 0, 0, *self._arrays)
+        self.load()
 
     def load(self) -> None:
         """Continue from the state of the hardware."""
