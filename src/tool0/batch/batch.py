@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tool0.batch.arguments import Arguments, Indices, Which
-from tool0.batch.copies import Copies
+from tool0.batch.backend import CPU, Backend, checked_device
 from tool0.batch.frames import GripperFrames, LinkFrames
 from tool0.control.goal_check import check_names, check_position, position_range
 from tool0.control.manager import GRIPPER_KIND, TRAJECTORY_KIND, why_not_driven
@@ -33,7 +33,6 @@ from tool0.errors import (
     LimitsError,
     did_you_mean,
 )
-from tool0.hardware.engine import ObjectState
 from tool0.hardware.limits import DriveLimits
 from tool0.kinematics.chain import Array
 from tool0.runtime.assembly import Assembly, chosen_scene
@@ -46,6 +45,7 @@ from tool0.sensing.grasp import pad_links
 from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
+    from tool0.batch.copies import Copies
     from tool0.engines.mujoco.copies import ObjectArrays
 
 Item = TypeVar("Item")
@@ -82,6 +82,7 @@ class Batch:
         scene: Scene | File | Sequence[Scene] | None = None,
         dt: float = 0.001,
         threads: int | None = None,
+        device: str = "cpu",
     ) -> None:
         """Make ``n`` copies, each at its initial pose.
 
@@ -93,14 +94,24 @@ class Batch:
                 Those of the copies differ in mass, friction, pose and colour only.
             dt: Length of a physics step [s].
             threads: Threads that step the copies; as many as there are processors, or
-                copies if these are fewer, if not given.
+                copies if these are fewer, if not given.  A GPU needs none.
+            device: What computes: "cpu"; a GPU, as "cuda" or "cuda:1", in single
+                precision; or "warp:cpu", which computes as a GPU does, slowly.
 
         Raises:
-            ConfigError: If ``n`` or ``threads`` is out of range, or scenes differ.
+            ConfigError: If ``n`` or ``threads`` is out of range, scenes differ, or the
+                device cannot run what is asked for.
+            EngineUnavailableError: If there is no such device, or mujoco-warp is not
+                installed.
             Tool0Error: If an option or a file is wrong.
         """
         self._n = _checked_count(n)
+        self._device = checked_device(device)
         self._threads = _checked_threads(threads, self._n)
+        if self._device != CPU:
+            if threads is not None:
+                raise ConfigError("threads are those of device='cpu'; leave them out")
+            self._threads = 1
         self._dt = dt
         robot = load_description(description)
         self._model = robot.model
@@ -108,6 +119,8 @@ class Batch:
             scenes = [chosen_scene(robot, scene)] * self._n
         else:
             scenes = _checked_scenes([chosen_scene(robot, one) for one in scene], n)
+        if self._device != CPU:
+            scenes = [_only_scene(scenes)]
         assembly = Assembly.of(robot, control)
         self._cores: list[Core] = []
         try:
@@ -117,18 +130,13 @@ class Batch:
             cameras = merged(default_cameras(self._model), scenes[0].cameras)
             for camera in cameras.values():
                 camera.check_on(self._model)
+            self._copies = self._backend()
         except BaseException:
             for core in self._cores:
                 core.engine.close()
             raise
         ground = self._cores[0].engine.world.ground
         self._cameras = Cameras(self._model, cameras, ground, lambda: self._snapshot(0))
-        from tool0.engines.mujoco.copies import joint_views, mujoco_engine
-
-        self._engines = [mujoco_engine(core.engine) for core in self._cores]
-        self._worlds = [engine.world for engine in self._engines]
-        views = [joint_views(engine) for engine in self._engines]
-        self._copies = Copies(self._cores, views, self._threads)
         self._chains: dict[str, LinkFrames] = {}
         self._tcp_frames: dict[str, GripperFrames] = {}
         self._joints: tuple[Array, Array, Array] | None = None
@@ -147,6 +155,11 @@ class Batch:
     def threads(self) -> int:
         """How many threads step them."""
         return self._threads
+
+    @property
+    def device(self) -> str:
+        """What computes: "cpu", or a GPU."""
+        return self._device
 
     @property
     def dt(self) -> float:
@@ -283,7 +296,7 @@ class Batch:
         """
         geometry = self._gripper(gripper)
         pads = pad_links(self._model, geometry)
-        return _frozen(np.array([world.normal_forces(pads) for world in self._worlds]))
+        return _frozen(self._copies.pad_forces(pads))
 
     # ---- commands -------------------------------------------------------------------
 
@@ -414,11 +427,11 @@ class Batch:
         motions = zip(rows.tolist(), openings, bounds, strict=True)
         if kind == GRIPPER_KIND:
             for i, end, bound in motions:
-                core, target = self._copies.core(i), geometry.position(end)
+                core, target = self._host.core(i), geometry.position(end)
                 core.command_gripper(name, target, effort, bound)
         elif not self._grip(rows, name, openings, bounds):
             for i, end, bound in motions:
-                core = self._copies.core(i)
+                core = self._host.core(i)
                 controller = core.trajectory_controller(name)
                 column = controller.spec.joints.index(joint)
                 here = controller.query_state(core.time).positions[column]
@@ -466,19 +479,16 @@ class Batch:
         check = Arguments(self._n, "reset")
         rows = check.which(which)
         free = [joint for joint in self._model.movable_joints if joint.mimic is None]
-        starts: list[dict[str, float]] = [{} for _ in rows]
+        starts: dict[str, Array] = {}
         if position is not None:
             axes = f" for joints {', '.join(self.joint_names)}"
             q = check.rows("position", position, (len(self.joint_names),), rows, axes)
             columns = [self.joint_names.index(joint.name) for joint in free]
             _check_starts(free, q[:, columns], rows)
-            starts = [
-                dict(zip((joint.name for joint in free), row, strict=True))
-                for row in q[rows][:, columns].tolist()
-            ]
+            names = [joint.name for joint in free]
+            starts = dict(zip(names, q[rows][:, columns].T, strict=True))
         self._change()
-        for i, start in zip(rows.tolist(), starts, strict=True):
-            self._copies.reset(i, start)
+        self._copies.reset(rows, starts)
 
     # ---- the scene ------------------------------------------------------------------
 
@@ -499,7 +509,7 @@ class Batch:
             which: The copies.
 
         Raises:
-            EngineError: If there is no such object.
+            EngineError: If there is no such object, or it is fixed and on a GPU.
             ControlError: If a shape or a number is wrong; nothing has changed.
         """
         check = Arguments(self._n, "place")
@@ -511,11 +521,7 @@ class Batch:
         if not (np.abs(quats).max(axis=1, initial=0.0) > 0.0).all():
             raise ControlError("Batch.place: a 'quat' is zero; it must not be")
         self._change()
-        for i, (x, y, z), (qw, qx, qy, qz) in zip(
-            rows.tolist(), xyz.tolist(), quats.tolist(), strict=True
-        ):
-            state = ObjectState(name, (x, y, z), (qw, qx, qy, qz))
-            self._cores[i].scene.place(state)
+        self._copies.place(rows, name, xyz, quats)
 
     def set_mass(self, name: str, mass: ArrayLike, which: Which | None = None) -> None:
         """Give a movable object another mass; it keeps its shape.
@@ -553,13 +559,14 @@ class Batch:
         """Return an image of copy ``i``.
 
         Raises:
-            ControlError: If there is no such copy.
+            ControlError: If there is no such copy, or this is a GPU.
             RenderError: If there is no such camera, or no OpenGL here.
         """
         if not 0 <= i < self._n:
             raise ControlError(
                 f"Batch.render: no copy {i}; there are 0 … {self._n - 1}"
             )
+        self._check_on_cpu("render")
         return self._cameras.render(self._cameras[camera], self._snapshot(i))
 
     def close(self) -> None:
@@ -582,6 +589,30 @@ class Batch:
 
     # ---- details --------------------------------------------------------------------
 
+    def _backend(self) -> Backend:
+        """Return what simulates the copies."""
+        if self._device == CPU:
+            from tool0.batch.copies import Copies
+
+            return Copies(self._cores, self._threads)
+        from tool0.batch.device import DeviceCopies
+
+        return DeviceCopies(self._cores[0], self._model, self._n, self._device)
+
+    @property
+    def _host(self) -> Copies:
+        """The copies with a core each: those of the CPU."""
+        from tool0.batch.copies import Copies
+
+        assert isinstance(self._copies, Copies)
+        return self._copies
+
+    def _check_on_cpu(self, method: str) -> None:
+        if self._device != CPU:
+            raise ControlError(
+                f"Batch.{method} works with device='cpu' only; this is {self._device!r}"
+            )
+
     def _change(self) -> None:
         """Forget what was read: the state is about to change."""
         if self._is_closed:
@@ -596,12 +627,10 @@ class Batch:
         return self._joints
 
     def _objects(self) -> ObjectArrays:
-        from tool0.engines.mujoco.copies import ObjectArrays, object_arrays
+        from tool0.engines.mujoco.copies import ObjectArrays
 
         if self._object_arrays is None:
-            self._object_arrays = ObjectArrays(
-                *map(_frozen, object_arrays(self._engines))
-            )
+            self._object_arrays = ObjectArrays(*map(_frozen, self._copies.objects()))
         return self._object_arrays
 
     def _positions(self) -> dict[str, Array]:
@@ -621,6 +650,7 @@ class Batch:
     ) -> None:
         """Change a field of an object, as if each copy had been made with it."""
         check = Arguments(self._n, method)
+        self._check_on_cpu(method)
         rows = check.which(which)
         numbers = check.rows(field, values, (), rows)[rows].tolist()
         self._object(name)
@@ -636,9 +666,11 @@ class Batch:
                 items.append(replace(objects[name], **changes))
             except ConfigError as error:
                 raise ControlError(f"Batch.{method}: copy {i}: {error}") from None
+        from tool0.engines.mujoco.copies import mujoco_engine
+
         self._change()
         for i, item in zip(rows.tolist(), items, strict=True):
-            self._worlds[i].change(item)
+            mujoco_engine(self._cores[i].engine).world.change(item)
             self._cores[i].scene.changed(item)
 
     def _object(self, name: str) -> None:
@@ -724,7 +756,7 @@ class Batch:
         for part in parts:
             q = positions[..., part.columns]
             qd = None if velocities is None else velocities[..., part.columns]
-            if len(times) == 1 and self._start_native(rows, part, q, qd, times[0]):
+            if self._start_native(rows, part, q, qd, times):
                 continue
             for i in rows.tolist():
                 points = [
@@ -736,7 +768,7 @@ class Batch:
                     for m, time in enumerate(times)
                 ]
                 goal = TrajectoryGoal(points=points, joint_names=part.joints)
-                self._copies.core(i).command_trajectory(part.controller, goal)
+                self._host.core(i).command_trajectory(part.controller, goal)
 
     def _start_native(
         self,
@@ -744,19 +776,18 @@ class Batch:
         part: _Part,
         positions: Array,
         velocities: Array | None,
-        duration: float,
+        times: Sequence[float],
     ) -> bool:
-        """Start motions to one point in the kernel; False if only Python can."""
-        if not self._driven_by_grippers.isdisjoint(part.joints):
-            return False  # it also lifts the limits of the drive
+        """Start motions without Python; False if only Python can."""
         number, joints = self._running[part.controller]
         return self._copies.start(
             rows,
             number,
             [joints.index(joint) for joint in part.joints],
-            durations=np.full(len(rows), duration),
-            positions=positions[rows, 0],
-            velocities=None if velocities is None else velocities[rows, 0],
+            times=np.tile(times, (len(rows), 1)),
+            positions=positions[rows],
+            velocities=None if velocities is None else velocities[rows],
+            lifts_limits=not self._driven_by_grippers.isdisjoint(part.joints),
         )
 
     def _grip(
@@ -766,7 +797,7 @@ class Batch:
         openings: Sequence[float],
         bounds: Sequence[DriveLimits],
     ) -> bool:
-        """Move grippers in the kernel; return False if only Python can."""
+        """Move grippers without Python; return False if only Python can."""
         joint = bounds[0].gripper.joint if bounds else ""
         number, joints = self._running[controller]
         column = joints.index(joint) if bounds else 0
@@ -777,19 +808,20 @@ class Batch:
             self._grip_point(bound, at, end)
             for bound, at, end in zip(bounds, here.tolist(), openings, strict=True)
         ]
-        target = np.array([point.positions for point in points]).reshape(-1, 1)
+        target = np.array([point.positions for point in points]).reshape(-1, 1, 1)
+        times = np.array([point.time_from_start for point in points]).reshape(-1, 1)
         has_started = self._copies.start(
             rows,
             number,
             [column],
-            durations=np.array([point.time_from_start for point in points]),
+            times=times,
             positions=target,
             velocities=np.zeros_like(target),
+            lifts_limits=False,
         )
         if has_started:
             index = self.joint_names.index(joint) if bounds else 0
-            for i, bound in zip(rows.tolist(), bounds, strict=True):
-                self._copies.set_drive_limits(i, index, bound)
+            self._copies.set_drive_limits(rows, index, bounds)
         return has_started
 
     def _grip_point(
@@ -823,7 +855,7 @@ class Batch:
 
     def _snapshot(self, i: int) -> Snapshot:
         """Return the state of one copy, for its image."""
-        core = self._copies.observed(i)
+        core = self._host.observed(i)
         state = core.state
         return Snapshot(
             time=core.time,
@@ -840,6 +872,16 @@ class Batch:
             scene=core.scene.objects,
             objects=core.engine.world.object_states(),
         )
+
+
+def _only_scene(scenes: list[Scene]) -> Scene:
+    """Return the scene of all copies, or raise ConfigError."""
+    if any(scene != scenes[0] for scene in scenes):
+        raise ConfigError(
+            "on a GPU, all copies have one scene; place their objects with Batch.place, "
+            "or use device='cpu'"
+        )
+    return scenes[0]
 
 
 def _named(
