@@ -878,8 +878,8 @@ def _only_scene(scenes: list[Scene]) -> Scene:
     """Return the scene of all copies, or raise ConfigError."""
     if any(scene != scenes[0] for scene in scenes):
         raise ConfigError(
-            "on a GPU, all copies have one scene; place their objects with Batch.place, "
-            "or use device='cpu'"
+            "on a GPU, all copies have the same scene; place their objects with "
+            "Batch.place, or use device='cpu'"
         )
     return scenes[0]
 

@@ -133,7 +133,7 @@ class Copies:
         return core
 
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
-        """Reset copies, at the initial pose changed by ``starts``, (len(rows),) each."""
+        """Reset copies, as ``Backend.reset``."""
         for row, i in enumerate(rows.tolist()):
             core = self._cores[i]
             core.settle()

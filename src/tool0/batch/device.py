@@ -38,8 +38,10 @@ class DeviceCopies:
         self._steps_per_tick = round(core.control_period / engine.dt)
         self._initial = np.tile(core.state.position, (n, 1))
         self._worlds = worlds = WarpWorlds(engine, n, name)
+        statuses = core.manager.list()
+        names = [each.name for each in statuses if each.state == "running"]
         self._control = DeviceControl(
-            core.manager.running_controllers,
+            dict(zip(names, core.manager.running_controllers, strict=True)),
             core.hardware,
             model.grippers,
             DeviceState(worlds.steps, worlds.position, worlds.velocity, worlds.motors),
@@ -80,14 +82,15 @@ class DeviceCopies:
             self._worlds.step()
 
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
-        """Reset copies at the initial pose, changed by ``starts``, (len(rows),) each."""
+        """Reset copies, as ``Backend.reset``."""
         if not rows.size:
             return
         joints = self._model.movable_joints
         q = {joint.name: self._initial[rows, k] for k, joint in enumerate(joints)}
         q.update(starts)
         free = {joint.name: q[joint.name] for joint in joints if joint.mimic is None}
-        position = np.stack([joint_position(joint, free) for joint in joints], axis=1)
+        columns = [joint_position(joint, free) for joint in joints]
+        position = np.stack(columns, axis=1)
         self._worlds.reset(rows, position)
         self._control.restart(rows, position)
 

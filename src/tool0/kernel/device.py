@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -11,7 +11,7 @@ import warp as wp
 
 from tool0.control.config import Controller
 from tool0.control.law import IdleLaw, TrajectoryLaw
-from tool0.description.model import LinearOpening, ParallelGripper
+from tool0.description.model import LinearOpening, ParallelGripper, RotaryOpening
 from tool0.errors import ConfigError
 from tool0.hardware.limits import DriveBounds, DriveLimits
 from tool0.hardware.robot_hardware import POSE_PERIOD, RobotHardware
@@ -54,7 +54,7 @@ class DeviceControl:
 
     def __init__(
         self,
-        running: Sequence[tuple[Controller, Sequence[int]]],
+        running: Mapping[str, tuple[Controller, Sequence[int]]],
         hardware: RobotHardware,
         grippers: Sequence[ParallelGripper],
         state: DeviceState,
@@ -67,7 +67,7 @@ class DeviceControl:
         """Let every copy rest.
 
         Args:
-            running: The running controllers in load order, with their joints.
+            running: The running controllers by name, in load order, with their joints.
             hardware: The drives.
             grippers: What goals with limits move.
             state: Of the engine.
@@ -86,7 +86,7 @@ class DeviceControl:
         self._first: list[int] = []
         """The number of the first joint of each running controller."""
         joints: list[int] = []
-        for (_, its), law in zip(running, laws, strict=True):
+        for (_, its), law in zip(running.values(), laws, strict=True):
             self._first.append(len(joints))
             joints += its if law is not None else ()
         self._joints = joints
@@ -143,7 +143,7 @@ class DeviceControl:
         """
         if self._is_uploaded:
             return False
-        has_moved = self._until.shape != self._motions.until.shape
+        has_moved = bool(self._until.shape != self._motions.until.shape)
         if has_moved:
             self._allocate()
         motions = self._motions
@@ -228,7 +228,7 @@ class DeviceControl:
     # ---- commands between ticks -----------------------------------------------------
 
     def restart(self, rows: Indices, position: Array) -> None:
-        """Let these copies rest at ``position`` of all joints, (len(rows), n_joints)."""
+        """Let copies rest at ``position`` of all joints, (len(rows), n_joints)."""
         is_chosen = np.zeros(len(self._grips), dtype=np.int32)
         is_chosen[rows] = 1
         self._motions.rest(rows, position[:, self._joints])
@@ -262,7 +262,7 @@ class DeviceControl:
         positions: Array,
         velocities: Array | None,
     ) -> int | None:
-        """Start motions as ``Motions.start``; lift the limits of goals on the joints."""
+        """Start motions as ``Motions.start``; limits of goals on the joints end."""
         columns = [self._first[controller] + joint for joint in joints]
         refused = self._motions.start(
             rows,
@@ -290,21 +290,20 @@ class DeviceControl:
 
 
 def _laws(
-    running: Sequence[tuple[Controller, Sequence[int]]], hardware: RobotHardware
+    running: Mapping[str, tuple[Controller, Sequence[int]]], hardware: RobotHardware
 ) -> list[TrajectoryLaw | None]:
     """Return the law of each controller, None for an idle one; or raise ConfigError."""
     laws: list[TrajectoryLaw | None] = []
-    for controller, _ in running:
+    for name, (controller, _) in running.items():
         law = controller.law()
         if isinstance(law, IdleLaw):
             laws.append(None)
         elif isinstance(law, TrajectoryLaw) and law.pid is not None:
             laws.append(law)
         else:
-            name = controller.spec.name
             raise ConfigError(
-                f"controller '{name}' cannot run on a GPU; only JointTrajectoryControllers "
-                "with an effort interface can: use device='cpu'"
+                f"controller '{name}' cannot run on a GPU; only JointTrajectory"
+                "Controllers with an effort interface can: use device='cpu'"
             )
     if hardware.setup.servos:
         joints = [hardware.joint_names[i] for i, _ in hardware.setup.servos]
@@ -363,16 +362,16 @@ def _drive(bounds: DriveBounds, gripper: ParallelGripper | None) -> Any:
     drive = Drive()
     for name in ("joint", "effort", "velocity", "lower", "upper", "rotor", "ease"):
         setattr(drive, name, getattr(bounds, name))
-    drive.velocity = bounds.velocity
     if bounds.soft is not None:
         drive.is_soft, drive.k_velocity = 1, bounds.soft.k_velocity
         drive.k_position = bounds.soft.k_position
         drive.soft_lower = bounds.soft.soft_lower_limit
         drive.soft_upper = bounds.soft.soft_upper_limit
-    if gripper is not None and isinstance(gripper.law, LinearOpening):
-        drive.is_linear, drive.pad_slope = 1, gripper.law.pad_slope
-    elif gripper is not None:
-        drive.pad_cos, drive.pad_sin = gripper.law.pad_cos, gripper.law.pad_sin
+    match gripper and gripper.law:
+        case LinearOpening() as law:
+            drive.is_linear, drive.pad_slope = 1, law.pad_slope
+        case RotaryOpening() as law:
+            drive.pad_cos, drive.pad_sin = law.pad_cos, law.pad_sin
     return drive
 
 

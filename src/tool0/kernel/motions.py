@@ -95,12 +95,13 @@ class Motions:
         if not is_bounded.all():
             return int(np.argwhere(~is_bounded)[0, 0])
         self._extend(n_points + 1)
-        at = np.ix_(rows, list(joints), range(n_points))
+        columns = np.array(joints, dtype=np.intp)
+        at = np.ix_(rows, columns, np.arange(n_points))
         c = np.moveaxis(found[:, :, -1], -1, 0)
         t = T[..., -1]
         rest = np.zeros((len(rows), len(joints), 4))
         rest[..., 0] = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
-        chosen = np.ix_(rows, list(joints))
+        chosen = np.ix_(rows, columns)
         self.until[chosen] = math.inf
         self.until[at] = ends[:, None]
         last = np.nextafter(ends[:, -1:], math.inf)  # at its end, a motion still moves

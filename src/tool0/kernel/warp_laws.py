@@ -76,7 +76,7 @@ def run_laws(
     velocity: wp.array2d[float],
     integrals: wp.array2d[float],
     command: wp.array2d[float],
-):
+) -> None:
     """Write the command of a tick, for each robot and each controlled joint."""
     robot, k = wp.tid()
     time = wp.float64(steps[robot]) * dt
@@ -112,7 +112,7 @@ def balance(
     positions: wp.array2d[wp.vec3],
     moments: wp.array2d[wp.vec3],
     loads: wp.array2d[float],
-):
+) -> None:
     """Set loads to the efforts that balance gravity and springs, when they are due.
 
     ``rotations``, ``positions`` and ``moments`` (mass last) are scratch, one per body.
@@ -161,7 +161,7 @@ def balance(
 
 
 @wp.func
-def soft_speed(drive: Drive, position: float, limit: float):
+def soft_speed(drive: Drive, position: float, limit: float) -> wp.float32:
     """Return the speed towards a soft limit that the position allows."""
     speed = -drive.k_position * (position - limit)
     return wp.clamp(speed, -drive.velocity, drive.velocity)
@@ -180,7 +180,7 @@ def run_drives(
     effort: wp.array2d[float],
     motors: wp.array2d[float],
     motor_of: wp.array[int],
-):
+) -> None:
     """Write the effort of the next step, for each robot and each drive.
 
     ``compensates`` is 1 for drives that carry their load, ``motor_of`` the number of a
@@ -201,7 +201,7 @@ def run_drives(
     is_limited = grip[2] > 0.0
     has_rotor = drive.rotor < wp.inf
     if is_limited or has_rotor:
-        is_free = -most <= u and u <= most
+        is_free = wp.abs(u) <= most
         if is_limited or not is_free or wp.abs(qd) + wp.abs(u) / drive.rotor > speed:
             if is_limited:
                 lever = 2.0 * wp.abs(drive.pad_slope)
@@ -260,7 +260,7 @@ def restart(
     command: wp.array2d[float],
     before: wp.array2d[float],
     effort: wp.array2d[float],
-):
+) -> None:
     """Forget what laws and drives of the chosen robots remember."""
     robot = wp.tid()
     if is_chosen[robot] == 0:

@@ -62,8 +62,8 @@ def object_arrays_of(
 ) -> ObjectArrays:
     """Return the states of the objects that ``first`` has, in n copies.
 
-    ``q`` and ``qd`` are those of the free joints, (n, 7 n_movable) and (n, 6 n_movable);
-    ``static`` has the states of the other objects in each copy.
+    ``q`` and ``qd`` are those of the free joints, (n, 7 n_movable) and
+    (n, 6 n_movable); ``static`` has the states of the other objects in each copy.
     """
     n, n_objects = len(q), len(first.names)
     position, linear, angular = np.zeros((3, n, n_objects, 3))

@@ -47,8 +47,8 @@ def check_device(device: str) -> str:
         return str(wp.get_cuda_device().alias)
     if name not in known:
         raise EngineUnavailableError(
-            f"there is no device '{device}': Warp finds {', '.join(known)}; a GPU needs "
-            "NVIDIA's driver (nvidia-smi shows it)"
+            f"there is no device '{device}': Warp finds {', '.join(known)}; a GPU "
+            "needs NVIDIA's driver (nvidia-smi shows it)"
         )
     return name
 
