@@ -50,8 +50,8 @@ def cost(n: int = N_COPIES, threads: int = THREADS) -> BatchCost:
         ratios, same_threads, with_actions = [], [], []
         for _ in range(ROUNDS):
             copies = [(engine.model, engine.data) for engine in engines]
-            raw = _raw_seconds([copies])
-            at_once = _raw_seconds([copies[k::threads] for k in range(threads)])
+            raw = raw_seconds([copies])
+            at_once = raw_seconds([copies[k::threads] for k in range(threads)])
             start = time.perf_counter()
             batch.command(home + rng.uniform(-0.1, 0.1, home.shape), duration=0.05)
             batch.move_gripper(rng.uniform(0.0, 0.08, n))
@@ -71,7 +71,7 @@ def cost(n: int = N_COPIES, threads: int = THREADS) -> BatchCost:
     )
 
 
-def _raw_seconds(parts: list[list[tuple[mujoco.MjModel, mujoco.MjData]]]) -> float:
+def raw_seconds(parts: list[list[tuple[mujoco.MjModel, mujoco.MjData]]]) -> float:
     """Time ``mj_step`` alone, each part in a thread, and put the states back."""
 
     def work(copies: list[tuple[mujoco.MjModel, mujoco.MjData]]) -> None:

@@ -18,6 +18,7 @@ from benchmarks import (
     golden,
     grasping,
     grip,
+    gym,
     kinematics,
     panel,
     process,
@@ -66,6 +67,11 @@ def figures() -> Iterator[Figure]:
     yield Figure("the same ÷ raw on as many threads at once", same, 0.85, 0.95)
     yield Figure("the same, with actions and arrays", many.with_actions, 0.75, 0.9)
     yield Figure("memory of a copy [MB]", many.bytes_per_copy / 1e6, 2.0, 1.0)
+    learning = gym.cost()
+    name = f"Lift, {gym.N_COPIES} copies on {gym.THREADS} threads: steps/s ÷ raw"
+    yield Figure(name, learning.ratio, 0.7, 0.85)
+    same = learning.same_threads
+    yield Figure("the same ÷ raw on as many threads at once", same, 0.7, 0.85)
     eight = f"{cells.N_ROBOTS} robots"
     yield Figure(f"{eight}: start-up ÷ that of one", cells.start_ratio(), 5.0, 2.5)
     for name in golden.SCENARIOS:

@@ -28,8 +28,7 @@ def run(weights: np.ndarray, seeds: list[int]) -> tuple[np.ndarray, np.ndarray]:
     state, info = ENVS.reset(seed=seeds)
     total, bias = np.zeros(N), np.full((N, 1), 0.5)
     for _ in range(STEPS):
-        error = 5.0 * (state[:, PARTS["goal"]] - state[:, PARTS["tcp_position"]])
-        features = np.concatenate([error, bias], axis=1)
+        features = np.concatenate([5.0 * state[:, PARTS["to_goal"]], bias], axis=1)
         action = np.einsum("nij,nj->ni", weights, features)
         state, reward, _, _, info = ENVS.step(action.clip(-1.0, 1.0))
         total += reward / STEPS

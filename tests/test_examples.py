@@ -104,6 +104,11 @@ PRINTED = {
         r"tools apart: \d\.\d\d m",
         "stopped: True",
     ],
+    "17_train_reach": [
+        r"success before: \d%",
+        r"generation 11: mean reward -0\.\d+",
+        r"success after: (8\d|9\d|100)%",
+    ],
     "18_batch": [
         r"forces on the pads of copy 5: \[(49|50|51)\. (49|50|51)\.\] N",
         "0.05 kg lifted with 25 N 50 N 100 N 200 N",

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
-from tool0.errors import ConfigError, EngineUnavailableError
+from tool0.errors import ConfigError, ControlError, EngineUnavailableError
 from tool0.hardware.limits import DriveLimits
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
     from tool0.engines.mujoco.copies import ObjectArrays
+    from tool0.runtime.core import Core
 
 CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
@@ -51,7 +52,17 @@ class Backend(Protocol):
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
-        """Place an object, at rest; EngineError if that is impossible."""
+        """Place an object, at rest; ControlError if that is impossible."""
+
+    def core(self, i: int) -> Core:
+        """Return the core of one copy, up to date, for anything.
+
+        Raises:
+            ControlError: If this is no CPU.
+        """
+
+    def observed(self, i: int) -> Core:
+        """Return the core of one copy, up to date, only to read it; as ``core``."""
 
     def desired(self, rows: Indices, controller: int, joint: int) -> Array | None:
         """Return the desired positions of a joint [rad | m]; None if only Python can.
@@ -93,8 +104,13 @@ class Backend(Protocol):
         """Limit the drive of a joint, by its number, after its motion has started."""
 
 
-def checked_device(device: str) -> str:
-    """Return ``device``, or raise ConfigError if there is no such name.
+def needs_cpu(what: str, device: str) -> ControlError:
+    """Return the error for what another device cannot do."""
+    return ControlError(f"{what} works with device='cpu' only; this is '{device}'")
+
+
+def checked_device(device: str, threads: int | None) -> str:
+    """Return ``device``, or raise ConfigError if it is unknown or needs no threads.
 
     Raises:
         EngineUnavailableError: If MuJoCo Warp is needed and not installed.
@@ -105,6 +121,8 @@ def checked_device(device: str) -> str:
             "'warp:cpu'"
         )
     if device != CPU:
+        if threads is not None:
+            raise ConfigError("threads are those of device='cpu'; leave them out")
         try:
             import tool0.engines.mujoco.warp_worlds  # noqa: F401
         except ModuleNotFoundError as error:

@@ -3,62 +3,50 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, final
+from typing import TYPE_CHECKING, Any, TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tool0.batch.arguments import Arguments, Indices, Which
-from tool0.batch.backend import CPU, Backend, checked_device
+from tool0.batch.backend import CPU, Backend, checked_device, needs_cpu
+from tool0.batch.commands import Commands
 from tool0.batch.frames import GripperFrames, LinkFrames
-from tool0.control.goal_check import check_names, check_position, position_range
-from tool0.control.manager import GRIPPER_KIND, TRAJECTORY_KIND, why_not_driven
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.batch.making import (
+    checked_count,
+    checked_threads,
+    copied_scenes,
+    make_cores,
+    only_scene,
+)
 from tool0.description.camera import default_cameras, merged
-from tool0.description.config import SPAWN_Z, DescriptionConfig, File
+from tool0.description.config import DescriptionConfig, File
 from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
 from tool0.description.robot import load_description
 from tool0.description.scene import Scene
-from tool0.engines.registry import make_engine
 from tool0.errors import (
     ConfigError,
     ControlError,
     LimitsError,
     did_you_mean,
 )
-from tool0.hardware.limits import DriveLimits
 from tool0.kinematics.chain import Array
-from tool0.runtime.assembly import Assembly, chosen_scene
 from tool0.runtime.config import ControlConfig
-from tool0.runtime.core import Core
-from tool0.runtime.gripper_motion import direct_motion
 from tool0.runtime.simulation import only_part
 from tool0.sensing.cameras import CameraImage, Cameras
 from tool0.sensing.grasp import pad_links
 from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
-    from tool0.batch.copies import Copies
     from tool0.engines.mujoco.copies import ObjectArrays
 
 Item = TypeVar("Item")
 FrozenArray = TypeVar("FrozenArray", bound=NDArray[Any])
-
-
-class _Part(NamedTuple):
-    """Joints of one running trajectory controller."""
-
-    controller: str
-    joints: tuple[str, ...]
-    columns: list[int]
-    """Of the joints, in an array of all joints that are commanded."""
 
 
 @final
@@ -101,42 +89,27 @@ class Batch:
         Raises:
             ConfigError: If ``n`` or ``threads`` is out of range, scenes differ, or the
                 device cannot run what is asked for.
-            EngineUnavailableError: If there is no such device, or mujoco-warp is not
+            EngineUnavailableError: If there is no such device, or MuJoCo Warp is not
                 installed.
             Tool0Error: If an option or a file is wrong.
         """
-        self._n = _checked_count(n)
-        self._device = checked_device(device)
-        self._threads = _checked_threads(threads, self._n)
-        if self._device != CPU:
-            if threads is not None:
-                raise ConfigError("threads are those of device='cpu'; leave them out")
-            self._threads = 1
+        self._n = checked_count(n)
+        self._device = checked_device(device, threads)
+        self._threads = checked_threads(threads, self._n if device == CPU else 1)
         self._dt = dt
         robot = load_description(description)
         self._model = robot.model
-        if scene is None or isinstance(scene, Scene | str | Path):
-            scenes = [chosen_scene(robot, scene)] * self._n
-        else:
-            scenes = _checked_scenes([chosen_scene(robot, one) for one in scene], n)
-        if self._device != CPU:
-            scenes = [_only_scene(scenes)]
-        assembly = Assembly.of(robot, control)
-        self._cores: list[Core] = []
-        try:
-            for one in scenes:
-                engine = make_engine("mujoco", robot, dt=dt, spawn_z=SPAWN_Z, scene=one)
-                self._cores.append(assembly.core(engine, one))
-            cameras = merged(default_cameras(self._model), scenes[0].cameras)
-            for camera in cameras.values():
-                camera.check_on(self._model)
-            self._copies = self._backend()
-        except BaseException:
-            for core in self._cores:
-                core.engine.close()
-            raise
+        scenes = copied_scenes(robot, scene, self._n)
+        if device != CPU:
+            scenes = [only_scene(scenes)]
+        cameras = merged(default_cameras(self._model), scenes[0].cameras)
+        for camera in cameras.values():
+            camera.check_on(self._model)
+        self._cores = make_cores(robot, control, scenes, dt)
         ground = self._cores[0].engine.world.ground
         self._cameras = Cameras(self._model, cameras, ground, lambda: self._snapshot(0))
+        self._copies = self._backend()
+        self._commands = Commands(self._model, self._copies, self._cores[0])
         self._chains: dict[str, LinkFrames] = {}
         self._tcp_frames: dict[str, GripperFrames] = {}
         self._joints: tuple[Array, Array, Array] | None = None
@@ -182,12 +155,7 @@ class Batch:
 
         Those of every running trajectory controller that drives no gripper.
         """
-        return tuple(
-            joint
-            for joints in self._trajectory_controllers.values()
-            if self._driven_by_grippers.isdisjoint(joints)
-            for joint in joints
-        )
+        return self._commands.arm_joints
 
     @cached_property
     def object_names(self) -> tuple[str, ...]:
@@ -327,17 +295,17 @@ class Batch:
         """
         check = Arguments(self._n, "command")
         duration = check.duration(duration)
-        names, parts = self._parts(joints)
+        names, parts = self._commands.parts(joints)
         rows = check.which(which)
         shape, axes = (len(names),), f" for joints {', '.join(names)}"
         q = check.rows("positions", positions, shape, rows, axes)
         qd = None
         if velocities is not None:
             qd = check.rows("velocities", velocities, shape, rows, axes)
-        self._check_positions(names, q[:, None], rows)
-        self._start(
-            rows, parts, q[:, None], None if qd is None else qd[:, None], [duration]
-        )
+        self._commands.check_positions(names, q[:, None], rows)
+        self._change()
+        speeds = None if qd is None else qd[:, None]
+        self._commands.start(rows, parts, q[:, None], speeds, [duration])
 
     def follow(
         self,
@@ -362,7 +330,7 @@ class Batch:
             ControlError: If a shape, a number or a joint is wrong; nothing has moved.
         """
         check = Arguments(self._n, "follow")
-        names, parts = self._parts(joints)
+        names, parts = self._commands.parts(joints)
         rows = check.which(which)
         points = check.times(times)
         shape = (len(points), len(names))
@@ -371,8 +339,9 @@ class Batch:
         qd = None
         if velocities is not None:
             qd = check.rows("velocities", velocities, shape, rows, axes)
-        self._check_positions(names, q, rows)
-        self._start(rows, parts, q, qd, points)
+        self._commands.check_positions(names, q, rows)
+        self._change()
+        self._commands.start(rows, parts, q, qd, points)
 
     def move_gripper(
         self,
@@ -409,35 +378,15 @@ class Batch:
         fastest, strongest = geometry.speed[1], geometry.force[1]
         speeds = check.rows("speed", fastest if speed is None else speed, (), rows)
         forces = check.rows("force", strongest if force is None else force, (), rows)
-        for value in openings:
-            geometry.position(value)  # raises
-        limits: dict[tuple[float, float], DriveLimits] = {}
-        bounds = []
-        for pair in zip(speeds[rows].tolist(), forces[rows].tolist(), strict=True):
-            if pair not in limits:
-                speed_, force_ = pair
-                limits[pair] = DriveLimits(gripper=geometry, speed=speed_, force=force_)
-            bounds.append(limits[pair])
-        name, kind = self._gripper_controller(geometry)
-        joint = geometry.joint
-        effort = None
-        if force is not None:
-            effort = self._cores[0].hardware.limits[joint].effort
         self._change()
-        motions = zip(rows.tolist(), openings, bounds, strict=True)
-        if kind == GRIPPER_KIND:
-            for i, end, bound in motions:
-                core, target = self._host.core(i), geometry.position(end)
-                core.command_gripper(name, target, effort, bound)
-        elif not self._grip(rows, name, openings, bounds):
-            for i, end, bound in motions:
-                core = self._host.core(i)
-                controller = core.trajectory_controller(name)
-                column = controller.spec.joints.index(joint)
-                here = controller.query_state(core.time).positions[column]
-                point = self._grip_point(bound, here, end)
-                goal = TrajectoryGoal(points=[point], joint_names=[joint])
-                core.command_trajectory(name, goal, {joint: bound})
+        self._commands.grip(
+            geometry,
+            rows,
+            openings,
+            speeds[rows].tolist(),
+            forces[rows].tolist(),
+            has_force=force is not None,
+        )
 
     # ---- time -----------------------------------------------------------------------
 
@@ -509,8 +458,8 @@ class Batch:
             which: The copies.
 
         Raises:
-            EngineError: If there is no such object, or it is fixed and on a GPU.
-            ControlError: If a shape or a number is wrong; nothing has changed.
+            ControlError: If there is no such object, it is fixed and on a GPU, or a
+                shape or a number is wrong; nothing has changed.
         """
         check = Arguments(self._n, "place")
         rows = check.which(which)
@@ -599,19 +548,9 @@ class Batch:
 
         return DeviceCopies(self._cores[0], self._model, self._n, self._device)
 
-    @property
-    def _host(self) -> Copies:
-        """The copies with a core each: those of the CPU."""
-        from tool0.batch.copies import Copies
-
-        assert isinstance(self._copies, Copies)
-        return self._copies
-
     def _check_on_cpu(self, method: str) -> None:
         if self._device != CPU:
-            raise ControlError(
-                f"Batch.{method} works with device='cpu' only; this is {self._device!r}"
-            )
+            raise needs_cpu(f"Batch.{method}", self._device)
 
     def _change(self) -> None:
         """Forget what was read: the state is about to change."""
@@ -649,8 +588,8 @@ class Batch:
         self, method: str, name: str, field: str, values: ArrayLike, which: Which | None
     ) -> None:
         """Change a field of an object, as if each copy had been made with it."""
-        check = Arguments(self._n, method)
         self._check_on_cpu(method)
+        check = Arguments(self._n, method)
         rows = check.which(which)
         numbers = check.rows(field, values, (), rows)[rows].tolist()
         self._object(name)
@@ -679,183 +618,9 @@ class Batch:
                 f"there is no object '{name}'{did_you_mean(name, self.object_names)}"
             )
 
-    @cached_property
-    def _driven_by_grippers(self) -> frozenset[str]:
-        return frozenset(gripper.joint for gripper in self._model.grippers)
-
-    @cached_property
-    def _trajectory_controllers(self) -> dict[str, tuple[str, ...]]:
-        """The joints of each running trajectory controller."""
-        manager = self._cores[0].manager
-        return {
-            status.name: manager.spec(status.name).joints
-            for status in manager.list()
-            if status.state == "running" and status.kind == TRAJECTORY_KIND
-        }
-
-    def _parts(
-        self, joints: Sequence[str] | None
-    ) -> tuple[tuple[str, ...], list[_Part]]:
-        """Return the joints to move, and those of each controller."""
-        names = self.arm_joints if joints is None else tuple(joints)
-        manager = self._cores[0].manager
-        owners = {
-            joint: name
-            for name, its in self._trajectory_controllers.items()
-            for joint in its
-        }
-        if not names:
-            raise ControlError(
-                "no running trajectory controller drives an arm's joints"
-            )
-        for joint in names:
-            if joint not in owners:
-                raise ControlError(why_not_driven(manager.list(), [joint]))
-            if names.count(joint) > 1:
-                raise ControlError(f"joint '{joint}' is named twice")
-        parts = []
-        for name in dict.fromkeys(owners[joint] for joint in names):
-            columns = [k for k, joint in enumerate(names) if owners[joint] == name]
-            part = _Part(name, tuple(names[k] for k in columns), columns)
-            controller = self._cores[0].trajectory_controller(name)
-            check_names(
-                TrajectoryGoal(points=(), joint_names=part.joints),
-                controller.spec.joints,
-                allow_partial=controller.spec.allow_partial_joints_goal,
-            )
-            parts.append(part)
-        return names, parts
-
-    def _check_positions(
-        self, names: Sequence[str], positions: Array, rows: Indices
-    ) -> None:
-        """Raise GoalRejectedError for positions (n, m, k) beyond the joints' limits."""
-        limits = self._cores[0].hardware.limits
-        joints = [
-            replace(joint, limits=limits.get(joint.name, joint.limits))
-            for joint in map(self._model.joint, names)
-        ]
-        ranges = np.array([position_range(joint) for joint in joints])
-        chosen = positions[rows]
-        is_beyond = (chosen < ranges[:, 0]) | (chosen > ranges[:, 1])
-        if is_beyond.any():
-            i, m, k = np.argwhere(is_beyond)[0].tolist()
-            where = f"point {m} of copy {rows[i]}"
-            check_position(joints[k], float(chosen[i, m, k]), where)
-
-    def _start(
-        self,
-        rows: Indices,
-        parts: list[_Part],
-        positions: Array,
-        velocities: Array | None,
-        times: Sequence[float],
-    ) -> None:
-        """Start trajectories through points (n, m, k)."""
-        self._change()
-        for part in parts:
-            q = positions[..., part.columns]
-            qd = None if velocities is None else velocities[..., part.columns]
-            if self._start_native(rows, part, q, qd, times):
-                continue
-            for i in rows.tolist():
-                points = [
-                    TrajectoryPoint(
-                        q[i, m].tolist(),
-                        None if qd is None else qd[i, m].tolist(),
-                        time_from_start=time,
-                    )
-                    for m, time in enumerate(times)
-                ]
-                goal = TrajectoryGoal(points=points, joint_names=part.joints)
-                self._host.core(i).command_trajectory(part.controller, goal)
-
-    def _start_native(
-        self,
-        rows: Indices,
-        part: _Part,
-        positions: Array,
-        velocities: Array | None,
-        times: Sequence[float],
-    ) -> bool:
-        """Start motions without Python; False if only Python can."""
-        number, joints = self._running[part.controller]
-        return self._copies.start(
-            rows,
-            number,
-            [joints.index(joint) for joint in part.joints],
-            times=np.tile(times, (len(rows), 1)),
-            positions=positions[rows],
-            velocities=None if velocities is None else velocities[rows],
-            lifts_limits=not self._driven_by_grippers.isdisjoint(part.joints),
-        )
-
-    def _grip(
-        self,
-        rows: Indices,
-        controller: str,
-        openings: Sequence[float],
-        bounds: Sequence[DriveLimits],
-    ) -> bool:
-        """Move grippers without Python; return False if only Python can."""
-        joint = bounds[0].gripper.joint if bounds else ""
-        number, joints = self._running[controller]
-        column = joints.index(joint) if bounds else 0
-        here = self._copies.desired(rows, number, column)
-        if here is None:
-            return False
-        points = [
-            self._grip_point(bound, at, end)
-            for bound, at, end in zip(bounds, here.tolist(), openings, strict=True)
-        ]
-        target = np.array([point.positions for point in points]).reshape(-1, 1, 1)
-        times = np.array([point.time_from_start for point in points]).reshape(-1, 1)
-        has_started = self._copies.start(
-            rows,
-            number,
-            [column],
-            times=times,
-            positions=target,
-            velocities=np.zeros_like(target),
-            lifts_limits=False,
-        )
-        if has_started:
-            index = self.joint_names.index(joint) if bounds else 0
-            self._copies.set_drive_limits(rows, index, bounds)
-        return has_started
-
-    def _grip_point(
-        self, bounds: DriveLimits, here: float, end: float
-    ) -> TrajectoryPoint:
-        """Return the motion to an opening [m] from the joint's setpoint."""
-        gripper = bounds.gripper
-        speed = bounds.speed or gripper.speed[1]
-        start = gripper.opening(here)
-        return direct_motion(gripper, start, end, speed, self.control_period)
-
-    @cached_property
-    def _running(self) -> dict[str, tuple[int, tuple[str, ...]]]:
-        """Number and joints of each running controller, in load order."""
-        manager = self._cores[0].manager
-        names = [s.name for s in manager.list() if s.state == "running"]
-        return {
-            name: (number, manager.spec(name).joints)
-            for number, name in enumerate(names)
-        }
-
-    def _gripper_controller(self, gripper: ParallelGripper) -> tuple[str, str]:
-        """Return name and kind of the running controller that drives a gripper."""
-        statuses = self._cores[0].manager.list()
-        kinds = (TRAJECTORY_KIND, GRIPPER_KIND)
-        for status in statuses:
-            is_owner = status.state == "running" and gripper.joint in status.joints
-            if is_owner and status.kind in kinds:
-                return status.name, status.kind
-        raise ControlError(why_not_driven(statuses, [gripper.joint], kinds))
-
     def _snapshot(self, i: int) -> Snapshot:
         """Return the state of one copy, for its image."""
-        core = self._host.observed(i)
+        core = self._copies.observed(i)
         state = core.state
         return Snapshot(
             time=core.time,
@@ -872,16 +637,6 @@ class Batch:
             scene=core.scene.objects,
             objects=core.engine.world.object_states(),
         )
-
-
-def _only_scene(scenes: list[Scene]) -> Scene:
-    """Return the scene of all copies, or raise ConfigError."""
-    if any(scene != scenes[0] for scene in scenes):
-        raise ConfigError(
-            "on a GPU, all copies have the same scene; place their objects with "
-            "Batch.place, or use device='cpu'"
-        )
-    return scenes[0]
 
 
 def _named(
@@ -910,45 +665,3 @@ def _check_starts(joints: Sequence[Joint], positions: Array, rows: Indices) -> N
 def _frozen(values: FrozenArray) -> FrozenArray:
     values.flags.writeable = False
     return values
-
-
-def _checked_count(n: int) -> int:
-    if not isinstance(n, int | np.integer) or isinstance(n, bool) or n < 1:
-        raise ConfigError(f"a batch needs a whole number of copies, 1 or more, got {n}")
-    return int(n)
-
-
-def _checked_threads(threads: int | None, n: int) -> int:
-    if threads is None:
-        return min(n, os.cpu_count() or 1)
-    if not isinstance(threads, int | np.integer) or not 1 <= threads <= n:
-        raise ConfigError(
-            f"threads must be within 1 … {n}, the number of copies, got {threads}"
-        )
-    return int(threads)
-
-
-def _checked_scenes(scenes: list[Scene], n: int) -> list[Scene]:
-    """Return the scenes, which differ only in what may differ between copies."""
-    if len(scenes) != n:
-        raise ConfigError(f"give one scene for all copies, or {n}, got {len(scenes)}")
-    first = scenes[0]
-    for i, scene in enumerate(scenes):
-        names, wanted = ([o.name for o in each.objects] for each in (scene, first))
-        if names != wanted:
-            raise ConfigError(
-                f"scene {i} has objects {', '.join(names) or 'none'}; the first has "
-                f"{', '.join(wanted) or 'none'}; they must be the same"
-            )
-        for item, other in zip(scene.objects, first.objects, strict=True):
-            what = None
-            if item.geometry != other.geometry:
-                what = "another shape"
-            elif (item.mass is None) != (other.mass is None):
-                what = "no mass" if item.mass is None else "a mass"
-            if what is not None:
-                raise ConfigError(
-                    f"object '{item.name}' of scene {i} has {what}, unlike that of the "
-                    "first; copies differ in mass, friction, pose and colour only"
-                )
-    return scenes

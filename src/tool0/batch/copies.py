@@ -24,6 +24,10 @@ from tool0.kernel.program import Ended, Program
 from tool0.kinematics.chain import Array
 from tool0.runtime.core import Core
 
+MOST_TICKS = 1000
+"""Ticks of each copy that the kernel executes in one call: a signal such as Ctrl-C is
+handled between two."""
+
 
 @final
 class Copies:
@@ -68,12 +72,13 @@ class Copies:
 
     def step(self, ticks: int) -> None:
         """Advance each copy that has not diverged."""
-        left = np.where(self._has_diverged, 0, ticks).astype(np.int32)
+        left = np.where(self._has_diverged, 0, ticks).astype(np.int64)
         while (rows := np.flatnonzero(left)).size:
             self.load(rows)
             native = rows[self._is_loaded[rows]]
             if native.size and self._many is not None:
-                done, results = self._many.run(self._robots[native], left[native])
+                most = np.minimum(left[native], MOST_TICKS).astype(np.int32)
+                done, results = self._many.run(self._robots[native], most)
                 self._ticks[native] += done
                 self._untold[native] += done
                 left[native] -= done
@@ -112,7 +117,7 @@ class Copies:
             self._is_loaded[i] = True
             self._programs[i] = program
             self._robots[i] = program.robot_address
-            for number in range(len(program.running)):
+            for number in range(program.n_controllers):
                 addresses = self._laws.setdefault(number, np.zeros_like(self._robots))
                 addresses[i] = program.law_address(number)
         return bool(self._is_loaded[rows].all())

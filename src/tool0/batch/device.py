@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
+from tool0.batch.backend import needs_cpu
 from tool0.batch.frames import joint_position
 from tool0.description.model import RobotModel
 from tool0.engines.mujoco.copies import ObjectArrays, mujoco_engine
@@ -32,6 +33,7 @@ class DeviceCopies:
             EngineError: If there is no such device, or it cannot simulate the scene.
         """
         name = check_device(device)
+        self._device = device
         engine = mujoco_engine(core.engine)
         self._model, self._dt = model, engine.dt
         self._period = core.control_period
@@ -110,11 +112,17 @@ class DeviceCopies:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4).
 
         Raises:
-            EngineError: If it is fixed.
+            ControlError: If it is fixed.
         """
         self._worlds.place(name, rows, position, quat)
 
     # ---- commands -------------------------------------------------------------------
+
+    def core(self, i: int) -> Core:
+        """Raise ControlError: the copies have no cores."""
+        raise needs_cpu(f"the core of copy {i}", self._device)
+
+    observed = core
 
     def desired(self, rows: Indices, controller: int, joint: int) -> Array:
         """Return the desired positions of a joint [rad | m], as ``Backend.desired``."""

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TextIO, final
 
-from tool0.cli.parameters import Option
+from tool0.cli.parameters import Option, assignments
 from tool0.cli.text import ProgressBar
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ def collect(
     workers: int | None = None,
     ray: Annotated[str | None, Option(metavar="ADDRESS")] = None,
     policy: str | None = None,
+    env: Annotated[tuple[str, ...], Option(metavar="NAME=VALUE ...")] = (),
     seed: int = 0,
     format: Literal["parquet", "lerobot"] = "parquet",  # the option's name
     copies: int = 8,
@@ -44,6 +45,7 @@ def collect(
         ray: Collect with Ray: HOST:PORT of a cluster, or `local` to start Ray on this
             machine.
         policy: MODULE:NAME or FILE.py:NAME; if not given, the task's expert.
+        env: Keywords of the environment, such as arm=ur5e randomise=true.
         seed: Base of the seeds of the episodes.
         format: Columns and further files.
         copies: Simulations of a worker that take turns.
@@ -60,6 +62,7 @@ def collect(
             workers=workers,
             ray=ray,
             policy=policy,
+            options=_keywords(env),
             seed=seed,
             format=format,
             copies=copies,
@@ -81,6 +84,17 @@ def collect(
             f"{manifest.n_succeeded} succeeded, {manifest.n_frames} frames, "
             f"{manifest.n_bytes / 1e6:.1f} MB"
         )
+
+
+def _keywords(words: tuple[str, ...]) -> dict[str, object]:
+    """Return ``NAME=VALUE …``; values are JSON, or texts without quotes."""
+    values: dict[str, object] = {}
+    for name, text in assignments(words, "=").items():
+        try:
+            values[name] = json.loads(text)
+        except ValueError:
+            values[name] = text
+    return values
 
 
 @final

@@ -229,6 +229,7 @@ def opened(folder: Path, settings: Settings, n_requested: int) -> Iterator[Datas
     try:
         folder.mkdir(parents=True, exist_ok=True)
         is_new = not (folder / MANIFEST).exists()
+        is_empty = not _lines(folder / EPISODES)
         others = [path.name for path in folder.iterdir() if path.name != _LOCK]
     except OSError as error:
         raise ConfigError(f"{folder}: {error.strerror}") from None
@@ -241,7 +242,7 @@ def opened(folder: Path, settings: Settings, n_requested: int) -> Iterator[Datas
             exits.enter_context(locked(folder / _LOCK, wait=False))
         except BlockingIOError:
             raise ConfigError(f"another process collects into {folder}") from None
-        if not is_new:
+        if not is_empty:
             _check(folder, settings)
         dataset = Dataset(folder, settings, n_requested)
         n = dataset.manifest.n_episodes

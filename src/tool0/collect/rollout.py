@@ -54,7 +54,7 @@ def environment_spec(task: str) -> EnvSpec:
     """
     import gymnasium
 
-    if ":" in task or "/" in task or _VERSION.search(task):
+    if _VERSION.search(task):
         module, _, name = task.rpartition(":")
         try:
             if module:
@@ -62,7 +62,7 @@ def environment_spec(task: str) -> EnvSpec:
             return gymnasium.spec(name)
         except (gymnasium.error.Error, ImportError) as error:
             raise ConfigError(f"task '{task}': {error}") from None
-    from tool0.gym.tasks import TASKS  # registers them
+    from tool0.gym.tasks import TASKS
 
     if task not in TASKS:
         raise ConfigError(f"unknown task '{task}'{did_you_mean(task, list(TASKS))}")

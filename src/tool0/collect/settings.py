@@ -71,7 +71,10 @@ def programs() -> dict[str, str]:
     """
     from importlib.metadata import version
 
-    return {name: version(name) for name in _PROGRAMS} | {"arithmetic": _arithmetic()}
+    from tool0.kernel.build import source_digest
+
+    found = {name: version(name) for name in _PROGRAMS}
+    return found | {"kernel": source_digest()[:16], "arithmetic": _arithmetic()}
 
 
 def _arithmetic() -> str:

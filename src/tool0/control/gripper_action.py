@@ -9,6 +9,7 @@ from typing import ClassVar, final
 
 from tool0.control.goal import Goal, GoalStatus, GripperResult
 from tool0.control.goal_check import check_position
+from tool0.control.law import Grip, GripperLaw
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     Gains,
@@ -86,14 +87,11 @@ class GripperActionController:
         self.pid = Pid(spec.gains) if spec.gains else None
         self._target = state.position[index]
         self._position = self._target
-        self._ramp = self._target
         self._hold = hold(state.time, self._target)
         self._drive_limits: DriveLimits | None = None
         self._max_effort = spec.max_effort
-        self._effort = 0.0
+        self._grip = Grip(self._target, self._target, state.time)
         self._goal: Goal | None = None
-        self._stall_position = self._target
-        self._stall_since = state.time
         self._stall_range = spec.stall_velocity_threshold * spec.stall_timeout
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
@@ -103,19 +101,31 @@ class GripperActionController:
         if self._goal is not None:
             self._check_goal(state.time, position, self._target - position)
         if self.pid is None:
-            self._effort = self._max_effort
+            self._grip.effort = self._max_effort
             return (self._target,)
         error = self._advance_ramp(period) - position
         (effort,) = self.pid.update([error], [-state.velocity[self._index]], period)
         bound = self._max_effort
-        self._effort = -bound if effort < -bound else min(effort, bound)
-        return (self._effort,)
+        self._grip.effort = -bound if effort < -bound else min(effort, bound)
+        return (self._grip.effort,)
 
-    def law(self) -> None:
-        """Return None: it runs in Python."""
+    def law(self) -> GripperLaw:
+        spec = self.spec
+        return GripperLaw(
+            self._target,
+            spec.goal_tolerance,
+            self._max_effort,
+            self._stall_range,
+            spec.stall_timeout,
+            self._goal is not None,
+            self.pid,
+            self._drive_limits,
+            self._grip,
+        )
 
     def observe(self, state: JointState) -> None:
         self._state = state
+        self._position = state.position[self._index]
 
     def _advance_ramp(self, period: float) -> float:
         """Return the position to be at now: towards the target, at a limited speed.
@@ -123,19 +133,19 @@ class GripperActionController:
         An integral of the whole error would wind up while the drive is kept slow.
         """
         if self._drive_limits is None:
-            self._ramp = self._target
+            self._grip.ramp = self._target
         else:
-            _, speed = self._drive_limits.at(self._ramp)
-            left = self._target - self._ramp
-            self._ramp += min(max(left, -speed * period), speed * period)
-        return self._ramp
+            _, speed = self._drive_limits.at(self._grip.ramp)
+            left = self._target - self._grip.ramp
+            self._grip.ramp += min(max(left, -speed * period), speed * period)
+        return self._grip.ramp
 
     def _check_goal(self, time: float, position: float, error: float) -> None:
         if abs(error) < self.spec.goal_tolerance:
             self._finish(GoalStatus.SUCCEEDED, reached_goal=True)
-        elif abs(position - self._stall_position) > self._stall_range:
-            self._stall_position, self._stall_since = position, time
-        elif time - self._stall_since > self.spec.stall_timeout:
+        elif abs(position - self._grip.stall_position) > self._stall_range:
+            self._grip.stall_position, self._grip.stall_since = position, time
+        elif time - self._grip.stall_since > self.spec.stall_timeout:
             is_success = self.spec.allow_stalling
             self._finish(
                 GoalStatus.SUCCEEDED if is_success else GoalStatus.ABORTED, stalled=True
@@ -165,21 +175,21 @@ class GripperActionController:
         self._goal = goal = Goal(self.spec.name)
         self._target, self._drive_limits = float(position), drive_limits
         self._hold = hold(now, self._target)
-        lead = self._ramp - self._position
+        lead = self._grip.ramp - self._position
         distance = self._target - self._position
         # A further squeeze in the same direction must not release the object.
         if lead * distance <= 0.0:
-            self._ramp = self._position
+            self._grip.ramp = self._position
         elif abs(lead) > abs(distance):
-            self._ramp = self._target
+            self._grip.ramp = self._target
         self._max_effort = abs(max_effort or 0.0) or self.spec.max_effort
-        self._stall_position, self._stall_since = self._position, now
+        self._grip.stall_position, self._grip.stall_since = self._position, now
         return goal
 
     def cancel(self, goal: Goal, now: float) -> None:
         """Hold the measured position, if ``goal`` is the active one."""
         if goal is self._goal and goal is not None:
-            self._target = self._ramp = self._position
+            self._target = self._grip.ramp = self._position
             self._hold = hold(now, self._target)
             self._max_effort = self.spec.max_effort
             self._finish(GoalStatus.PREEMPTED)
@@ -199,7 +209,7 @@ class GripperActionController:
                 GripperResult(
                     status=status,
                     position=self._position,
-                    effort=self._effort,
+                    effort=self._grip.effort,
                     stalled=stalled,
                     reached_goal=reached_goal,
                 )

@@ -8,10 +8,12 @@ event, such as the end of a goal, is a tick that the controller executes itself.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple, final
 
 from tool0.control.parameters import Pid
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
+from tool0.hardware.limits import DriveLimits
 
 
 class TrajectoryLaw(NamedTuple):
@@ -43,8 +45,47 @@ class CommandLaw(NamedTuple):
     """Those of the last update, one per joint; updated in place."""
 
 
+@final
+@dataclass(slots=True)
+class Grip:
+    """What changes while a gripper moves and squeezes."""
+
+    ramp: float
+    """The position to be at now [rad | m]."""
+    stall_position: float
+    """Where the joint has not moved from [rad | m] …"""
+    stall_since: float
+    """… since then [s]."""
+    effort: float = 0.0
+    """Of the last tick [N·m | N]."""
+
+
+class GripperLaw(NamedTuple):
+    """Drive one joint to a position with bounded effort until it arrives or stalls."""
+
+    target: float
+    """[rad | m]"""
+    tolerance: float
+    """[rad | m]"""
+    max_effort: float
+    """[N·m | N]"""
+    stall_range: float
+    """A movement of less than that is none [rad | m]."""
+    stall_timeout: float
+    """[s]"""
+    has_goal: bool
+    """Whether a goal ends at the target, or by a stall."""
+    pid: Pid | None
+    """None commands the target."""
+    drive_limits: DriveLimits | None
+    """Of the goal: they slow the ramp down."""
+    grip: Grip
+    """Updated in place."""
+
+
 class IdleLaw(NamedTuple):
     """Command nothing."""
 
 
-Law = TrajectoryLaw | CommandLaw | IdleLaw
+ActiveLaw = TrajectoryLaw | CommandLaw | GripperLaw
+Law = ActiveLaw | IdleLaw

@@ -129,6 +129,9 @@ class ControllerManager:
         self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
         """In load order, with the joints that they command; another tuple whenever a
         controller starts or stops."""
+        self.running_specs: tuple[ControllerSpec, ...] = ()
+        """Their parameters; the same ones when a controller restarts."""
+        self._observers: tuple[Callable[[JointState], None], ...] = ()
         self._setpoints: tuple[tuple[str, Callable[[], Setpoint | None]], ...] = ()
         """Name of each running controller, and what returns its setpoint."""
         self._statuses: tuple[ControllerStatus, ...] = ()
@@ -148,8 +151,8 @@ class ControllerManager:
 
     def observe(self, state: JointState) -> None:
         """Tell the running controllers the state of the last tick."""
-        for _, controller, *_ in self._running:
-            controller.observe(state)
+        for observe in self._observers:
+            observe(state)
 
     def _refresh(self) -> None:
         self._running = [
@@ -161,6 +164,8 @@ class ControllerManager:
         self.running_controllers = tuple(
             (controller, claims) for _, controller, _, claims in self._running
         )
+        self.running_specs = tuple(self._loaded[item[0]].spec for item in self._running)
+        self._observers = tuple(item[1].observe for item in self._running)
         self._setpoints = tuple(
             (name, controller.setpoint) for name, controller, *_ in self._running
         )

@@ -173,7 +173,6 @@ class Copies:
         state, workspace = self.state, self.workspace
         fastest = 2.0 * workspace.fastest
         widest = 1.1 * workspace.gripper.max_opening
-        n = self.n
         one, three = np.ones(1), np.ones(3)
         far = FARTHEST * three
         parts = [
@@ -207,22 +206,24 @@ class Copies:
                 Part(f"{name}_velocity", state.object_velocity[:, k], -speed, speed),
                 Part(f"tcp_to_{name}", position - state.tcp_position, -far, far),
             ]
-        goal = self.task.desired(state).reshape(n, -1)
+        goal = self.task.desired(state)
+        missing = goal - self.task.achieved(state)
         bound = FARTHEST * np.ones(goal.shape[1])
         parts.append(Part("goal", goal, -bound, bound))
+        parts.append(Part("to_goal", missing, -bound, bound))
         return parts
 
     def rewards(self, success: Mask) -> Array:
-        """Return the rewards, -1 … 0, shape (n,)."""
+        """Return the rewards, -1 … 0, shape (n,); a copy that diverged gets -1."""
+        state, task = self.state, self.task
         if self.options.reward == "sparse":
-            return np.where(success, 0.0, -1.0)
-        if self.options.observation == "goal":
-            state = self.state
-            achieved, desired = self.task.achieved(state), self.task.desired(state)
-            return self.goal_rewards(achieved, desired)
-        return np.where(
-            success, 0.0, np.clip(self.task.progress(self.state), 0, 1) - 1.0
-        )
+            found = np.where(success, 0.0, -1.0)
+        elif self.options.observation == "goal":
+            found = self.goal_rewards(task.achieved(state), task.desired(state))
+        else:
+            progress = np.clip(task.progress(state), 0.0, 1.0)
+            found = np.where(success, 0.0, progress - 1.0)
+        return np.where(self.batch.diverged, -1.0, found)
 
     def goal_rewards(self, achieved: Array, desired: Array) -> Array:
         """Return the rewards that follow from goals alone, shape (…)."""
@@ -234,8 +235,9 @@ class Copies:
 
     def successes(self) -> Mask:
         """Return whether the task is done, shape (n,)."""
-        state = self.state
-        return self.task.is_success(self.task.achieved(state), self.task.desired(state))
+        state, task = self.state, self.task
+        done = task.is_success(task.achieved(state), task.desired(state))
+        return done & ~self.batch.diverged
 
     def checked(self, actions: ArrayLike) -> Array:
         """Return actions as numbers, shape (n, m), or raise ControlError."""

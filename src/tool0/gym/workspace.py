@@ -24,7 +24,7 @@ from tool0.api.table import (
     PickTable,
     arm_scale,
 )
-from tool0.description.camera import default_cameras
+from tool0.description.camera import Camera, default_cameras, looking
 from tool0.description.config import DescriptionConfig
 from tool0.description.robot import load_description, named_poses
 from tool0.description.scene import PALETTE, Scene, SceneObject
@@ -49,6 +49,8 @@ HOVER = 0.02
 """Least distance of the finger tips from cubes that they pass over [m]."""
 RUN_UP = 0.03
 """The same from its nearest corner, which leaves room for the fingers [m]."""
+VIEWPOINT = (0.85, -0.65, 0.6)
+"""Of the camera from the middle of the table, for an arm of scale 1 [m]."""
 ATTEMPTS = 200
 """Draws of a place before the last one is taken."""
 
@@ -106,14 +108,22 @@ class Workspace:
             self.edge / 2.0, self.edge - self.reach, self.reach + CLEARANCE
         )
         """Of the tcp above what carries the cube, when it grasps it [m]."""
-        self._cameras = {camera.name: camera for camera in default_cameras(model)}
-        if options.camera not in self._cameras:
-            hint = did_you_mean(options.camera, self._cameras)
+        cameras = {camera.name: camera for camera in default_cameras(model)}
+        cameras["scene"] = self._overview()
+        if options.camera not in cameras:
+            hint = did_you_mean(options.camera, cameras)
             raise ConfigError(f"no camera '{options.camera}'{hint}")
         width, height = options.image_size
-        self.camera = replace(self._cameras[options.camera], width=width, height=height)
+        self.camera = replace(cameras[options.camera], width=width, height=height)
         """The camera of images."""
         self._ready = named_poses(robot)["ready"]
+
+    def _overview(self) -> Camera:
+        """Return a camera that sees table, gripper and bin from the front."""
+        x, y = self.table.at((NEAR + FAR) / 2.0, (BIN_Y + LEFT) / 2.0)
+        at = (x, y, 0.1 * self.scale)
+        position = [a + self.scale * b for a, b in zip(at, VIEWPOINT, strict=True)]
+        return Camera(name="scene", pose=looking(position, at))
 
     # ---- places on the table --------------------------------------------------------
 
@@ -235,7 +245,7 @@ class Workspace:
             for item in whole.objects
             if item.name != ITEM and (with_bin or not item.name.startswith(f"{BIN}."))
         ]
-        (low, high) = self.area()
+        low, high = self.area()
         movable = [
             SceneObject(
                 name=name,

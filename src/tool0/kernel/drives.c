@@ -156,7 +156,7 @@ static double acceleration(const DriveTable *table, DriveServo *servo, double co
 /* ---- limits: hardware/limits.py -------------------------------------------------- */
 
 /* The largest effort and velocity of a goal's limits: DriveLimits.at. */
-static void goal_at(const DriveGoal *goal, double position, double *effort,
+void drives_goal_at(const DriveGoal *goal, double position, double *effort,
                     double *velocity)
 {
     double lever;
@@ -183,7 +183,7 @@ static double limit_speed(const DriveBounds *bounds, const DriveGoal *goal,
     }
     if (goal->is_limited) {
         double grip, fastest;
-        goal_at(goal, position, &grip, &fastest);
+        drives_goal_at(goal, position, &grip, &fastest);
         double lowest = least(gravity - grip, applied + bounds->ease);
         double highest = greatest(gravity + grip, applied - bounds->ease);
         effort = least(greatest(effort, lowest), highest);
@@ -276,7 +276,7 @@ static void run_servos(Drives *drives, const double *loads, const double *comman
         drives->gravity[i] = loads[i];
         if (servo->kind == SERVO_POSITION) {
             double effort;
-            goal_at(goal, position[i], &effort, &servo->speed);
+            drives_goal_at(goal, position[i], &effort, &servo->speed);
         }
     }
     for (int k = 0; k < n; k++) {

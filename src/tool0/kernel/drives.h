@@ -88,4 +88,8 @@ typedef struct Drives {
 int drives_efforts(Drives *drives, const double *command, const double *position,
                    const double *velocity, double *effort);
 
+/* Compute the largest effort and velocity of a joint at `position` (DriveLimits.at). */
+void drives_goal_at(const DriveGoal *goal, double position, double *effort,
+                    double *velocity);
+
 #endif

@@ -245,7 +245,7 @@ class NativeDrives:
 
     def _set_goal(self, index: int, limits: DriveLimits | None) -> None:
         if limits is not None:
-            self._goals[index] = _goal(limits)
+            self._goals[index] = goal_limits(limits)
             return
         self._goals[index] = _Goal()
         if index not in self._rotors:
@@ -328,7 +328,8 @@ def _servo(joint: int, law: ServoLaw) -> _Servo:
     )
 
 
-def _goal(limits: DriveLimits) -> _Goal:
+def goal_limits(limits: DriveLimits) -> _Goal:
+    """Return the limits of a goal as ``DriveGoal`` of ``drives.h``."""
     effort = math.inf if limits.effort is None else limits.effort
     goal = _Goal(
         is_limited=True,

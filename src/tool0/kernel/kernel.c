@@ -30,8 +30,8 @@ static int update(Robot *robot)
         if (!law_prepare(&robot->laws[j], time, robot->position, robot->velocity))
             return 0;
     for (int j = 0; j < robot->n_laws; j++)
-        law_execute(&robot->laws[j], time, robot->period, robot->velocity,
-                    robot->command);
+        law_execute(&robot->laws[j], time, robot->period, robot->position,
+                    robot->velocity, robot->command);
     return 1;
 }
 
@@ -79,6 +79,6 @@ TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
 
 /* The sizes of the structs that Python has, too, for a test: they must agree. */
 TOOL0_EXPORT const int tool0_struct_sizes[] = {
-    sizeof(Robot), sizeof(Law), sizeof(Piece), sizeof(Drives), sizeof(DriveTable),
+    sizeof(Robot), sizeof(Law), sizeof(Piece), sizeof(Grip), sizeof(Drives), sizeof(DriveTable),
     sizeof(DriveBody), sizeof(DriveBounds), sizeof(DriveGoal), sizeof(DriveServo), 0,
 };

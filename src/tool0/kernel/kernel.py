@@ -49,10 +49,11 @@ class Kernel:
                 return None
             laws.append(law)
         program = self._program
-        if program is None or program.running is not running:
+        if program is None or not program.takes(running, self._manager.running_specs):
             program = Program(
                 compiled,
                 running,
+                self._manager.running_specs,
                 laws,
                 self._hardware,
                 dt=self._engine.dt,

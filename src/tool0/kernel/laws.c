@@ -93,16 +93,31 @@ static int goal_continues(Law *law, double time)
     return 1;
 }
 
+static void compare_commands(Law *law, const double *measured)
+{
+    for (int k = 0; law->has_pid && k < law->n; k++) {
+        double error = law->values[k] - measured[law->joints[k]];
+        law->errors[k] = law->wraps[k] ? wrapped(error) : error;
+    }
+}
+
+/* Return whether a gripper's goal neither succeeds nor stalls for too long. */
+static int grip_continues(const Grip *grip, double time, double position)
+{
+    return !(fabs(grip->target - position) < grip->tolerance)
+        && (fabs(position - grip->stall_position) > grip->stall_range
+            || !(time - grip->stall_since > grip->stall_timeout));
+}
+
 int law_prepare(Law *law, double time, const double *position, const double *velocity)
 {
-    if (law->kind != LAW_TRAJECTORY) {
-        const double *measured = law->measures_velocity ? velocity : position;
-        for (int k = 0; law->has_pid && k < law->n; k++) {
-            double error = law->values[k] - measured[law->joints[k]];
-            law->errors[k] = law->wraps[k] ? wrapped(error) : error;
-        }
+    if (law->kind == LAW_COMMAND) {
+        compare_commands(law, law->measures_velocity ? velocity : position);
         return 1;
     }
+    if (law->kind == LAW_GRIPPER)
+        return !law->is_monitored
+            || grip_continues(law->grip, time, position[law->joints[0]]);
     if (time >= law->next_change && !advance(law, time))
         return 0;
     sample(law, time, position, velocity);
@@ -132,30 +147,75 @@ static double pid(Law *law, int k, double period)
     return gains->p * error + term + gains->d * law->rates[k];
 }
 
-void law_execute(Law *law, double time, double period, const double *velocity,
-                 double *command)
+static double trajectory_command(Law *law, int k, double time, double period,
+                                 double velocity)
+{
+    if (!law->has_pid) { /* a position interface takes the desired position */
+        const Piece *piece = active(law, k);
+        const double *c = piece->c;
+        double t = time - piece->origin;
+        if (!law->is_moving)
+            return c[0];
+        return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
+    }
+    double command = pid(law, k, period);
+    if (law->has_feed_forward)
+        command += law->feed_forward[k] * (law->rates[k] + velocity);
+    return command;
+}
+
+static double passed_command(Law *law, int k, double period)
+{
+    if (!law->has_pid)
+        return law->values[k];
+    law->rates[k] = (law->errors[k] - law->last_errors[k]) / period;
+    law->last_errors[k] = law->errors[k];
+    return pid(law, k, period);
+}
+
+static double grip_command(Law *law, double time, double period, double position,
+                           double velocity)
+{
+    Grip *grip = law->grip;
+    if (law->is_monitored
+        && fabs(position - grip->stall_position) > grip->stall_range) {
+        grip->stall_position = position;
+        grip->stall_since = time;
+    }
+    if (!law->has_pid) {
+        grip->effort = grip->max_effort;
+        return grip->target;
+    }
+    if (law->bounds) {
+        double effort, speed;
+        drives_goal_at(law->bounds, grip->ramp, &effort, &speed);
+        double step = grip->target - grip->ramp, most = speed * period;
+        step = -most > step ? -most : step;
+        grip->ramp += most < step ? most : step;
+    } else {
+        grip->ramp = grip->target;
+    }
+    law->errors[0] = grip->ramp - position;
+    law->rates[0] = -velocity;
+    double effort = pid(law, 0, period), bound = grip->max_effort;
+    if (effort < -bound)
+        effort = -bound;
+    else if (bound < effort)
+        effort = bound;
+    grip->effort = effort;
+    return effort;
+}
+
+void law_execute(Law *law, double time, double period, const double *position,
+                 const double *velocity, double *command)
 {
     for (int k = 0; k < law->n; k++) {
         int i = law->joints[k];
-        if (law->kind == LAW_COMMAND) {
-            if (law->has_pid) {
-                law->rates[k] = (law->errors[k] - law->last_errors[k]) / period;
-                law->last_errors[k] = law->errors[k];
-            }
-            command[i] = law->has_pid ? pid(law, k, period) : law->values[k];
-            continue;
-        }
-        if (!law->has_pid) { /* a position interface takes the desired position */
-            const Piece *piece = active(law, k);
-            const double *c = piece->c;
-            double t = time - piece->origin;
-            command[i] = law->is_moving
-                ? c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))))
-                : c[0];
-            continue;
-        }
-        command[i] = pid(law, k, period);
-        if (law->has_feed_forward)
-            command[i] += law->feed_forward[k] * (law->rates[k] + velocity[i]);
+        if (law->kind == LAW_TRAJECTORY)
+            command[i] = trajectory_command(law, k, time, period, velocity[i]);
+        else if (law->kind == LAW_COMMAND)
+            command[i] = passed_command(law, k, period);
+        else
+            command[i] = grip_command(law, time, period, position[i], velocity[i]);
     }
 }

@@ -8,7 +8,9 @@
 
 #include <stdint.h>
 
-enum { LAW_TRAJECTORY = 0, LAW_COMMAND = 1 };
+#include "drives.h"
+
+enum { LAW_TRAJECTORY = 0, LAW_COMMAND = 1, LAW_GRIPPER = 2 };
 enum { CHECK_NOTHING = 0, CHECK_PATH = 1, CHECK_GOAL = 2 };
 
 /* The desired motion of one joint until an instant. */
@@ -23,6 +25,12 @@ typedef struct {
 typedef struct {
     double p, i, d, i_min, i_max, antiwindup;
 } Gains;
+
+/* control/gripper_action.py: parameters, and what changes in the tick. */
+typedef struct {
+    double target, tolerance, max_effort, stall_range, stall_timeout;
+    double ramp, effort, stall_position, stall_since;
+} Grip;
 
 typedef struct {
     int32_t kind;
@@ -46,6 +54,8 @@ typedef struct {
     const double *values; /* LAW_COMMAND: the commands */
     double *last_errors;  /* LAW_COMMAND with a PID */
     double *errors, *rates; /* scratch */
+    Grip *grip;              /* LAW_GRIPPER */
+    const DriveGoal *bounds; /* LAW_GRIPPER: of the goal; may be null */
     double next_change; /* of a piece [s] */
     double goal_time; /* grace after the end of a goal [s] */
 } Law;
@@ -54,7 +64,7 @@ typedef struct {
 int law_prepare(Law *law, double time, const double *position, const double *velocity);
 
 /* Write the commands of the prepared tick. */
-void law_execute(Law *law, double time, double period, const double *velocity,
-                 double *command);
+void law_execute(Law *law, double time, double period, const double *position,
+                 const double *velocity, double *command);
 
 #endif

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from ctypes import Structure, c_double, c_int32, c_int64, c_size_t
+from ctypes import Structure, addressof, c_double, c_int32, c_int64, c_size_t
 from enum import IntEnum
 from typing import final
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.control.goal import UNCHECKED
-from tool0.control.law import CommandLaw, TrajectoryLaw
+from tool0.control.law import ActiveLaw, CommandLaw, GripperLaw, TrajectoryLaw
 from tool0.control.sampler import Check, GoalMonitor, Piece
 from tool0.control.spline import JointSpline, Segment, along
 
@@ -33,6 +33,34 @@ class LawKind(IntEnum):
 
     TRAJECTORY = 0
     COMMAND = 1
+    GRIPPER = 2
+
+
+_KINDS = {
+    TrajectoryLaw: LawKind.TRAJECTORY,
+    CommandLaw: LawKind.COMMAND,
+    GripperLaw: LawKind.GRIPPER,
+}
+
+
+GRIP_FIELDS = (
+    "target",
+    "tolerance",
+    "max_effort",
+    "stall_range",
+    "stall_timeout",
+    "ramp",
+    "effort",
+    "stall_position",
+    "stall_since",
+)
+
+
+@final
+class GripStruct(Structure):
+    """``Grip`` of ``laws.h``."""
+
+    _fields_ = tuple((name, c_double) for name in GRIP_FIELDS)
 
 
 @final
@@ -62,6 +90,8 @@ class LawStruct(Structure):
         ("last_errors", c_size_t),
         ("errors", c_size_t),
         ("rates", c_size_t),
+        ("grip", c_size_t),
+        ("bounds", c_size_t),
         ("next_change", c_double),
         ("goal_time", c_double),
     )
@@ -103,62 +133,54 @@ class RobotStruct(Structure):
 
 @final
 class LawMemory:
-    """The memory of one law in n robots, in arrays of shape (n, n_joints, …).
+    """The memory of one law of one robot, in arrays of shape (n_joints, …)."""
 
-    Gains, feed-forward and joints are the same for all robots.
-    """
-
-    def __init__(
-        self, law: TrajectoryLaw | CommandLaw, joints: Sequence[int], n: int = 1
-    ) -> None:
+    def __init__(self, law: ActiveLaw, joints: Sequence[int]) -> None:
         """Allocate it; ``joints`` are the engine's numbers of the law's joints."""
         k = len(joints)
-        self._kind = LawKind.TRAJECTORY
-        if isinstance(law, CommandLaw):
-            self._kind = LawKind.COMMAND
+        self._kind = _KINDS[type(law)]
         self.joints: IntArray = np.array(joints, dtype=np.int32)
         self.wraps: IntArray = np.zeros(k, dtype=np.int32)
-        self.wraps[list(law.wrapping)] = 1
+        if not isinstance(law, GripperLaw):
+            self.wraps[list(law.wrapping)] = 1
         self.gains: FloatArray = np.zeros((k, 6))
         self.feed_forward: FloatArray = np.zeros(k)
-        self.integrals: FloatArray = np.zeros((n, k))
-        self.pieces: FloatArray = np.zeros((n, k, MOST_PIECES, PIECE_SIZE))
-        self.n_pieces: IntArray = np.zeros((n, k), dtype=np.int32)
-        self.piece: IntArray = np.zeros((n, k), dtype=np.int32)
-        self.arrived: IntArray = np.zeros((n, k), dtype=np.int32)
-        self.started: IntArray = np.zeros((n, k), dtype=np.int32)
-        self.values: FloatArray = np.zeros((n, k))
-        self.last_errors: FloatArray = np.zeros((n, k))
-        self._scratch: FloatArray = np.zeros((n, 2, k))
+        self.integrals: FloatArray = np.zeros(k)
+        self.pieces: FloatArray = np.zeros((k, MOST_PIECES, PIECE_SIZE))
+        self.n_pieces: IntArray = np.zeros(k, dtype=np.int32)
+        self.piece: IntArray = np.zeros(k, dtype=np.int32)
+        self.arrived: IntArray = np.zeros(k, dtype=np.int32)
+        self.started: IntArray = np.zeros(k, dtype=np.int32)
+        self.values: FloatArray = np.zeros(k)
+        self.last_errors: FloatArray = np.zeros(k)
+        self.grip = GripStruct()
+        self._scratch: FloatArray = np.zeros((2, k))
         if isinstance(law, TrajectoryLaw) and law.feed_forward:
             self.feed_forward[:] = law.feed_forward
         if law.pid is not None:
             self.gains[:] = [row[1:] for row in law.pid.rows]
 
-    def fill(
-        self, struct: LawStruct, law: TrajectoryLaw | CommandLaw, robot: int = 0
-    ) -> None:
-        """Set the constants and addresses in the struct of one robot."""
+    def fill(self, struct: LawStruct, law: ActiveLaw) -> None:
+        """Set the constants and addresses in ``struct``."""
         struct.kind, struct.n = self._kind, len(self.joints)
         struct.has_pid = law.pid is not None
         struct.max_pieces = MOST_PIECES
         struct.next_change = -math.inf
         if isinstance(law, TrajectoryLaw):
             struct.has_feed_forward = bool(law.feed_forward)
-        else:
+        elif isinstance(law, CommandLaw):
             struct.measures_velocity = law.measures_velocity
-        for name in ("joints", "wraps", "gains", "feed_forward"):
+        struct.grip = addressof(self.grip)
+        for name in _ARRAYS:
             setattr(struct, name, getattr(self, name).ctypes.data)
-        for name in _OF_ROBOT:
-            setattr(struct, name, getattr(self, name)[robot].ctypes.data)
-        struct.errors = self._scratch[robot, 0].ctypes.data
-        struct.rates = self._scratch[robot, 1].ctypes.data
+        struct.errors = self._scratch[0].ctypes.data
+        struct.rates = self._scratch[1].ctypes.data
 
-    def started_splines(self, robot: int = 0) -> dict[int, JointSpline]:
+    def started_splines(self) -> dict[int, JointSpline]:
         """Return the motions that the kernel started, by the joint's number."""
         found = {}
-        for k in np.flatnonzero(self.started[robot]).tolist():
-            piece = self.pieces[robot, k, 0].tolist()
+        for k in np.flatnonzero(self.started).tolist():
+            piece = self.pieces[k, 0].tolist()
             segment = Segment.of(piece[_ORIGIN], piece[_UNTIL], piece[_COEFFICIENTS])
             found[k] = along(segment)
         return found
@@ -166,7 +188,11 @@ class LawMemory:
 
 _UNTIL, _ORIGIN, _COEFFICIENTS = 0, 1, slice(2, 8)
 """Where a piece has them."""
-_OF_ROBOT = (
+_ARRAYS = (
+    "joints",
+    "wraps",
+    "gains",
+    "feed_forward",
     "integrals",
     "pieces",
     "n_pieces",

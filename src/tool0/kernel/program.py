@@ -10,15 +10,23 @@ from typing import final
 
 import numpy as np
 
-from tool0.control.config import Controller
+from tool0.control.config import Controller, ControllerSpec
 from tool0.control.joint_trajectory import JointTrajectoryController
-from tool0.control.law import CommandLaw, IdleLaw, Law, TrajectoryLaw
+from tool0.control.law import (
+    ActiveLaw,
+    CommandLaw,
+    GripperLaw,
+    IdleLaw,
+    Law,
+    TrajectoryLaw,
+)
 from tool0.control.sampler import pieces_from
 from tool0.hardware.engine import JointState, NativeStepper
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.kernel.drives import NativeDrives
+from tool0.kernel.drives import NativeDrives, goal_limits
 from tool0.kernel.memory import (
+    GRIP_FIELDS,
     MOST_PIECES,
     FloatArray,
     LawMemory,
@@ -75,7 +83,7 @@ class RobotMemory:
 class _LoadedLaw:
     """A law of a running controller in the kernel's memory."""
 
-    def __init__(self, law: TrajectoryLaw | CommandLaw, joints: Sequence[int]) -> None:
+    def __init__(self, law: ActiveLaw, joints: Sequence[int]) -> None:
         self._memory = LawMemory(law, joints)
         self._struct = LawStruct()
         self._law = law
@@ -88,7 +96,7 @@ class _LoadedLaw:
         self._struct = struct
         self._memory.fill(struct, self._law)
 
-    def load(self, law: TrajectoryLaw | CommandLaw, time: float) -> None:
+    def load(self, law: ActiveLaw, time: float) -> None:
         """Take the law as it is at ``time`` [s]."""
         memory, pid = self._memory, law.pid
         self._law = law
@@ -96,12 +104,14 @@ class _LoadedLaw:
             if pid.rows is not self._rows:
                 self._rows = pid.rows
                 memory.gains[:] = [row[1:] for row in pid.rows]
-            memory.integrals[0] = pid.integrals
+            memory.integrals[:] = pid.integrals
         if isinstance(law, TrajectoryLaw):
             self._load_motion(law, time)
+        elif isinstance(law, GripperLaw):
+            self._load_grip(law)
         else:
-            memory.values[0] = law.values
-            memory.last_errors[0] = law.last_errors
+            memory.values[:] = law.values
+            memory.last_errors[:] = law.last_errors
 
     def _load_motion(self, law: TrajectoryLaw, time: float) -> None:
         memory, struct, monitor = self._memory, self._struct, law.monitor
@@ -110,10 +120,10 @@ class _LoadedLaw:
             self._packed, self._known_until = motion, math.inf
             for k, spline in enumerate(law.sampler.splines):
                 pieces = pieces_from(spline, time, MOST_PIECES)
-                memory.pieces[0, k, : len(pieces)] = [
+                memory.pieces[k, : len(pieces)] = [
                     packed(piece, monitor) for piece in pieces
                 ]
-                memory.n_pieces[0, k] = len(pieces)
+                memory.n_pieces[k] = len(pieces)
                 self._known_until = min(self._known_until, pieces[-1].until)
             memory.piece[:] = 0
             struct.next_change = -math.inf
@@ -121,7 +131,22 @@ class _LoadedLaw:
         if monitor is not None:
             struct.goal_time = monitor.goal_time
             memory.arrived[:] = 0
-            memory.arrived[0, list(monitor.arrived)] = 1
+            memory.arrived[list(monitor.arrived)] = 1
+
+    def _load_grip(self, law: GripperLaw) -> None:
+        grip = law.grip
+        values = (
+            *(law.target, law.tolerance, law.max_effort),
+            *(law.stall_range, law.stall_timeout, grip.ramp, grip.effort),
+            *(grip.stall_position, grip.stall_since),
+        )
+        for name, value in zip(GRIP_FIELDS, values, strict=True):
+            setattr(self._memory.grip, name, value)
+        self._struct.is_monitored = law.has_goal
+        self._struct.bounds = 0
+        if law.drive_limits is not None:
+            self._bounds = goal_limits(law.drive_limits)
+            self._struct.bounds = addressof(self._bounds)
 
     def store(self, controller: Controller, time: float) -> None:
         """Give the controller its state back; ``time`` is that of the next tick [s]."""
@@ -130,11 +155,15 @@ class _LoadedLaw:
             controller.adopt(memory.started_splines(), time)
             memory.started[:] = 0
         if law.pid is not None:
-            law.pid.integrals[:] = memory.integrals[0].tolist()
+            law.pid.integrals[:] = memory.integrals.tolist()
         if isinstance(law, CommandLaw):
-            law.last_errors[:] = memory.last_errors[0].tolist()
+            law.last_errors[:] = memory.last_errors.tolist()
+        elif isinstance(law, GripperLaw):
+            grip, now = law.grip, memory.grip
+            grip.ramp, grip.effort = now.ramp, now.effort
+            grip.stall_position, grip.stall_since = now.stall_position, now.stall_since
         elif law.monitor is not None:
-            arrived: list[int] = np.flatnonzero(memory.arrived[0]).tolist()
+            arrived: list[int] = np.flatnonzero(memory.arrived).tolist()
             law.monitor.note_arrived(arrived)
 
 
@@ -149,6 +178,9 @@ class Ended(IntEnum):
     """Python checks whether the state has diverged, and then as ``EVENT``."""
 
 
+_ENDED = tuple(Ended)  # an index takes a tenth of the time of Ended(...)
+
+
 @final
 class Program:
     """The running controllers and drives of one robot in the kernel's memory.
@@ -161,6 +193,7 @@ class Program:
         self,
         compiled: CDLL,
         running: Sequence[tuple[Controller, Sequence[int]]],
+        specs: Sequence[ControllerSpec],
         laws: Sequence[Law],
         hardware: RobotHardware,
         *,
@@ -172,12 +205,13 @@ class Program:
         Args:
             compiled: The library.
             running: The running controllers in load order, with their joints.
+            specs: Their parameters.
             laws: One for each of them.
             hardware: The drives.
             dt: Length of a step of the engine [s].
             period: Length of a tick [s].
         """
-        self.running = running
+        self._running, self._specs = running, specs
         self._hardware = hardware
         self._laws = [
             None if isinstance(law, IdleLaw) else _LoadedLaw(law, joints)
@@ -197,6 +231,24 @@ class Program:
         self._done = c_int()
         self._arguments = byref(struct), byref(self._done)
 
+    def takes(
+        self,
+        running: Sequence[tuple[Controller, Sequence[int]]],
+        specs: Sequence[ControllerSpec],
+    ) -> bool:
+        """Run these controllers from the next ``load`` on, if the memory fits them.
+
+        It fits those that were restarted, as by a reset.
+        """
+        if running is self._running:
+            return True
+        is_fitting = len(specs) == len(self._specs) and all(
+            one is other for one, other in zip(specs, self._specs, strict=True)
+        )
+        if is_fitting:
+            self._running = running
+        return is_fitting
+
     def load(
         self, laws: Sequence[Law], state: JointState, stepper: NativeStepper
     ) -> None:
@@ -215,7 +267,7 @@ class Program:
         self._use(stepper)
         robot, done = self._arguments
         result = self._run(robot, most, done)
-        return Ended(result), self._done.value
+        return _ENDED[result], self._done.value
 
     def _use(self, stepper: NativeStepper) -> None:
         if stepper is not self._stepper:
@@ -232,6 +284,11 @@ class Program:
         """Limit the drive of a joint, by its number, as RobotHardware does."""
         if self._drives.drive_limits.get(joint) != limits:
             self._drives.set_drive_limits(joint, limits)
+
+    @property
+    def n_controllers(self) -> int:
+        """The running controllers, with and without a law."""
+        return len(self._running)
 
     @property
     def robot_address(self) -> int:
@@ -271,7 +328,7 @@ class Program:
     def store(self) -> None:
         """Give controllers and drives their state back."""
         time = self.steps * self._struct.dt
-        for law, (controller, _) in zip(self._laws, self.running, strict=True):
+        for law, (controller, _) in zip(self._laws, self._running, strict=True):
             if law is not None:
                 law.store(controller, time)
         self._drives.store()

@@ -115,7 +115,8 @@ class Core:
 
         The kernel executes what it can; after a tick in Python, this returns.
         """
-        program, stepper = self.program(), self.engine.stepper
+        stepper = self.engine.stepper
+        program = None if stepper is None else self.program()
         if program is None or stepper is None:
             self.tick()
             return 1
@@ -133,8 +134,8 @@ class Core:
         After an event, Python executes one tick more.
         """
         program, stepper = self._program, self.engine.stepper
-        assert program is not None
-        assert stepper is not None
+        if program is None or stepper is None:
+            raise RuntimeError("the kernel has not run")
         self.ticks += done
         state = self.state
         if program.note_steps(stepper):

@@ -329,3 +329,17 @@ def test_a_closed_batch_refuses() -> None:
     batch.close()
     with raises_naming(tool0.ControlError, "closed"):
         batch.step()
+
+
+def test_no_chosen_copy_is_no_error() -> None:
+    with tool0.Batch(2, scene=SCENE) as batch, tool0.Batch(1, scene=SCENE) as still:
+        nobody = [False, False]
+        batch.command(Q[:2], duration=0.1, which=nobody)
+        batch.follow(Q[:2, None], [0.1], which=[])
+        batch.move_gripper(0.02, which=nobody)
+        batch.place("cube", [0.4, 0.0, 0.3], which=nobody)
+        batch.reset(nobody)
+        batch.run(0.05)
+        still.run(0.05)
+        assert np.array_equal(batch.position, still.position[[0, 0]])
+        assert np.array_equal(batch.object_position, still.object_position[[0, 0]])

@@ -96,6 +96,20 @@ def test_resets_and_placements_of_some_copies() -> None:
         beside.check()
 
 
+def test_a_driven_joint_of_a_gripper_by_position() -> None:
+    """Such a command lifts the limits of the grip before it."""
+    with Beside(2) as beside:
+        beside.move_gripper([0.02, 0.06], speed=[0.05, 0.1], force=[20.0, 100.0])
+        beside.run(0.1)
+        beside.command(np.array([[0.7], [0.1]]), duration=0.2, joints=["finger_joint"])
+        beside.run(0.1)
+        beside.check()
+        beside.move_gripper([0.05, 0.05])
+        beside.command(around(beside, 0.1, 3), duration=0.05)
+        beside.run(1.2)
+        beside.check()
+
+
 def test_a_cell_with_two_robots() -> None:
     with Beside(2, description=CELL) as beside:
         assert len(beside.batch.arm_joints) == 12

@@ -195,18 +195,46 @@ def test_success_ends_an_episode_or_does_not(terminates: bool) -> None:
     env.close()
 
 
-def test_randomised_masses_stay_in_their_range_and_differ() -> None:
+def test_what_is_randomised_differs_and_stays_in_its_range() -> None:
     ranges = tool0.gym.Randomisation(mass=(1.0, 3.0), friction=(0.5, 0.6))
     env = make_vec("Stack", 4, randomise=ranges)
     env.reset(seed=0)
-    batch = env.unwrapped.copies.batch
-    q = batch.position
+    copies = env.unwrapped.copies
+    objects = [
+        item
+        for core in copies.batch._cores
+        for item in core.scene.objects
+        if item.name in copies.task.objects
+    ]
+    for field, own, (low, high) in (
+        ("mass", 0.1, ranges.mass),
+        ("friction", 1.0, ranges.friction),
+    ):
+        values = {getattr(item, field) / own for item in objects}
+        assert len(values) == 8
+        assert low <= min(values) < max(values) <= high
+    noise = copies.state.q - copies.workspace.start
     env.close()
-    assert len(np.unique(q[:, 0])) == 4
-    start = env.unwrapped.copies.workspace.start
-    columns = env.unwrapped.copies.batch.joint_names
-    arm = [columns.index(j) for j in env.unwrapped.copies.workspace.chain.joint_names]
-    assert 0.0 < np.abs(q[:, arm] - start).max() <= ranges.joint_noise
+    assert len(np.unique(noise)) == noise.size
+    assert np.abs(noise).max() <= ranges.joint_noise
+
+
+def test_a_copy_that_diverges_is_truncated_and_starts_again(
+    lifts: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rest = np.zeros(lifts.action_space.shape, np.float32)
+    lifts.reset(seed=0)
+    fails = property(lambda batch: np.array([False, True, False]))
+    with monkeypatch.context() as patched:
+        patched.setattr(tool0.Batch, "diverged", fails)
+        observed, rewards, terminated, truncated, infos = lifts.step(rest)
+    assert observed in lifts.observation_space
+    assert infos["diverged"].tolist() == truncated.tolist() == [False, True, False]
+    assert not terminated.any()
+    assert rewards[1] == -1.0
+    _, _, _, truncated, infos = lifts.step(rest)
+    assert not truncated.any()
+    assert (lifts.unwrapped.copies.batch.time > 0.0).tolist() == [True, False, True]
 
 
 @pytest.mark.parametrize(

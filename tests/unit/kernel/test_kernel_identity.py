@@ -160,7 +160,22 @@ def stops(robot: Any, record: Record) -> None:
     record.append(numbers(robot))
 
 
-@pytest.mark.parametrize("scenario", [trajectories, grips, stops])
+def resets(robot: Any, record: Record) -> None:
+    """Reset in the middle of motions and grips, with other gains in between."""
+    for p in (None, 900.0, None, 1100.0):
+        if p is not None:
+            arm = robot.controller("eff_joint_traj_controller")
+            arm.set_gains("elbow_joint", p=p)
+        robot.move_joints({"shoulder_pan_joint": 0.5, "elbow_joint": 1.2})
+        robot.gripper.move(opening=0.03, force=50.0)
+        robot.run(0.15)
+        record.append(numbers(robot))
+        robot.reset({"elbow_joint": 1.0})
+        robot.run(0.1)
+        record.append(numbers(robot))
+
+
+@pytest.mark.parametrize("scenario", [trajectories, grips, stops, resets])
 def test_of_the_default_robot(
     monkeypatch: pytest.MonkeyPatch, scenario: Scenario
 ) -> None:
@@ -191,6 +206,7 @@ def test_of_trajectories(
 def test_of_grips_by_an_action(monkeypatch: pytest.MonkeyPatch) -> None:
     control = ControlConfig(gripper_action=True)
     assert_identical(monkeypatch, grips, control=control)
+    assert_identical(monkeypatch, resets, control=control)
 
 
 @pytest.mark.parametrize("yaml", [POSITION, FORWARD], ids=["position", "forward"])

@@ -14,6 +14,7 @@ def test_sizes_agree() -> None:
         sizeof(memory.RobotStruct),
         sizeof(memory.LawStruct),
         8 * memory.PIECE_SIZE,
+        sizeof(memory.GripStruct),
         *(
             sizeof(kind)
             for kind in (

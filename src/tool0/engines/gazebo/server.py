@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
+import random
 import re
 import shutil
 import signal
@@ -58,6 +59,10 @@ def _window_program(installation: GazeboInstallation) -> Path:
             "omit --gazebo-gui, or use the panel"
         )
     return installation.client
+
+
+_PORTS = range(12000, 32000)
+"""Below those that Linux gives to outgoing connections."""
 
 
 @final
@@ -250,9 +255,15 @@ def _own_folder() -> Iterator[Path]:
 
 
 def _free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """Return a free port that no outgoing connection gets before gzserver binds it."""
+    while True:
+        port = random.choice(_PORTS)  # several servers may start at once
+        with (
+            socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe,
+            contextlib.suppress(OSError),
+        ):
+            probe.bind(("127.0.0.1", port))
+            return port
 
 
 def _exit_report(why: str, process: ChildProcess, log: Path) -> str:

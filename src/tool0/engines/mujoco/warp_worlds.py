@@ -21,7 +21,7 @@ from tool0.engines.mujoco.warp_kernels import (
     sum_normal_forces,
 )
 from tool0.engines.mujoco.world import geom_owners
-from tool0.errors import EngineError, EngineUnavailableError
+from tool0.errors import ControlError, EngineError, EngineUnavailableError
 from tool0.hardware.engine import LARGEST_VELOCITY
 
 Array = NDArray[np.float64]
@@ -187,11 +187,11 @@ class WarpWorlds:
         """Put a movable object at rest at positions (len(rows), 3), quat_wxyz (…, 4).
 
         Raises:
-            EngineError: If it is fixed.
+            ControlError: If it is fixed.
         """
         first = self._engine.world.states.starts.get(name)
         if first is None:
-            raise EngineError(
+            raise ControlError(
                 f"object '{name}' is fixed; on a GPU only movable ones can be placed"
             )
         pose = np.zeros((self._n, 7), dtype=np.float32)

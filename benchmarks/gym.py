@@ -1,0 +1,72 @@
+"""How much of the engine's speed is left for environments that learn."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from dataclasses import dataclass
+
+import gymnasium
+import numpy as np
+
+import tool0.gym  # noqa: F401  # registers the tasks
+from benchmarks.batch import TICKS, raw_seconds
+
+N_COPIES = 64
+THREADS = 2
+ACTIONS = 4
+"""Of one measurement, each of 50 ms."""
+ROUNDS = 15
+
+
+@dataclass(frozen=True)
+class GymCost:
+    """Physics steps of a vector environment, beside those of the engine alone."""
+
+    ratio: float
+    """Steps/s ÷ (threads times the raw steps/s of one thread)."""
+    same_threads: float
+    """Steps/s ÷ the raw steps/s of as many threads at once: what a busy machine, whose
+    processors do other things too, leaves to both."""
+    python: float
+    """Part of a step's time outside the physics."""
+
+
+def cost(task: str = "Lift", n: int = N_COPIES, threads: int = THREADS) -> GymCost:
+    """Return the cost of ``n`` copies with random actions at 20 Hz.
+
+    Raw steps and those of the environment alternate, on the same models and states; the
+    medians of all rounds.
+    """
+    env = gymnasium.make_vec(f"tool0/{task}-v0", num_envs=n, threads=threads)
+    env.reset(seed=0)
+    rng = np.random.default_rng(0)
+    shape = (ACTIONS, *env.action_space.shape)
+    batch = env.unwrapped.copies.batch
+    engines = batch._engines  # the compiled models, and their states
+    ratios, same_threads, python = [], [], []
+    for _ in range(ROUNDS):
+        actions = rng.uniform(-1.0, 1.0, shape).astype(np.float32)
+        copies = [(engine.model, engine.data) for engine in engines]
+        raw = ACTIONS * raw_seconds([copies])
+        at_once = ACTIONS * raw_seconds([copies[k::threads] for k in range(threads)])
+        start = time.perf_counter()
+        for action in actions:
+            env.step(action)
+        elapsed = time.perf_counter() - start
+        start = time.perf_counter()
+        batch.step(ACTIONS * TICKS)
+        physics = time.perf_counter() - start
+        ratios.append(raw / threads / elapsed)
+        same_threads.append(at_once / elapsed)
+        python.append(1.0 - physics / elapsed)
+    env.close()
+    return GymCost(
+        statistics.median(ratios),
+        statistics.median(same_threads),
+        statistics.median(python),
+    )
+
+
+if __name__ == "__main__":
+    print(cost())

@@ -1,0 +1,266 @@
+"""Motions of the copies: started all at once, or by each core in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple, final
+
+import numpy as np
+
+from tool0.batch.arguments import Indices
+from tool0.batch.backend import Backend
+from tool0.control.goal_check import check_names, check_position, position_range
+from tool0.control.manager import GRIPPER_KIND, TRAJECTORY_KIND, why_not_driven
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.description.model import ParallelGripper, RobotModel
+from tool0.errors import ControlError
+from tool0.hardware.limits import DriveLimits
+from tool0.kinematics.chain import Array
+from tool0.runtime.core import Core
+from tool0.runtime.gripper_motion import direct_motion
+
+
+class Part(NamedTuple):
+    """Joints of one running trajectory controller."""
+
+    controller: str
+    joints: tuple[str, ...]
+    columns: list[int]
+    """Of the joints, in an array of all joints that are commanded."""
+
+
+@final
+class Commands:
+    """Checks and starts motions.  ``rows`` are the numbers of the chosen copies."""
+
+    def __init__(self, model: RobotModel, copies: Backend, first: Core) -> None:
+        """Command ``copies``; all have the controllers of the ``first``."""
+        self._model = model
+        self._copies = copies
+        self._first = first
+        self._manager = first.manager
+        self._limits = first.hardware.limits
+        self._joint_names = first.engine.joint_names
+        self._period = first.control_period
+
+    @cached_property
+    def arm_joints(self) -> tuple[str, ...]:
+        """Those of every running trajectory controller that drives no gripper."""
+        return tuple(
+            joint
+            for joints in self._trajectory_controllers.values()
+            if self._driven_by_grippers.isdisjoint(joints)
+            for joint in joints
+        )
+
+    def parts(self, joints: Sequence[str] | None) -> tuple[tuple[str, ...], list[Part]]:
+        """Return the joints to move, and those of each controller."""
+        names = self.arm_joints if joints is None else tuple(joints)
+        owners = {
+            joint: name
+            for name, its in self._trajectory_controllers.items()
+            for joint in its
+        }
+        if not names:
+            raise ControlError(
+                "no running trajectory controller drives an arm's joints"
+            )
+        for joint in names:
+            if joint not in owners:
+                raise ControlError(why_not_driven(self._manager.list(), [joint]))
+            if names.count(joint) > 1:
+                raise ControlError(f"joint '{joint}' is named twice")
+        parts = []
+        for name in dict.fromkeys(owners[joint] for joint in names):
+            columns = [k for k, joint in enumerate(names) if owners[joint] == name]
+            part = Part(name, tuple(names[k] for k in columns), columns)
+            spec = self._first.trajectory_controller(name).spec
+            check_names(
+                TrajectoryGoal(points=(), joint_names=part.joints),
+                spec.joints,
+                allow_partial=spec.allow_partial_joints_goal,
+            )
+            parts.append(part)
+        return names, parts
+
+    def check_positions(
+        self, names: Sequence[str], positions: Array, rows: Indices
+    ) -> None:
+        """Raise GoalRejectedError for positions (n, m, k) beyond the joints' limits."""
+        limits = self._limits
+        joints = [
+            replace(joint, limits=limits.get(joint.name, joint.limits))
+            for joint in map(self._model.joint, names)
+        ]
+        ranges = np.array([position_range(joint) for joint in joints])
+        chosen = positions[rows]
+        is_beyond = (chosen < ranges[:, 0]) | (chosen > ranges[:, 1])
+        if is_beyond.any():
+            i, m, k = np.argwhere(is_beyond)[0].tolist()
+            where = f"point {m} of copy {rows[i]}"
+            check_position(joints[k], float(chosen[i, m, k]), where)
+
+    def start(
+        self,
+        rows: Indices,
+        parts: list[Part],
+        positions: Array,
+        velocities: Array | None,
+        times: Sequence[float],
+    ) -> None:
+        """Start trajectories through points (n, m, k)."""
+        if not rows.size:
+            return
+        for part in parts:
+            q = positions[..., part.columns]
+            qd = None if velocities is None else velocities[..., part.columns]
+            if self._start_native(rows, part, q, qd, times):
+                continue
+            for i in rows.tolist():
+                points = [
+                    TrajectoryPoint(
+                        q[i, m].tolist(),
+                        None if qd is None else qd[i, m].tolist(),
+                        time_from_start=time,
+                    )
+                    for m, time in enumerate(times)
+                ]
+                goal = TrajectoryGoal(points=points, joint_names=part.joints)
+                self._copies.core(i).command_trajectory(part.controller, goal)
+
+    def grip(
+        self,
+        gripper: ParallelGripper,
+        rows: Indices,
+        openings: Sequence[float],
+        speeds: Sequence[float],
+        forces: Sequence[float],
+        *,
+        has_force: bool,
+    ) -> None:
+        """Move the pads to openings [m] with speeds [m/s] and forces [N], by row.
+
+        Without ``has_force`` a GripperActionController applies its own effort.
+        """
+        limits: dict[tuple[float, float], DriveLimits] = {}
+        bounds = []
+        for speed, force in zip(speeds, forces, strict=True):
+            if (speed, force) not in limits:
+                limits[speed, force] = DriveLimits(
+                    gripper=gripper, speed=speed, force=force
+                )
+            bounds.append(limits[speed, force])
+        targets = [gripper.position(opening) for opening in openings]
+        name, kind = self._gripper_controller(gripper)
+        if not rows.size:
+            return
+        joint = gripper.joint
+        if kind == GRIPPER_KIND:
+            effort = self._limits[joint].effort if has_force else None
+            for i, target, bound in zip(rows.tolist(), targets, bounds, strict=True):
+                self._copies.core(i).command_gripper(name, target, effort, bound)
+        elif not self._grip_native(rows, name, openings, bounds):
+            for i, end, bound in zip(rows.tolist(), openings, bounds, strict=True):
+                core = self._copies.core(i)
+                controller = core.trajectory_controller(name)
+                column = controller.spec.joints.index(joint)
+                here = controller.query_state(core.time).positions[column]
+                point = self._grip_point(bound, here, end)
+                goal = TrajectoryGoal(points=[point], joint_names=[joint])
+                core.command_trajectory(name, goal, {joint: bound})
+
+    def _start_native(
+        self,
+        rows: Indices,
+        part: Part,
+        positions: Array,
+        velocities: Array | None,
+        times: Sequence[float],
+    ) -> bool:
+        """Start motions without Python; False if only Python can."""
+        number, joints = self._running[part.controller]
+        return self._copies.start(
+            rows,
+            number,
+            [joints.index(joint) for joint in part.joints],
+            times=np.tile(times, (len(rows), 1)),
+            positions=positions[rows],
+            velocities=None if velocities is None else velocities[rows],
+            lifts_limits=not self._driven_by_grippers.isdisjoint(part.joints),
+        )
+
+    def _grip_native(
+        self,
+        rows: Indices,
+        controller: str,
+        openings: Sequence[float],
+        bounds: Sequence[DriveLimits],
+    ) -> bool:
+        """Move grippers without Python; return False if only Python can."""
+        joint = bounds[0].gripper.joint
+        number, joints = self._running[controller]
+        column = joints.index(joint)
+        here = self._copies.desired(rows, number, column)
+        if here is None:
+            return False
+        points = [
+            self._grip_point(bound, at, end)
+            for bound, at, end in zip(bounds, here.tolist(), openings, strict=True)
+        ]
+        targets = np.array([[point.positions] for point in points])
+        has_started = self._copies.start(
+            rows,
+            number,
+            [column],
+            times=np.array([[point.time_from_start] for point in points]),
+            positions=targets,
+            velocities=np.zeros_like(targets),
+            lifts_limits=False,
+        )
+        if has_started:
+            index = self._joint_names.index(joint)
+            self._copies.set_drive_limits(rows, index, bounds)
+        return has_started
+
+    def _grip_point(
+        self, bounds: DriveLimits, here: float, end: float
+    ) -> TrajectoryPoint:
+        """Return the motion to an opening [m] from the joint's setpoint."""
+        gripper = bounds.gripper
+        speed = bounds.speed or gripper.speed[1]
+        start = gripper.opening(here)
+        return direct_motion(gripper, start, end, speed, self._period)
+
+    @cached_property
+    def _driven_by_grippers(self) -> frozenset[str]:
+        return frozenset(gripper.joint for gripper in self._model.grippers)
+
+    @cached_property
+    def _trajectory_controllers(self) -> dict[str, tuple[str, ...]]:
+        """The joints of each running trajectory controller."""
+        return {
+            status.name: self._manager.spec(status.name).joints
+            for status in self._manager.list()
+            if status.state == "running" and status.kind == TRAJECTORY_KIND
+        }
+
+    @cached_property
+    def _running(self) -> dict[str, tuple[int, tuple[str, ...]]]:
+        """Number and joints of each running controller, in load order."""
+        names = [s.name for s in self._manager.list() if s.state == "running"]
+        return {
+            name: (number, self._manager.spec(name).joints)
+            for number, name in enumerate(names)
+        }
+
+    def _gripper_controller(self, gripper: ParallelGripper) -> tuple[str, str]:
+        """Return name and kind of the running controller that drives a gripper."""
+        statuses = self._manager.list()
+        kinds = (TRAJECTORY_KIND, GRIPPER_KIND)
+        for status in statuses:
+            is_owner = status.state == "running" and gripper.joint in status.joints
+            if is_owner and status.kind in kinds:
+                return status.name, status.kind
+        raise ControlError(why_not_driven(statuses, [gripper.joint], kinds))

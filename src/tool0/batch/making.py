@@ -1,0 +1,96 @@
+"""The cores of a batch: how many, in how many threads, with which scenes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from tool0.description.config import SPAWN_Z, File
+from tool0.description.robot import RobotDescription
+from tool0.description.scene import Scene
+from tool0.engines.registry import make_engine
+from tool0.errors import ConfigError
+from tool0.runtime.assembly import Assembly, chosen_scene
+from tool0.runtime.config import ControlConfig
+from tool0.runtime.core import Core
+
+
+def checked_count(n: int) -> int:
+    """Return how many copies there are; ConfigError if that is no such number."""
+    if not isinstance(n, int | np.integer) or isinstance(n, bool) or n < 1:
+        raise ConfigError(f"a batch needs a whole number of copies, 1 or more, got {n}")
+    return int(n)
+
+
+def checked_threads(threads: int | None, n: int) -> int:
+    """Return how many threads step ``n`` copies, by default one per processor."""
+    if threads is None:
+        return min(n, os.cpu_count() or 1)
+    if not isinstance(threads, int | np.integer) or not 1 <= threads <= n:
+        raise ConfigError(
+            f"threads must be within 1 … {n}, the number of copies, got {threads}"
+        )
+    return int(threads)
+
+
+def copied_scenes(
+    robot: RobotDescription, scene: Scene | File | Sequence[Scene] | None, n: int
+) -> list[Scene]:
+    """Return the scene of each copy; ConfigError if they cannot be copies."""
+    if scene is None or isinstance(scene, Scene | str | Path):
+        return [chosen_scene(robot, scene)] * n
+    return _checked_scenes([chosen_scene(robot, one) for one in scene], n)
+
+
+def only_scene(scenes: Sequence[Scene]) -> Scene:
+    """Return the scene that all copies on a GPU have; ConfigError if they differ."""
+    if any(scene != scenes[0] for scene in scenes):
+        raise ConfigError(
+            "on a GPU, all copies have the same scene; place their objects with "
+            "Batch.place, or use device='cpu'"
+        )
+    return scenes[0]
+
+
+def make_cores(
+    robot: RobotDescription,
+    control: ControlConfig,
+    scenes: Sequence[Scene],
+    dt: float,
+) -> list[Core]:
+    """Return cores at their initial pose, on MuJoCo with steps of ``dt`` [s]."""
+    assembly = Assembly.of(robot, control)
+    cores = []
+    for scene in scenes:
+        engine = make_engine("mujoco", robot, dt=dt, spawn_z=SPAWN_Z, scene=scene)
+        cores.append(assembly.core(engine, scene))
+    return cores
+
+
+def _checked_scenes(scenes: list[Scene], n: int) -> list[Scene]:
+    """Return the scenes, which differ only in what may differ between copies."""
+    if len(scenes) != n:
+        raise ConfigError(f"give one scene for all copies, or {n}, got {len(scenes)}")
+    first = scenes[0]
+    for i, scene in enumerate(scenes):
+        names, wanted = ([o.name for o in each.objects] for each in (scene, first))
+        if names != wanted:
+            raise ConfigError(
+                f"scene {i} has objects {', '.join(names) or 'none'}; the first has "
+                f"{', '.join(wanted) or 'none'}; they must be the same"
+            )
+        for item, other in zip(scene.objects, first.objects, strict=True):
+            what = None
+            if item.geometry != other.geometry:
+                what = "another shape"
+            elif (item.mass is None) != (other.mass is None):
+                what = "no mass" if item.mass is None else "a mass"
+            if what is not None:
+                raise ConfigError(
+                    f"object '{item.name}' of scene {i} has {what}, unlike that of the "
+                    "first; copies differ in mass, friction, pose and colour only"
+                )
+    return scenes
