@@ -13,6 +13,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from benchmarks import (
     batch,
     cells,
+    collect,
     drives,
     gazebo,
     golden,
@@ -72,6 +73,8 @@ def figures() -> Iterator[Figure]:
     yield Figure(name, learning.ratio, 0.7, 0.85)
     same = learning.same_threads
     yield Figure("the same ÷ raw on as many threads at once", same, 0.7, 0.85)
+    ratio = collect.speed_ratio()
+    yield Figure("collect with 2 workers ÷ 1 worker", ratio, 1.8, 1.95)
     eight = f"{cells.N_ROBOTS} robots"
     yield Figure(f"{eight}: start-up ÷ that of one", cells.start_ratio(), 5.0, 2.5)
     for name in golden.SCENARIOS:

@@ -45,7 +45,7 @@ def rows(folder: Path) -> list[dict[str, Any]]:
 
 @contextmanager
 def collecting(
-    folder: Path, n_episodes: int, *options: str, pace: float = 0.05
+    folder: Path, n_episodes: int, *options: str, pace: float = 0.2
 ) -> Iterator[subprocess.Popen[str]]:
     """Start the command, slowly enough to be interrupted."""
     command = [sys.executable, "-m", "tool0", "collect", "--task", WALK]

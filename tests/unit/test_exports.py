@@ -13,6 +13,7 @@ from types import ModuleType
 import pytest
 
 import tool0
+import tool0.collect
 import tool0.gym
 import tool0.scene
 
@@ -136,7 +137,7 @@ def test_docs_and_examples_need_no_subpackage() -> None:
         found = re.findall(
             r"(?:from|import) (tool0\.[\w.]+)", path.read_text(encoding="utf-8")
         )
-        assert set(found) <= {"tool0.gym", "tool0.scene"}, path
+        assert set(found) <= {"tool0.collect", "tool0.gym", "tool0.scene"}, path
 
 
 def test_the_reference_has_every_export() -> None:
@@ -145,7 +146,8 @@ def test_the_reference_has_every_export() -> None:
     listed = re.findall(r"^\.\. auto\w+:: (?:tool0\.)?(\S+)$", text, re.MULTILINE)
     scene = {f"scene.{name}" for name in tool0.scene.__all__ if name != "Pose"}
     gym = {f"gym.{name}" for name in tool0.gym.__all__}
-    assert sorted(listed) == sorted({*tool0.__all__, *scene, *gym})
+    collect = {f"collect.{name}" for name in tool0.collect.__all__}
+    assert sorted(listed) == sorted({*tool0.__all__, *scene, *gym, *collect})
 
 
 def undocumented(name: str) -> list[str]:

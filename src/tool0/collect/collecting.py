@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import logging
 import math
@@ -26,12 +27,12 @@ from tool0.errors import CollectError, ConfigError, did_you_mean
 logger = logging.getLogger(__name__)
 
 N_COPIES: Final = 8
-_CHUNK: Final = 16
-"""Largest number of episodes in a chunk."""
+_ROUNDS: Final = 2
+"""Largest number of episodes in a chunk per copy."""
 _WINDOW: Final = 4
 """Chunks per worker between the first that is missing and the last that is given."""
 _SHARES: Final = 8
-"""Least number of chunks per worker, if there are enough episodes."""
+"""Number of chunks per worker, if that gives each copy at least one episode."""
 _ATTEMPTS: Final = 3
 """Workers that may end over the same chunk."""
 _POLL: Final = 0.5
@@ -89,6 +90,7 @@ def collect(
         CollectError: If a worker or the policy fails, or the disk is full.
         TransportError: If the Ray cluster cannot be reached.
     """
+    _require("gymnasium", "pyarrow")
     _check(episodes=episodes, copies=copies)
     if workers is not None:
         _check(workers=workers)
@@ -111,7 +113,7 @@ def collect(
         with opened(Path(folder), settings, episodes) as dataset:
             if not dataset.manifest.is_complete:
                 with closing(_executor(workers, ray, settings, copies)) as executor:
-                    _Schedule(executor, dataset, progress).run()
+                    _Schedule(executor, dataset, copies, progress).run()
             return dataset.manifest
     except OSError as error:
         where = error.filename or folder
@@ -119,6 +121,15 @@ def collect(
             f"{where}: {error.strerror or error}; the episodes so far are kept, and "
             "the same call continues"
         ) from error
+
+
+def _require(*modules: str) -> None:
+    for name in modules:
+        if importlib.util.find_spec(name) is None:
+            raise ConfigError(
+                f"collecting needs {name}, which is not installed; run "
+                "pip install 'tool0[collect]'"
+            )
 
 
 def _check(**counts: int) -> None:
@@ -155,6 +166,7 @@ class _Schedule:
         self,
         executor: Executor,
         dataset: Dataset,
+        n_copies: int,
         progress: Callable[[Progress], None] | None,
     ) -> None:
         self._executor = executor
@@ -164,7 +176,9 @@ class _Schedule:
         self._n_before = manifest.n_episodes
         self._n_requested = manifest.n_requested
         n_left = self._n_requested - self._n_before
-        self._size = min(_CHUNK, math.ceil(n_left / (_SHARES * executor.n_workers)))
+        share = n_left / executor.n_workers
+        least = min(n_copies, math.ceil(share))
+        self._size = min(max(least, math.ceil(share / _SHARES)), _ROUNDS * n_copies)
         self._window = _WINDOW * self._size * executor.n_workers
         starts = range(self._n_before, self._n_requested, self._size)
         self._waiting = deque(
@@ -211,11 +225,18 @@ class _Schedule:
             )
 
     def _add(self) -> None:
-        while (first := self._dataset.manifest.n_episodes) in self._messages:
-            header, files = unpacked(self._messages.pop(first))
-            if "error" in header:
-                raise CollectError(header["error"])
-            self._dataset.add(list(zip(header["episodes"], files, strict=True)))
+        """Add the chunks that follow, together: the disk is waited for once."""
+        index = self._dataset.manifest.n_episodes
+        episodes: list[tuple[dict[str, Any], bytes]] = []
+        problem = None
+        while problem is None and index + len(episodes) in self._messages:
+            header, files = unpacked(self._messages.pop(index + len(episodes)))
+            problem = header.get("error")
+            episodes += zip(header.get("episodes", ()), files, strict=True)
+        if episodes:
+            self._dataset.add(episodes)
+        if problem is not None:
+            raise CollectError(problem)
 
     def _report(self, progress: Callable[[Progress], None], elapsed: float) -> None:
         manifest = self._dataset.manifest

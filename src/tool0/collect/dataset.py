@@ -12,6 +12,7 @@ import hashlib
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, final
@@ -29,6 +30,8 @@ DATA_PATH: Final = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.p
 _LEROBOT_EPISODES: Final = "meta/episodes.jsonl"
 _LEROBOT_STATS: Final = "meta/episodes_stats.jsonl"
 _PART: Final = ".part"
+_WRITERS: Final = 8
+"""Files that are written at a time."""
 
 
 @final
@@ -66,6 +69,14 @@ class Dataset:
         self._logs = [EPISODES]
         if self._is_lerobot:
             self._logs += [_LEROBOT_EPISODES, _LEROBOT_STATS]
+        self.recover()
+
+    def recover(self) -> None:
+        """Keep the whole episodes, and remove what an interruption left beyond them.
+
+        Raises:
+            CollectError: If a file is missing that was whole.
+        """
         rows = self._recovered()
         self._n_episodes = len(rows)
         self._n_succeeded = sum(row["success"] for row in rows)
@@ -85,10 +96,10 @@ class Dataset:
         )
 
     def add(self, episodes: Sequence[tuple[dict[str, Any], bytes]]) -> None:
-        """Append the next episodes, all of them or none.
+        """Append the next episodes.
 
         Raises:
-            OSError: If the disk is full, for example.
+            OSError: If the disk is full, for example: ``recover`` removes the rest.
         """
         rows, files, first_frame = [], {}, self._n_frames
         for sent, content in episodes:
@@ -99,18 +110,7 @@ class Dataset:
             digest = hashlib.sha256(file).hexdigest()
             rows.append({**row, "bytes": len(file), "sha256": digest})
             files[self._folder / _data_path(row["episode_index"])] = file
-        logs = [self._folder / log for log in self._logs]
-        sizes = [log.stat().st_size for log in logs]
-        try:
-            self._write(rows, files)
-        except OSError:
-            with contextlib.suppress(OSError):
-                for log, size in zip(logs, sizes, strict=True):
-                    os.truncate(log, size)
-                for path in files:
-                    path.unlink(missing_ok=True)
-                    _part(path).unlink(missing_ok=True)
-            raise
+        self._write(rows, files)
         self._n_episodes += len(rows)
         self._n_frames = first_frame
         self._n_succeeded += sum(row["success"] for row in rows)
@@ -120,12 +120,19 @@ class Dataset:
         self, rows: Sequence[Mapping[str, Any]], files: Mapping[Path, bytes]
     ) -> None:
         """Write files first and rows last, each step when the one before is on disk."""
-        for path, file in files.items():
-            _write(_part(path), file)
+        parts = [_part(path) for path in files]
+        with ThreadPoolExecutor(_WRITERS) as pool:  # a disk flushes them together
+            writes = [
+                pool.submit(_write, part, file)
+                for part, file in zip(parts, files.values(), strict=True)
+            ]
+        for write in writes:
+            write.result()
         for path in files:
             _part(path).replace(path)
         for folder in {path.parent for path in files}:
             _flush_folder(folder)
+            _flush_folder(folder.parent)  # which has a new folder in it now and then
         for log in self._logs:
             lines = "".join(f"{json.dumps(self._logged(log, row))}\n" for row in rows)
             with (self._folder / log).open("ab") as stream:
@@ -193,7 +200,6 @@ class Dataset:
     # ---- opening ---------------------------------------------------------------------
 
     def _recovered(self) -> list[dict[str, Any]]:
-        """Return the rows of whole episodes, and remove everything beyond them."""
         logs = {log: _lines(self._folder / log) for log in self._logs}
         rows: list[dict[str, Any]] = []
         for index, line in enumerate(logs[EPISODES]):
@@ -207,10 +213,10 @@ class Dataset:
             rows.append(row)
         n = min(len(rows), *(len(lines) for lines in logs.values()))
         for log, lines in logs.items():
-            whole = b"".join(line + b"\n" for line in lines[:n])
             path = self._folder / log
-            if not path.exists() or path.read_bytes() != whole:
-                _replace(path, whole)
+            path.parent.mkdir(exist_ok=True)
+            path.touch()
+            os.truncate(path, sum(len(line) + 1 for line in lines[:n]))
         kept = {self._folder / _data_path(index) for index in range(n)}
         for pattern in (f"**/*{_PART}", "data/chunk-*/episode_*.parquet"):
             for path in self._folder.glob(pattern):
@@ -253,6 +259,7 @@ def opened(folder: Path, settings: Settings, n_requested: int) -> Iterator[Datas
             yield dataset
         except BaseException:
             with contextlib.suppress(OSError):  # a full disk, for example
+                dataset.recover()
                 dataset.describe()
             raise
         dataset.describe()

@@ -152,6 +152,8 @@ class LocalWorkers:
         self._selector.unregister(process.connection)
         process.child.wait()
         trouble = _end_of(process.child)
+        if not process.is_ready:
+            raise CollectError(f"a worker did not start: {trouble}")
         process.close()
         number = self._processes.index(process)
         self._processes[number] = self._started(number)

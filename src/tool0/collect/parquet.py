@@ -56,7 +56,7 @@ def placed(
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    table = pq.read_table(io.BytesIO(file))
+    table = pq.ParquetFile(pa.BufferReader(file)).read(use_threads=False)
     column = table.schema.get_field_index("index")
     numbers = np.arange(first_frame, first_frame + table.num_rows)
     table = table.set_column(column, table.schema.field(column), pa.array(numbers))

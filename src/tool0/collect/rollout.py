@@ -88,15 +88,12 @@ class Rollout(AbstractContextManager["Rollout"]):
         import gymnasium
 
         spec = environment_spec(task)
-        mode: dict[str, Any] = {
-            "autoreset_mode": gymnasium.vector.AutoresetMode.DISABLED
-        }
-        ours: dict[str, Any] = (
-            mode if spec.vector_entry_point else {"vector_kwargs": mode}
-        )
+        given = dict(options)
         if spec.namespace == "tool0":
-            ours["threads"] = 1  # other processes use the other processors
-        self._envs: Any = gymnasium.make_vec(spec, num_envs=n_copies, **ours, **options)
+            given.setdefault("threads", 1)  # others use the other processors
+        mode = {"autoreset_mode": gymnasium.vector.AutoresetMode.DISABLED}
+        given |= mode if spec.vector_entry_point else {"vector_kwargs": mode}
+        self._envs: Any = gymnasium.make_vec(spec, num_envs=n_copies, **given)
         self._policy = policy
         self._expert = None if policy else _expert(self._envs)
         self._n_copies = n_copies

@@ -18,6 +18,7 @@ from tool0.gym.copies import Copies
 from tool0.gym.environments import TaskEnv, TaskVectorEnv
 from tool0.gym.tasks import (
     HELD,
+    Lift,
     Mask,
     PickPlace,
     Push,
@@ -68,7 +69,7 @@ class Expert:
     def __init__(self, copies: Copies, *, single: bool) -> None:
         self._copies = copies
         self._single = single
-        self._target = _EXPERTS.get(type(copies.task).__name__, _lift)
+        self._target = _EXPERTS[type(copies.task).__name__]
 
     def __call__(self, observation: object = None) -> NDArray[np.float32]:
         """Return the action, shape (m,), or those of all copies, shape (n, m).
@@ -270,6 +271,7 @@ def _length(vectors: Array) -> Array:
 
 _EXPERTS: dict[str, Callable[[Copies, State], Target]] = {
     Reach.__name__: _reach,
+    Lift.__name__: _lift,
     PickPlace.__name__: _place,
     Stack.__name__: _place,
     Push.__name__: _push,

@@ -7,6 +7,7 @@ shape (n, k); ``achieved`` and ``desired`` have the same meaning, column by colu
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple, Protocol, final
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from tool0.api.table import BIN_HALF_WIDTH, TABLE_TOP
 from tool0.description.scene import DEFAULT_WALL, Scene
 from tool0.errors import ConfigError, did_you_mean
-from tool0.gym.workspace import Workspace
+from tool0.gym.workspace import ATTEMPTS, Workspace
 from tool0.kinematics.chain import Array
 
 Mask = NDArray[np.bool_]
@@ -167,8 +168,8 @@ class Lift:
         return self._workspace.scene(self.objects)
 
     def draw(self, rng: np.random.Generator) -> Start:
-        place = _on_table(self._workspace, rng, *self._workspace.area())
-        return Start(place[None], _yaws(rng, 1), np.array([LIFTED]))
+        places = _draw_on_table(self._workspace, rng, 1)
+        return Start(places, _yaws(rng, 1), np.array([LIFTED]))
 
     def achieved(self, state: State) -> Array:
         return state.object_position[:, 0, 2:] - self._rest
@@ -205,9 +206,8 @@ class PickPlace:
         return self._workspace.scene(self.objects, with_bin=True)
 
     def draw(self, rng: np.random.Generator) -> Start:
-        area = self._workspace.area(beside_bin=True)
-        place = _on_table(self._workspace, rng, *area)
-        return Start(place[None], _yaws(rng, 1), self._goal)
+        places = _draw_on_table(self._workspace, rng, 1, beside_bin=True)
+        return Start(places, _yaws(rng, 1), self._goal)
 
     def achieved(self, state: State) -> Array:
         return _place_and_release(state, self._workspace.edge)
@@ -243,12 +243,11 @@ class Stack:
         return self._workspace.scene(self.objects)
 
     def draw(self, rng: np.random.Generator) -> Start:
-        area = self._workspace.area()
-        first = second = _on_table(self._workspace, rng, *area)
-        while math.dist(first[:2], second[:2]) < APART:
-            first = _on_table(self._workspace, rng, *area)
-            second = _on_table(self._workspace, rng, *area)
-        return Start(np.stack([first, second]), _yaws(rng, 2), np.empty(0))
+        def are_apart(places: Array) -> bool:
+            return math.dist(*places) >= APART
+
+        places = _draw_on_table(self._workspace, rng, 2, are_apart)
+        return Start(places, _yaws(rng, 2), np.empty(0))
 
     def achieved(self, state: State) -> Array:
         return _place_and_release(state, self._workspace.edge)
@@ -286,18 +285,21 @@ class Push:
         return self._workspace.scene(self.objects, friction=SLIDING)
 
     def draw(self, rng: np.random.Generator) -> Start:
-        low, high = self._workspace.area()
-        shortest, longest = (way * self._workspace.scale for way in PUSH_WAY)
+        space = self._workspace
+        low, high = space.area()
+        shortest, longest = (way * space.scale for way in PUSH_WAY)
         shortest = max(shortest, 2.0 * PUSHED)
-        while True:
-            place = _on_table(self._workspace, rng, low, high)
-            goal = _on_table(self._workspace, rng, low, high)
+
+        def can_push(places: Array) -> bool:
+            place, goal = places
             way = math.dist(place, goal)
             if not shortest <= way <= longest:
-                continue
-            behind = place + (place - goal) * self._workspace.run_up / way
-            if (low <= behind[:2]).all() and (behind[:2] <= high).all():
-                return Start(place[None], _yaws(rng, 1), goal)
+                return False
+            behind = place + (place - goal) * space.run_up / way
+            return bool(((low <= behind) & (behind <= high)).all())
+
+        place, goal = _draw_on_table(space, rng, 2, can_push)
+        return Start(place[None], _yaws(rng, 1), goal)
 
     def achieved(self, state: State) -> Array:
         return state.object_position[:, 0]
@@ -345,20 +347,25 @@ def is_holding(state: State, edge: float) -> Mask:
     return near & is_stopped & (state.opening_target < 0.8 * edge)
 
 
-def _on_table(
-    workspace: Workspace, rng: np.random.Generator, low: Array, high: Array
+def _draw_on_table(
+    workspace: Workspace,
+    rng: np.random.Generator,
+    n: int,
+    fits: Callable[[Array], bool] = lambda places: True,
+    *,
+    beside_bin: bool = False,
 ) -> Array:
-    """Return a random place of a cube on the table where the arm can lift it."""
-    z = TABLE_TOP + workspace.edge / 2.0
-    for _ in range(100):
-        place = np.append(rng.uniform(low, high), z)
-        heights = (workspace.grasp_height, workspace.grasp_height + workspace.lift)
-        if all(
-            workspace.is_in_reach(np.append(place[:2], TABLE_TOP + height))
-            for height in heights
-        ):
+    """Return random places of n cubes on the table [m], shape (n, 3).
+
+    The arm can lift cubes there, and the places (n, 2) are such that they fit.
+    """
+    low, high = workspace.area(beside_bin=beside_bin)
+    for _ in range(ATTEMPTS):
+        places = rng.uniform(low, high, (n, 2))
+        if fits(places) and all(map(workspace.can_lift, places)):
             break
-    return place
+    height = np.full((n, 1), TABLE_TOP + workspace.edge / 2.0)
+    return np.concatenate([places, height], axis=1)
 
 
 def _yaws(rng: np.random.Generator, n: int) -> Array:

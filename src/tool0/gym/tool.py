@@ -41,8 +41,6 @@ class Tool:
         base, tcp = T_root_base.matrix, T_tip_tcp.matrix
         self._R_base, self._p_base = base[:3, :3].copy(), base[:3, 3].copy()
         self._R_tcp, self._p_tcp = tcp[:3, :3].copy(), tcp[:3, 3].copy()
-        self.T_tip_tcp = T_tip_tcp
-        self.T_root_base = T_root_base
 
     def pose(self, q: Array) -> ToolPose:
         """Return the poses at joint positions ``q`` [rad], shape (n, 6)."""

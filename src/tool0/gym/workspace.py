@@ -97,6 +97,8 @@ class Workspace:
         T_root_base = fixed_transform(model, model.root, self.chain.base)
         self.tool = Tool(self.chain, T_root_base, T_tip_tcp)
         """Its tcp is the point between the pads when they hold a cube."""
+        self._T_base_root = T_root_base.inverse().matrix
+        self._T_tcp_tip = T_tip_tcp.inverse().matrix
         self.reach = finger_reach(model, self.gripper)
         """Of the fingers beyond the tcp, when they hold a cube [m]."""
         closed = grasp_frame(model, self.gripper, 0.0, tip)
@@ -172,7 +174,17 @@ class Workspace:
 
     def is_in_reach(self, position: Array) -> bool:
         """Return whether the arm reaches a point [m], (3,), in its usual posture."""
-        return self._posture(position, self.start_yaw) is not None
+        T = self._flange(position, self.start_yaw)
+        with np.errstate(invalid="ignore"):
+            q = self._inverse.geometry.solve(T[None])[0][self._branch]
+        return bool(np.isfinite(q).all())
+
+    def can_lift(self, place: Array) -> bool:
+        """Return whether the arm can grasp and lift a cube at ``place`` [m], (2,)."""
+        low = TABLE_TOP + self.grasp_height
+        return all(
+            self.is_in_reach(np.append(place, z)) for z in (low, low + self.lift)
+        )
 
     # ---- the start ------------------------------------------------------------------
 
@@ -214,20 +226,12 @@ class Workspace:
         away = np.nan_to_num(np.abs(wrapped(every - self.start)), nan=np.inf)
         return int(away.max(axis=1).argmin())
 
-    def _posture(self, position: Array, yaw: float) -> Array | None:
-        T = self._flange(position, yaw)
-        with np.errstate(invalid="ignore"):
-            q = self._inverse.geometry.solve(T[None])[0][self._branch]
-        return q if bool(np.isfinite(q).all()) else None
-
     def _flange(self, position: Array, yaw: float) -> Array:
         """Return the flange's pose in the arm's base, (4, 4), for a pose of the tcp."""
         T = np.eye(4)
         T[:3, :3] = downward(np.array([yaw]))[0]
         T[:3, 3] = position
-        tool = self.tool
-        base, tcp = tool.T_root_base.matrix, tool.T_tip_tcp.matrix
-        return np.asarray(np.linalg.inv(base) @ T @ np.linalg.inv(tcp))
+        return np.asarray(self._T_base_root @ T @ self._T_tcp_tip)
 
     # ---- the scene ------------------------------------------------------------------
 

@@ -28,7 +28,7 @@ def cluster() -> Iterator[str]:
     """Start a Ray, whose episodes take a while; return its address."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PYTHONPATH", str(FAKES))
-        patch.setenv("TOOL0_TEST_PACE", "0.05")
+        patch.setenv("TOOL0_TEST_PACE", "0.1")
         with ray_workers.own_cluster(2) as address:
             patch.undo()
             yield address

@@ -6,6 +6,7 @@ import json
 import os
 import resource
 import signal
+import sys
 from pathlib import Path
 
 import fake_tasks
@@ -69,7 +70,7 @@ def test_a_complete_data_set_stays_as_it_is(tmp_path: Path) -> None:
 def test_a_killed_worker_is_replaced(
     reference: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("TOOL0_TEST_PACE", "0.05")
+    monkeypatch.setenv("TOOL0_TEST_PACE", "0.1")
     killed: list[Progress] = []
 
     def kill(progress: Progress) -> None:
@@ -204,7 +205,7 @@ def test_what_a_policy_does_wrong_is_told(tmp_path: Path) -> None:
 
 
 def test_a_policy_that_kills_its_worker_ends_the_collection(tmp_path: Path) -> None:
-    with raises_naming(CollectError, "3 workers", "episodes 0 to 0", "signal 9"):
+    with raises_naming(CollectError, "3 workers", "episodes 0 to 1", "signal 9"):
         collected(tmp_path / "walk", 2, policy=fake_tasks.deadly)
 
 
@@ -259,3 +260,21 @@ def test_images_are_png(tmp_path: Path) -> None:
     images = table["observation.rgb"].to_pylist()
     assert all(image["bytes"].startswith(b"\x89PNG") for image in images)
     assert os.environ.get("TOOL0_TEST_PACE") is None
+
+
+@pytest.mark.parametrize("module", ["gymnasium", "pyarrow"])
+def test_what_is_not_installed_is_named(
+    module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    with raises_naming(ConfigError, module, "tool0[collect]"):
+        collected(tmp_path / "walk")
+
+
+def test_a_worker_that_does_not_start_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sitecustomize.py").write_text("raise SystemExit('no more')\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    with raises_naming(CollectError, "a worker did not start", "no more"):
+        collected(tmp_path / "walk")
