@@ -41,7 +41,7 @@ def cost(n: int = N_COPIES, threads: int = THREADS) -> BatchCost:
     """
     before = _resident()
     with tool0.Batch(n, threads=threads) as batch:
-        engines = batch._engines  # the compiled models, and their states
+        engines = [core.engine for core in batch._cores]  # their models and states
         columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
         home = batch.position[:, columns]
         rng = np.random.default_rng(0)

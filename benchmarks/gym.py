@@ -43,7 +43,7 @@ def cost(task: str = "Lift", n: int = N_COPIES, threads: int = THREADS) -> GymCo
     rng = np.random.default_rng(0)
     shape = (ACTIONS, *env.action_space.shape)
     batch = env.unwrapped.copies.batch
-    engines = batch._engines  # the compiled models, and their states
+    engines = [core.engine for core in batch._cores]  # their models and states
     ratios, same_threads, python = [], [], []
     for _ in range(ROUNDS):
         actions = rng.uniform(-1.0, 1.0, shape).astype(np.float32)

@@ -13,14 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tool0.batch.arguments import Arguments, Indices, Which
+from tool0.batch.backend import CPU, Backend, checked_device, needs_cpu
 from tool0.batch.commands import Commands
-from tool0.batch.copies import Copies
 from tool0.batch.frames import GripperFrames, LinkFrames
 from tool0.batch.making import (
     checked_count,
     checked_threads,
     copied_scenes,
     make_cores,
+    only_scene,
 )
 from tool0.description.camera import default_cameras, merged
 from tool0.description.config import DescriptionConfig, File
@@ -34,7 +35,6 @@ from tool0.errors import (
     LimitsError,
     did_you_mean,
 )
-from tool0.hardware.engine import ObjectState
 from tool0.kinematics.chain import Array
 from tool0.runtime.config import ControlConfig
 from tool0.runtime.simulation import only_part
@@ -70,6 +70,7 @@ class Batch:
         scene: Scene | File | Sequence[Scene] | None = None,
         dt: float = 0.001,
         threads: int | None = None,
+        device: str = "cpu",
     ) -> None:
         """Make ``n`` copies, each at its initial pose.
 
@@ -81,30 +82,33 @@ class Batch:
                 Those of the copies differ in mass, friction, pose and colour only.
             dt: Length of a physics step [s].
             threads: Threads that step the copies; as many as there are processors, or
-                copies if these are fewer, if not given.
+                copies if these are fewer, if not given.  A GPU needs none.
+            device: What computes: "cpu"; a GPU, as "cuda" or "cuda:1", in single
+                precision; or "warp:cpu", which computes as a GPU does, slowly.
 
         Raises:
-            ConfigError: If ``n`` or ``threads`` is out of range, or scenes differ.
+            ConfigError: If ``n`` or ``threads`` is out of range, scenes differ, or the
+                device cannot run what is asked for.
+            EngineUnavailableError: If there is no such device, or MuJoCo Warp is not
+                installed.
             Tool0Error: If an option or a file is wrong.
         """
         self._n = checked_count(n)
-        self._threads = checked_threads(threads, self._n)
+        self._device = checked_device(device, threads)
+        self._threads = checked_threads(threads, self._n if device == CPU else 1)
         self._dt = dt
         robot = load_description(description)
         self._model = robot.model
         scenes = copied_scenes(robot, scene, self._n)
+        if device != CPU:
+            scenes = [only_scene(scenes)]
         cameras = merged(default_cameras(self._model), scenes[0].cameras)
         for camera in cameras.values():
             camera.check_on(self._model)
         self._cores = make_cores(robot, control, scenes, dt)
         ground = self._cores[0].engine.world.ground
         self._cameras = Cameras(self._model, cameras, ground, lambda: self._snapshot(0))
-        from tool0.engines.mujoco.copies import joint_views, mujoco_engine
-
-        self._engines = [mujoco_engine(core.engine) for core in self._cores]
-        self._worlds = [engine.world for engine in self._engines]
-        views = [joint_views(engine) for engine in self._engines]
-        self._copies = Copies(self._cores, views, self._threads)
+        self._copies = self._backend()
         self._commands = Commands(self._model, self._copies, self._cores[0])
         self._chains: dict[str, LinkFrames] = {}
         self._tcp_frames: dict[str, GripperFrames] = {}
@@ -124,6 +128,11 @@ class Batch:
     def threads(self) -> int:
         """How many threads step them."""
         return self._threads
+
+    @property
+    def device(self) -> str:
+        """What computes: "cpu", or a GPU."""
+        return self._device
 
     @property
     def dt(self) -> float:
@@ -255,7 +264,7 @@ class Batch:
         """
         geometry = self._gripper(gripper)
         pads = pad_links(self._model, geometry)
-        return _frozen(np.array([world.normal_forces(pads) for world in self._worlds]))
+        return _frozen(self._copies.pad_forces(pads))
 
     # ---- commands -------------------------------------------------------------------
 
@@ -419,19 +428,16 @@ class Batch:
         check = Arguments(self._n, "reset")
         rows = check.which(which)
         free = [joint for joint in self._model.movable_joints if joint.mimic is None]
-        starts: list[dict[str, float]] = [{} for _ in rows]
+        starts: dict[str, Array] = {}
         if position is not None:
             axes = f" for joints {', '.join(self.joint_names)}"
             q = check.rows("position", position, (len(self.joint_names),), rows, axes)
             columns = [self.joint_names.index(joint.name) for joint in free]
             _check_starts(free, q[:, columns], rows)
-            starts = [
-                dict(zip((joint.name for joint in free), row, strict=True))
-                for row in q[rows][:, columns].tolist()
-            ]
+            names = [joint.name for joint in free]
+            starts = dict(zip(names, q[rows][:, columns].T, strict=True))
         self._change()
-        for i, start in zip(rows.tolist(), starts, strict=True):
-            self._copies.reset(i, start)
+        self._copies.reset(rows, starts)
 
     # ---- the scene ------------------------------------------------------------------
 
@@ -452,8 +458,8 @@ class Batch:
             which: The copies.
 
         Raises:
-            ControlError: If there is no such object, or a shape or a number is wrong;
-                nothing has changed.
+            ControlError: If there is no such object, it is fixed and on a GPU, or a
+                shape or a number is wrong; nothing has changed.
         """
         check = Arguments(self._n, "place")
         rows = check.which(which)
@@ -464,11 +470,7 @@ class Batch:
         if not (np.abs(quats).max(axis=1, initial=0.0) > 0.0).all():
             raise ControlError("Batch.place: a 'quat' is zero; it must not be")
         self._change()
-        for i, (x, y, z), (qw, qx, qy, qz) in zip(
-            rows.tolist(), xyz.tolist(), quats.tolist(), strict=True
-        ):
-            state = ObjectState(name, (x, y, z), (qw, qx, qy, qz))
-            self._cores[i].scene.place(state)
+        self._copies.place(rows, name, xyz, quats)
 
     def set_mass(self, name: str, mass: ArrayLike, which: Which | None = None) -> None:
         """Give a movable object another mass; it keeps its shape.
@@ -506,13 +508,14 @@ class Batch:
         """Return an image of copy ``i``.
 
         Raises:
-            ControlError: If there is no such copy.
+            ControlError: If there is no such copy, or this is a GPU.
             RenderError: If there is no such camera, or no OpenGL here.
         """
         if not 0 <= i < self._n:
             raise ControlError(
                 f"Batch.render: no copy {i}; there are 0 … {self._n - 1}"
             )
+        self._check_on_cpu("render")
         return self._cameras.render(self._cameras[camera], self._snapshot(i))
 
     def close(self) -> None:
@@ -535,6 +538,20 @@ class Batch:
 
     # ---- details --------------------------------------------------------------------
 
+    def _backend(self) -> Backend:
+        """Return what simulates the copies."""
+        if self._device == CPU:
+            from tool0.batch.copies import Copies
+
+            return Copies(self._cores, self._threads)
+        from tool0.batch.device import DeviceCopies
+
+        return DeviceCopies(self._cores[0], self._model, self._n, self._device)
+
+    def _check_on_cpu(self, method: str) -> None:
+        if self._device != CPU:
+            raise needs_cpu(f"Batch.{method}", self._device)
+
     def _change(self) -> None:
         """Forget what was read: the state is about to change."""
         if self._is_closed:
@@ -549,12 +566,10 @@ class Batch:
         return self._joints
 
     def _objects(self) -> ObjectArrays:
-        from tool0.engines.mujoco.copies import ObjectArrays, object_arrays
+        from tool0.engines.mujoco.copies import ObjectArrays
 
         if self._object_arrays is None:
-            self._object_arrays = ObjectArrays(
-                *map(_frozen, object_arrays(self._engines))
-            )
+            self._object_arrays = ObjectArrays(*map(_frozen, self._copies.objects()))
         return self._object_arrays
 
     def _positions(self) -> dict[str, Array]:
@@ -573,6 +588,7 @@ class Batch:
         self, method: str, name: str, field: str, values: ArrayLike, which: Which | None
     ) -> None:
         """Change a field of an object, as if each copy had been made with it."""
+        self._check_on_cpu(method)
         check = Arguments(self._n, method)
         rows = check.which(which)
         numbers = check.rows(field, values, (), rows)[rows].tolist()
@@ -589,9 +605,11 @@ class Batch:
                 items.append(replace(objects[name], **changes))
             except ConfigError as error:
                 raise ControlError(f"Batch.{method}: copy {i}: {error}") from None
+        from tool0.engines.mujoco.copies import mujoco_engine
+
         self._change()
         for i, item in zip(rows.tolist(), items, strict=True):
-            self._worlds[i].change(item)
+            mujoco_engine(self._cores[i].engine).world.change(item)
             self._cores[i].scene.changed(item)
 
     def _object(self, name: str) -> None:

@@ -1,4 +1,4 @@
-"""Motions of the copies: started in the kernel, or by each core in Python."""
+"""Motions of the copies: started all at once, or by each core in Python."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NamedTuple, final
 import numpy as np
 
 from tool0.batch.arguments import Indices
-from tool0.batch.copies import Copies
+from tool0.batch.backend import Backend
 from tool0.control.goal_check import check_names, check_position, position_range
 from tool0.control.manager import GRIPPER_KIND, TRAJECTORY_KIND, why_not_driven
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
@@ -35,7 +35,7 @@ class Part(NamedTuple):
 class Commands:
     """Checks and starts motions.  ``rows`` are the numbers of the chosen copies."""
 
-    def __init__(self, model: RobotModel, copies: Copies, first: Core) -> None:
+    def __init__(self, model: RobotModel, copies: Backend, first: Core) -> None:
         """Command ``copies``; all have the controllers of the ``first``."""
         self._model = model
         self._copies = copies
@@ -116,7 +116,7 @@ class Commands:
         for part in parts:
             q = positions[..., part.columns]
             qd = None if velocities is None else velocities[..., part.columns]
-            if len(times) == 1 and self._start_native(rows, part, q, qd, times[0]):
+            if self._start_native(rows, part, q, qd, times):
                 continue
             for i in rows.tolist():
                 points = [
@@ -177,19 +177,18 @@ class Commands:
         part: Part,
         positions: Array,
         velocities: Array | None,
-        duration: float,
+        times: Sequence[float],
     ) -> bool:
-        """Start motions to one point in the kernel; False if only Python can."""
-        if not self._driven_by_grippers.isdisjoint(part.joints):
-            return False  # it also lifts the limits of the drive
+        """Start motions without Python; False if only Python can."""
         number, joints = self._running[part.controller]
         return self._copies.start(
             rows,
             number,
             [joints.index(joint) for joint in part.joints],
-            durations=np.full(len(rows), duration),
-            positions=positions[rows, 0],
-            velocities=None if velocities is None else velocities[rows, 0],
+            times=np.tile(times, (len(rows), 1)),
+            positions=positions[rows],
+            velocities=None if velocities is None else velocities[rows],
+            lifts_limits=not self._driven_by_grippers.isdisjoint(part.joints),
         )
 
     def _grip_native(
@@ -199,7 +198,7 @@ class Commands:
         openings: Sequence[float],
         bounds: Sequence[DriveLimits],
     ) -> bool:
-        """Move grippers in the kernel; return False if only Python can."""
+        """Move grippers without Python; return False if only Python can."""
         joint = bounds[0].gripper.joint
         number, joints = self._running[controller]
         column = joints.index(joint)
@@ -210,19 +209,19 @@ class Commands:
             self._grip_point(bound, at, end)
             for bound, at, end in zip(bounds, here.tolist(), openings, strict=True)
         ]
-        targets = np.array([point.positions for point in points])
+        targets = np.array([[point.positions] for point in points])
         has_started = self._copies.start(
             rows,
             number,
             [column],
-            durations=np.array([point.time_from_start for point in points]),
+            times=np.array([[point.time_from_start] for point in points]),
             positions=targets,
             velocities=np.zeros_like(targets),
+            lifts_limits=False,
         )
         if has_started:
             index = self._joint_names.index(joint)
-            for i, bound in zip(rows.tolist(), bounds, strict=True):
-                self._copies.set_drive_limits(i, index, bound)
+            self._copies.set_drive_limits(rows, index, bounds)
         return has_started
 
     def _grip_point(

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
+from tool0.engines.mujoco.copies import (
+    ObjectArrays,
+    joint_views,
+    mujoco_engine,
+    object_arrays,
+)
 from tool0.errors import EngineError, GoalRejectedError
+from tool0.hardware.engine import ObjectState
 from tool0.hardware.limits import DriveLimits
 from tool0.kernel import library
 from tool0.kernel.many import Addresses, Many, Started
@@ -30,15 +37,11 @@ class Copies:
     date.  Python runs the copies that the kernel cannot, and what it leaves to Python.
     """
 
-    def __init__(
-        self, cores: Sequence[Core], views: Sequence[tuple[Array, Array]], threads: int
-    ) -> None:
-        """Take the cores over; the kernel runs them in so many threads.
-
-        ``views`` are those of the joints' positions and velocities in their engines.
-        """
+    def __init__(self, cores: Sequence[Core], threads: int) -> None:
+        """Take the cores over; the kernel runs them in so many threads."""
         self._cores = tuple(cores)
-        self._views = tuple(views)
+        self._engines = [mujoco_engine(core.engine) for core in cores]
+        self._views = [joint_views(engine) for engine in self._engines]
         n = len(cores)
         compiled = library.load()
         self._many = None if compiled is None else Many(compiled, threads)
@@ -134,14 +137,23 @@ class Copies:
             core.ran(Ended.DONE, untold)
         return core
 
-    def reset(self, i: int, start: dict[str, float]) -> None:
-        """Reset one copy, at the initial pose changed by ``start`` [rad | m]."""
-        core = self._cores[i]
-        core.settle()
-        core.reset(start, keep_time=False)
-        self._unload(i)
-        self._has_diverged[i] = False
-        self._ticks[i] = self._untold[i] = 0
+    def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
+        """Reset copies, as ``Backend.reset``."""
+        for row, i in enumerate(rows.tolist()):
+            core = self._cores[i]
+            core.settle()
+            start = {name: float(values[row]) for name, values in starts.items()}
+            core.reset(start, keep_time=False)
+            self._unload(i)
+            self._has_diverged[i] = False
+            self._ticks[i] = self._untold[i] = 0
+
+    def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
+        """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4)."""
+        poses = zip(rows.tolist(), position.tolist(), quat.tolist(), strict=True)
+        for i, (x, y, z), (qw, qx, qy, qz) in poses:
+            state = ObjectState(name, (x, y, z), (qw, qx, qy, qz))
+            self._cores[i].scene.place(state)
 
     def _unload(self, i: int) -> None:
         self._is_loaded[i] = False
@@ -166,14 +178,18 @@ class Copies:
         )
         return position, velocity, effort
 
+    def objects(self) -> ObjectArrays:
+        """Return poses and velocities of the objects."""
+        return object_arrays(self._engines)
+
+    def pad_forces(self, pads: Sequence[str]) -> Array:
+        """Return the normal force on each pad in the last step [N], (n, n_pads)."""
+        return np.array([engine.world.normal_forces(pads) for engine in self._engines])
+
     # ---- commands to copies that are loaded ----------------------------------------
 
     def desired(self, rows: Indices, controller: int, joint: int) -> Array | None:
-        """Return the desired positions of a joint [rad | m]; None if only Python can.
-
-        ``controller`` and ``joint`` are their numbers, among the running controllers
-        and in the controller.
-        """
+        """Return the desired positions of a joint, as ``Backend.desired``."""
         if self._many is None or not self.load(rows):
             return None
         laws = self._laws[controller][rows]
@@ -185,34 +201,40 @@ class Copies:
         controller: int,
         joints: Sequence[int],
         *,
-        durations: Array,
+        times: Array,
         positions: Array,
         velocities: Array | None,
+        lifts_limits: bool,
     ) -> bool:
-        """Start motions as ``Many.start``; return False if only Python can.
+        """Start motions, as ``Backend.start``: the kernel starts those to one point.
 
         Raises:
             GoalRejectedError: If no joint can move so; nothing has changed.
         """
+        if times.shape[1] != 1 or lifts_limits:
+            return False
         if self._many is None or not self.load(rows):
             return False
         started, which = self._many.start(
             self._laws[controller][rows],
             joints,
             now=self.time[rows],
-            durations=durations,
-            positions=positions,
-            velocities=velocities,
+            durations=times[:, 0],
+            positions=positions[:, 0],
+            velocities=None if velocities is None else velocities[:, 0],
         )
         if started is Started.REFUSED:
             raise GoalRejectedError(
-                f"copy {rows[which]}: no joint can move to {positions[which].tolist()} "
-                f"within {durations[which]:.6g} s"
+                f"copy {rows[which]}: no joint can move through "
+                f"{positions[which].tolist()} within {times[which, -1]:.6g} s"
             )
         return started is Started.YES
 
-    def set_drive_limits(self, i: int, joint: int, limits: DriveLimits) -> None:
-        """Limit the drive of a joint, by its number, of a copy that is loaded."""
-        program = self._programs[i]
-        assert program is not None
-        program.set_drive_limits(joint, limits)
+    def set_drive_limits(
+        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
+    ) -> None:
+        """Limit the drive of a joint, by its number, in copies that are loaded."""
+        for i, each in zip(rows.tolist(), limits, strict=True):
+            program = self._programs[i]
+            assert program is not None
+            program.set_drive_limits(joint, each)

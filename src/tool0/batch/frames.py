@@ -94,7 +94,7 @@ class _Step:
         R = frames.rotation @ self._rotation
         joint = self._joint
         if joint.is_movable:
-            q = _joint_position(joint, position)
+            q = joint_position(joint, position)
             if joint.type is JointType.PRISMATIC:
                 p = p + (R @ self._axis) * q[:, None]
             elif joint.type in {JointType.REVOLUTE, JointType.CONTINUOUS}:
@@ -139,8 +139,8 @@ class GripperFrames:
         return position.clip(min(closed, opened), max(closed, opened))
 
 
-def _joint_position(joint: Joint, position: Mapping[str, Array]) -> Array:
-    """Return a joint's positions: as given, by its mimic relation, or 0."""
+def joint_position(joint: Joint, position: Mapping[str, Array]) -> Array:
+    """Return a joint's positions, shape (n,): as given, by its mimic relation, or 0."""
     if joint.name in position:
         return position[joint.name]
     zero = np.zeros(len(next(iter(position.values()))))

@@ -45,6 +45,16 @@ def copied_scenes(
     return _checked_scenes([chosen_scene(robot, one) for one in scene], n)
 
 
+def only_scene(scenes: Sequence[Scene]) -> Scene:
+    """Return the scene that all copies on a GPU have; ConfigError if they differ."""
+    if any(scene != scenes[0] for scene in scenes):
+        raise ConfigError(
+            "on a GPU, all copies have the same scene; place their objects with "
+            "Batch.place, or use device='cpu'"
+        )
+    return scenes[0]
+
+
 def make_cores(
     robot: RobotDescription,
     control: ControlConfig,

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.hardware.engine import Engine
+from tool0.engines.mujoco.objects import ObjectStates
+from tool0.hardware.engine import Engine, ObjectState
 
 Array = NDArray[np.float64]
 
@@ -44,24 +45,39 @@ def joint_views(engine: MujocoEngine) -> tuple[Array, Array]:
 
 def object_arrays(engines: Sequence[MujocoEngine]) -> ObjectArrays:
     """Return the objects' states, as ``World.object_states`` of each engine."""
-    first, n = engines[0].world.states, len(engines)
-    n_objects = len(first.names)
+    states = [engine.world.states for engine in engines]
+    return object_arrays_of(
+        states[0],
+        np.array([each.position for each in states]),
+        np.array([each.velocity for each in states]),
+        [each.static for each in states],
+    )
+
+
+def object_arrays_of(
+    first: ObjectStates,
+    q: Array,
+    qd: Array,
+    static: Sequence[Mapping[str, ObjectState]],
+) -> ObjectArrays:
+    """Return the states of the objects that ``first`` has, in n copies.
+
+    ``q`` and ``qd`` are those of the free joints, (n, 7 n_movable) and
+    (n, 6 n_movable); ``static`` has the states of the other objects in each copy.
+    """
+    n, n_objects = len(q), len(first.names)
     position, linear, angular = np.zeros((3, n, n_objects, 3))
     quat = np.zeros((n, n_objects, 4))
     movable = [k for k, name in enumerate(first.names) if first.is_movable(name)]
     if movable:
         shape = n, len(movable), -1
-        q = np.array([engine.world.states.position for engine in engines])
-        qd = np.array([engine.world.states.velocity for engine in engines])
         q, qd = q.reshape(shape), qd.reshape(shape)
         position[:, movable], quat[:, movable] = q[..., :3], q[..., 3:]
         linear[:, movable] = qd[..., :3]
         angular[:, movable] = _rotated(q[..., 3:], qd[..., 3:])
-    static = [k for k in range(n_objects) if k not in movable]
-    for i, engine in enumerate(engines if static else ()):
-        states = engine.world.states.static
-        for k in static:
-            state = states[first.names[k]]
+    for k, name in enumerate(first.names):
+        for i, states in enumerate(static if k not in movable else ()):
+            state = states[name]
             position[i, k], quat[i, k] = state.position, state.quat_wxyz
     return ObjectArrays(position, quat, linear, angular)
 

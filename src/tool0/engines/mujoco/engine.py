@@ -84,7 +84,7 @@ class MujocoEngine:
             raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")
         # Packing plain floats takes a third of the time of assigning to the array.
         self._pack = struct.Struct(f"{self.model.nu}d").pack_into
-        self._motors = joint_selector(self._motor_joints())
+        self._motors = joint_selector(self.motor_joints())
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
         self.world.reset(position, time)
@@ -125,7 +125,8 @@ class MujocoEngine:
         self._ctrl = memoryview(data.ctrl)
         self.stepper = self._stepper()
 
-    def _motor_joints(self) -> tuple[int, ...]:
+    def motor_joints(self) -> tuple[int, ...]:
+        """Return the joint that each motor drives, by number."""
         names = (self.model.actuator(i).name for i in range(self.model.nu))
         return tuple(map(self.joint_names.index, names))
 
@@ -147,7 +148,7 @@ class MujocoEngine:
             velocity=data.qvel.ctypes.data,
             n_velocities=model.nv,
             motors=data.ctrl.ctypes.data,
-            motor_joints=self._motor_joints(),
+            motor_joints=self.motor_joints(),
             steps=lambda: self._steps,
             note_steps=note_steps,
         )

@@ -254,7 +254,10 @@ class ObjectStates:
         self.names = tuple(item.name for item in scene.objects)
         movable = [item.name for item in scene.objects if item.mass is not None]
         # Free joints are the last ones, in the scene's order: 7 positions, 6 speeds.
-        self._starts = {name: (7 * k, 6 * k) for k, name in enumerate(movable)}
+        self.starts: Mapping[str, tuple[int, int]] = {
+            name: (7 * k, 6 * k) for k, name in enumerate(movable)
+        }
+        """The first numbers of each movable object in ``position`` and ``velocity``."""
         self.position = data.qpos[model.nq - 7 * len(movable) :]  # views
         """Of the free joints, each with 7 numbers."""
         self.velocity = data.qvel[model.nv - 6 * len(movable) :]
@@ -272,26 +275,26 @@ class ObjectStates:
 
     def is_movable(self, name: str) -> bool:
         """Return whether an object has a mass."""
-        return name in self._starts
+        return name in self.starts
 
     def record(self) -> Sequence[ObjectState]:
         """Return the state of each object, in the scene's order.
 
         This copies numbers; the reader's thread computes the states.
         """
-        if not self._starts:
+        if not self.starts:
             return tuple(self.static.values()) if self.static else ()
         position, velocity = self.position.tobytes(), self.velocity.tobytes()
         return RecordedObjects(
-            partial(_states, self.names, self._starts, self.static, position, velocity)
+            partial(_states, self.names, self.starts, self.static, position, velocity)
         )
 
     def place(self, state: ObjectState) -> None:
         """Set an object's pose and, unless it is static, its velocity."""
-        if state.name not in self._starts:
+        if state.name not in self.starts:
             self._put(state)
             return
-        i, j = self._starts[state.name]
+        i, j = self.starts[state.name]
         w, x, y, z = state.quat_wxyz
         angular = _rotated((w, -x, -y, -z), state.angular)
         self.position[i : i + 7] = (*state.position, *state.quat_wxyz)

@@ -1,0 +1,111 @@
+"""Physics steps of batches on a GPU, beside those of a batch on the CPU.
+
+Run it on a machine with an NVIDIA GPU and ``pip install 'tool0[gpu]'``::
+
+    python benchmarks/gpu.py                                # cuda, 1024, 4096, 8192
+    python benchmarks/gpu.py --device warp:cpu --copies 4 16  # without a GPU, slowly
+
+The CPU's batch and the GPU's alternate, so that what else the machine does slows both.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.metadata
+import platform
+import statistics
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+import tool0
+
+COPIES = 1024, 4096, 8192
+HOST_COPIES = 256
+"""Of the batch on the CPU, whose steps/s hardly depend on their number."""
+TICKS = 50
+"""Of one action: 20 Hz."""
+ROUNDS = 5
+
+
+def action(
+    batch: tool0.Batch, rng: np.random.Generator, *, moves_grippers: bool
+) -> float:
+    """Return the seconds of an action: command, step, read."""
+    columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
+    home = batch.position[:, columns]
+    start = time.perf_counter()
+    batch.command(home + rng.uniform(-0.1, 0.1, home.shape), duration=0.05)
+    if moves_grippers:
+        batch.move_gripper(rng.uniform(0.0, 0.08, batch.n))
+    batch.step(TICKS)
+    batch.position, batch.velocity, batch.object_position  # noqa: B018
+    return time.perf_counter() - start
+
+
+def compare(n: int, device: str, scene: str | None, *, moves_grippers: bool) -> None:
+    """Print the steps/s of n copies, and their ratio to those of the CPU."""
+    rng = np.random.default_rng(0)
+    start = time.perf_counter()
+    with (
+        tool0.Batch(n, device=device, scene=scene) as batch,
+        tool0.Batch(min(n, HOST_COPIES), scene=scene) as host,
+    ):
+        action(batch, rng, moves_grippers=moves_grippers)  # compiles
+        ready = time.perf_counter() - start
+        action(host, rng, moves_grippers=moves_grippers)
+        both = batch, host
+        pairs = [
+            [action(each, rng, moves_grippers=moves_grippers) for each in both]
+            for _ in range(ROUNDS)
+        ]
+        steps = round(TICKS * batch.control_period / batch.dt)
+        speeds = np.array([batch.n, host.n]) * steps / np.array(pairs)
+        ratio = statistics.median((speeds[:, 0] / speeds[:, 1]).tolist())
+        ours, its = np.median(speeds, axis=0).tolist()
+        print(
+            f"{n:6d} copies: {ours:12,.0f} steps/s on {device}; {its:10,.0f} on the "
+            f"CPU ({host.threads} threads, {host.n} copies); ratio {ratio:6.2f}; ready "
+            f"after {ready:.1f} s; diverged {int(batch.diverged.sum())}",
+            flush=True,
+        )
+
+
+def print_machine(device: str) -> None:
+    """Print what computes, and the versions of what it runs."""
+    import warp as wp
+
+    wp.init()
+    name = device.removeprefix("warp:")
+    found = wp.get_cuda_device() if name == "cuda" else wp.get_device(name)
+    memory = f", {found.total_memory / 2**30:.0f} GiB" if found.is_cuda else ""
+    print(f"device {device}: {found.name}{memory}; CPU: {platform.machine()}")
+    names = "tool0", "mujoco", "mujoco-warp", "warp-lang", "numpy"
+    print(", ".join(f"{each} {importlib.metadata.version(each)}" for each in names))
+    if found.is_cuda:
+        print(f"CUDA driver {wp.get_cuda_driver_version()}")
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--device", default="cuda", help="cuda, cuda:1 or warp:cpu")
+    parser.add_argument("--copies", type=int, nargs="+", default=COPIES)
+    parser.add_argument("--scene", help="such as table_and_cubes; empty if left out")
+    parser.add_argument(
+        "--grippers",
+        action="store_true",
+        help="move the grippers, too: their commands are computed one by one",
+    )
+    options = parser.parse_args(arguments)
+    try:
+        tool0.Batch(1, device=options.device).close()
+    except tool0.Tool0Error as error:
+        parser.exit(1, f"{error}\n")
+    print_machine(options.device)
+    for n in options.copies:
+        compare(n, options.device, options.scene, moves_grippers=options.grippers)
+
+
+if __name__ == "__main__":
+    main()

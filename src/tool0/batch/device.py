@@ -1,0 +1,167 @@
+"""The copies of a batch on a GPU."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.batch.arguments import Indices
+from tool0.batch.backend import needs_cpu
+from tool0.batch.frames import joint_position
+from tool0.description.model import RobotModel
+from tool0.engines.mujoco.copies import ObjectArrays, mujoco_engine
+from tool0.engines.mujoco.warp_worlds import WarpWorlds, check_device
+from tool0.errors import GoalRejectedError
+from tool0.hardware.limits import DriveLimits
+from tool0.kernel.device import DeviceControl, DeviceState
+from tool0.kinematics.chain import Array
+from tool0.runtime.core import Core
+
+
+@final
+class DeviceCopies:
+    """Copies of one core whose state, controllers and drives are on a Warp device."""
+
+    def __init__(self, core: Core, model: RobotModel, n: int, device: str) -> None:
+        """Copy the state of ``core``, which is not stepped itself.
+
+        Raises:
+            ConfigError: If the device cannot run a controller.
+            EngineError: If there is no such device, or it cannot simulate the scene.
+        """
+        name = check_device(device)
+        self._device = device
+        engine = mujoco_engine(core.engine)
+        self._model, self._dt = model, engine.dt
+        self._period = core.control_period
+        self._steps_per_tick = round(core.control_period / engine.dt)
+        self._initial = np.tile(core.state.position, (n, 1))
+        self._worlds = worlds = WarpWorlds(engine, n, name)
+        statuses = core.manager.list()
+        names = [each.name for each in statuses if each.state == "running"]
+        self._control = DeviceControl(
+            dict(zip(names, core.manager.running_controllers, strict=True)),
+            core.hardware,
+            model.grippers,
+            DeviceState(worlds.steps, worlds.position, worlds.velocity, worlds.motors),
+            position=self._initial,
+            motor_joints=engine.motor_joints(),
+            period=core.control_period,
+            device=name,
+        )
+        self._launch: Callable[[], None] | None = None
+        """What executes one tick; None until it is made."""
+
+    @property
+    def time(self) -> Array:
+        """Simulated time of each copy [s]."""
+        ticks = self._worlds.steps.numpy() // self._steps_per_tick
+        return np.asarray(ticks * self._period)
+
+    @property
+    def has_diverged(self) -> NDArray[np.bool_]:
+        """Copies whose physics failed, until ``reset``."""
+        return self._worlds.has_diverged
+
+    def step(self, ticks: int) -> None:
+        """Advance each copy that has not diverged."""
+        if self._control.upload():
+            self._launch = None
+        for _ in range(ticks):
+            if self._launch is None:
+                self._tick()  # compiles the kernels
+                self._launch = self._worlds.recorded(self._tick)
+            else:
+                self._launch()
+
+    def _tick(self) -> None:
+        self._control.launch_laws()
+        for _ in range(self._steps_per_tick):
+            self._control.launch_drives()
+            self._worlds.step()
+
+    def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
+        """Reset copies, as ``Backend.reset``."""
+        if not rows.size:
+            return
+        joints = self._model.movable_joints
+        q = {joint.name: self._initial[rows, k] for k, joint in enumerate(joints)}
+        q.update(starts)
+        free = {joint.name: q[joint.name] for joint in joints if joint.mimic is None}
+        columns = [joint_position(joint, free) for joint in joints]
+        position = np.stack(columns, axis=1)
+        self._worlds.reset(rows, position)
+        self._control.restart(rows, position)
+
+    def states(self) -> tuple[Array, Array, Array]:
+        """Return positions, velocities and efforts, each of shape (n, n_joints)."""
+        return (*self._worlds.joints(), self._control.effort)
+
+    def objects(self) -> ObjectArrays:
+        """Return poses and velocities of the objects."""
+        return self._worlds.objects()
+
+    def pad_forces(self, pads: Sequence[str]) -> Array:
+        """Return the normal force on each pad in the last step [N], (n, n_pads)."""
+        return self._worlds.normal_forces(pads)
+
+    def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
+        """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4).
+
+        Raises:
+            ControlError: If it is fixed.
+        """
+        self._worlds.place(name, rows, position, quat)
+
+    # ---- commands -------------------------------------------------------------------
+
+    def core(self, i: int) -> Core:
+        """Raise ControlError: the copies have no cores."""
+        raise needs_cpu(f"the core of copy {i}", self._device)
+
+    observed = core
+
+    def desired(self, rows: Indices, controller: int, joint: int) -> Array:
+        """Return the desired positions of a joint [rad | m], as ``Backend.desired``."""
+        return self._control.desired(rows, controller, joint, self.time[rows])
+
+    def start(
+        self,
+        rows: Indices,
+        controller: int,
+        joints: Sequence[int],
+        *,
+        times: Array,
+        positions: Array,
+        velocities: Array | None,
+        lifts_limits: bool,  # it always does
+    ) -> bool:
+        """Start motions, as ``Backend.start``; they always start.
+
+        Raises:
+            GoalRejectedError: If no joint can move so; nothing has changed.
+        """
+        refused = self._control.start(
+            rows,
+            controller,
+            joints,
+            now=self.time[rows],
+            times=times,
+            positions=positions,
+            velocities=velocities,
+        )
+        if refused is not None:
+            raise GoalRejectedError(
+                f"copy {rows[refused]}: no joint can move through "
+                f"{positions[refused].tolist()} within {times[refused, -1]:.6g} s"
+            )
+        return True
+
+    def set_drive_limits(
+        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
+    ) -> None:
+        """Limit the drive of a joint, by its number, in each of the rows."""
+        self._control.set_drive_limits(rows, joint, limits)

@@ -1,0 +1,119 @@
+"""What happens to MuJoCo Warp's state beside its own steps, as Warp kernels.
+
+Arrays have one row per copy of the robot and its scene: a world.
+"""
+
+import warp as wp
+
+
+@wp.kernel
+def finish_step(
+    most_squares: float,
+    overflow: wp.array[int],
+    position: wp.array2d[float],
+    velocity: wp.array2d[float],
+    warm_start: wp.array2d[float],
+    held: wp.array2d[float],
+    has_diverged: wp.array[int],
+    steps: wp.array[int],
+) -> None:
+    """Count the step of each world; one that diverges stands still where it was.
+
+    A world diverges if the sum of its squared speeds is not below ``most_squares``, or
+    if its contacts did not fit into the memory.  ``held`` are its last positions.
+    """
+    world = wp.tid()
+    squares = float(0.0)
+    for i in range(velocity.shape[1]):
+        squares += velocity[world, i] * velocity[world, i]
+    if not squares < most_squares or overflow[world] != 0:  # NaN, too
+        has_diverged[world] = 1
+    if has_diverged[world] == 0:
+        for i in range(position.shape[1]):
+            held[world, i] = position[world, i]
+        steps[world] += 1
+        return
+    for i in range(position.shape[1]):
+        position[world, i] = held[world, i]
+    for i in range(velocity.shape[1]):
+        velocity[world, i] = 0.0
+        warm_start[world, i] = 0.0
+
+
+@wp.kernel
+def set_state(
+    is_chosen: wp.array[int],
+    start: wp.array2d[float],
+    position: wp.array2d[float],
+    velocity: wp.array2d[float],
+    warm_start: wp.array2d[float],
+    control: wp.array2d[float],
+    held: wp.array2d[float],
+    time: wp.array[float],
+    overflow: wp.array[int],
+    has_diverged: wp.array[int],
+    steps: wp.array[int],
+) -> None:
+    """Put the chosen worlds at ``start``, at rest, and their time at 0."""
+    world = wp.tid()
+    if is_chosen[world] == 0:
+        return
+    for i in range(position.shape[1]):
+        position[world, i] = start[world, i]
+        held[world, i] = start[world, i]
+    for i in range(velocity.shape[1]):
+        velocity[world, i] = 0.0
+        warm_start[world, i] = 0.0
+    for i in range(control.shape[1]):
+        control[world, i] = 0.0
+    time[world] = 0.0
+    overflow[world] = 0
+    has_diverged[world] = 0
+    steps[world] = 0
+
+
+@wp.kernel
+def place_object(
+    is_chosen: wp.array[int],
+    first: wp.vec2i,
+    pose: wp.array2d[float],
+    position: wp.array2d[float],
+    held: wp.array2d[float],
+    velocity: wp.array2d[float],
+    warm_start: wp.array2d[float],
+) -> None:
+    """Put an object, whose first numbers are these, at ``pose`` and at rest."""
+    world = wp.tid()
+    if is_chosen[world] == 0:
+        return
+    for i in range(7):
+        position[world, first[0] + i] = pose[world, i]
+        held[world, first[0] + i] = pose[world, i]
+    for i in range(6):
+        velocity[world, first[1] + i] = 0.0
+        warm_start[world, first[1] + i] = 0.0
+
+
+@wp.kernel
+def sum_normal_forces(
+    n_contacts: wp.array[int],
+    world_of: wp.array[int],
+    geoms: wp.array[wp.vec2i],
+    rows: wp.array2d[int],
+    forces: wp.array2d[float],
+    owner: wp.array2d[int],
+    found: wp.array2d[float],
+) -> None:
+    """Add the normal force of each contact to the links that it touches.
+
+    ``owner`` is 1 where a geom, by row, is of a link, by column.
+    """
+    contact = wp.tid()
+    if contact >= n_contacts[0] or rows[contact, 0] < 0:
+        return
+    world = world_of[contact]
+    pair = geoms[contact]
+    force = forces[world, rows[contact, 0]]
+    for link in range(owner.shape[1]):
+        if owner[pair[0], link] != 0 or owner[pair[1], link] != 0:
+            wp.atomic_add(found, world, link, force)

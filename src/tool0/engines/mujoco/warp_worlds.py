@@ -1,0 +1,241 @@
+"""Many copies of one compiled model, stepped by MuJoCo Warp on a GPU."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from typing import Any, final
+
+import mujoco
+import mujoco_warp
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from tool0.engines.mujoco.copies import ObjectArrays, object_arrays_of
+from tool0.engines.mujoco.engine import MujocoEngine
+from tool0.engines.mujoco.warp_kernels import (
+    finish_step,
+    place_object,
+    set_state,
+    sum_normal_forces,
+)
+from tool0.engines.mujoco.world import geom_owners
+from tool0.errors import ControlError, EngineError, EngineUnavailableError
+from tool0.hardware.engine import LARGEST_VELOCITY
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+CONTACTS, CONTACTS_PER_OBJECT = 64, 16
+"""Room for contacts per copy, without objects and for each movable one."""
+ROWS, ROWS_PER_CONTACT = 64, 4
+"""Room for rows of constraints per copy: mimic joints, stops, friction, contacts."""
+
+
+def check_device(device: str) -> str:
+    """Return Warp's name of ``device``: "cuda", "cuda:1", or "cpu" for "warp:cpu".
+
+    Raises:
+        EngineUnavailableError: If Warp does not find it.
+    """
+    wp.config.log_level = max(wp.config.log_level, wp.LOG_WARNING)
+    wp.init()
+    name = device.removeprefix("warp:")
+    known = [found.alias for found in wp.get_devices()]
+    if name == "cuda" and wp.is_cuda_available():
+        return str(wp.get_cuda_device().alias)
+    if name not in known:
+        raise EngineUnavailableError(
+            f"there is no device '{device}': Warp finds {', '.join(known)}; a GPU "
+            "needs NVIDIA's driver (nvidia-smi shows it)"
+        )
+    return name
+
+
+@final
+class WarpWorlds:
+    """n worlds on a Warp device, in single precision: robot and objects.
+
+    Every array that a caller passes or gets is in double precision and has n rows,
+    unless it says otherwise.
+    """
+
+    def __init__(self, engine: MujocoEngine, n: int, device: str) -> None:
+        """Copy the state of ``engine`` n times to the device, by Warp's name of it.
+
+        Raises:
+            EngineError: If MuJoCo Warp does not support the model.
+        """
+        self._device = device
+        self._engine = engine
+        self._n, self._n_joints = n, len(engine.joint_names)
+        model = copy.copy(engine.model)
+        # MuJoCo Warp never resets a diverged world, and rejects the flag that says so.
+        model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+        n_contacts = CONTACTS + CONTACTS_PER_OBJECT * len(engine.world.states.starts)
+        with wp.ScopedDevice(device):
+            try:
+                self._model = mujoco_warp.put_model(model)
+            except NotImplementedError as error:
+                raise EngineError(
+                    f"MuJoCo Warp does not support the scene: {error}"
+                ) from error
+            self._data = data = mujoco_warp.make_data(
+                model,
+                nworld=n,
+                nconmax=n_contacts,
+                njmax=ROWS + ROWS_PER_CONTACT * n_contacts,
+            )
+            self.steps = wp.zeros(n, dtype=int)
+            """Of each world since its reset: Warp's array, as the next three."""
+            self._has_diverged = wp.zeros(n, dtype=int)
+            self._held = wp.zeros((n, model.nq), dtype=float)
+        self.position = data.qpos
+        """Of the joints first, then of the objects, shape (n, nq)."""
+        self.velocity = data.qvel
+        self.motors = data.ctrl
+        self._start = engine.data.qpos.copy()
+        self.reset(np.arange(n), np.tile(self._start[: self._n_joints], (n, 1)))
+
+    # ---- time -----------------------------------------------------------------------
+
+    def step(self) -> None:
+        """Launch one step of all worlds; those that diverged stand still."""
+        data = self._data
+        with wp.ScopedDevice(self._device):
+            mujoco_warp.step(self._model, data)
+            wp.launch(
+                finish_step,
+                dim=self._n,
+                inputs=[
+                    LARGEST_VELOCITY**2,
+                    data.overflow,
+                    data.qpos,
+                    data.qvel,
+                    data.qacc_warmstart,
+                    self._held,
+                    self._has_diverged,
+                    self.steps,
+                ],
+            )
+
+    def recorded(self, launch: Callable[[], None]) -> Callable[[], None]:
+        """Return what repeats the launches of ``launch`` at once: a CUDA graph.
+
+        Its kernels must have been compiled; without CUDA, it is ``launch`` itself.
+        """
+        device = wp.get_device(self._device)
+        if not device.is_cuda:
+            return launch
+        with wp.ScopedDevice(device), wp.ScopedCapture() as capture:
+            launch()
+        graph = capture.graph
+        return lambda: wp.capture_launch(graph)
+
+    def reset(self, rows: Indices, joints: Array) -> None:
+        """Put worlds at positions [rad | m] of all joints, shape (len(rows), n_joints).
+
+        Objects return to their start, everything is at rest.
+        """
+        data = self._data
+        start = np.tile(self._start, (self._n, 1))
+        start[rows, : self._n_joints] = joints
+        with wp.ScopedDevice(self._device):
+            wp.launch(
+                set_state,
+                dim=self._n,
+                inputs=[
+                    self._chosen(rows),
+                    wp.array(start.astype(np.float32), dtype=float),
+                    data.qpos,
+                    data.qvel,
+                    data.qacc_warmstart,
+                    data.ctrl,
+                    self._held,
+                    data.time,
+                    data.overflow,
+                    self._has_diverged,
+                    self.steps,
+                ],
+            )
+
+    def _chosen(self, rows: Indices) -> Any:
+        mask = np.zeros(self._n, dtype=np.int32)
+        mask[rows] = 1
+        return wp.array(mask, dtype=int, device=self._device)
+
+    # ---- the state ------------------------------------------------------------------
+
+    @property
+    def has_diverged(self) -> NDArray[np.bool_]:
+        """Which worlds stand still since their physics failed, shape (n,)."""
+        return np.asarray(self._has_diverged.numpy() != 0)
+
+    def joints(self) -> tuple[Array, Array]:
+        """Return positions [rad | m] and velocities of the joints, (n, n_joints)."""
+        k = self._n_joints
+        return _doubles(self.position)[:, :k], _doubles(self.velocity)[:, :k]
+
+    def objects(self) -> ObjectArrays:
+        """Return the objects' states in the root."""
+        states, k = self._engine.world.states, self._n_joints
+        q, qd = _doubles(self.position)[:, k:], _doubles(self.velocity)[:, k:]
+        return object_arrays_of(states, q, qd, [states.static] * self._n)
+
+    def place(self, name: str, rows: Indices, position: Array, quat: Array) -> None:
+        """Put a movable object at rest at positions (len(rows), 3), quat_wxyz (…, 4).
+
+        Raises:
+            ControlError: If it is fixed.
+        """
+        first = self._engine.world.states.starts.get(name)
+        if first is None:
+            raise ControlError(
+                f"object '{name}' is fixed; on a GPU only movable ones can be placed"
+            )
+        pose = np.zeros((self._n, 7), dtype=np.float32)
+        pose[rows, :3] = position
+        pose[rows, 3:] = quat / np.linalg.norm(quat, axis=1, keepdims=True)
+        k, data = self._n_joints, self._data
+        with wp.ScopedDevice(self._device):
+            wp.launch(
+                place_object,
+                dim=self._n,
+                inputs=[
+                    self._chosen(rows),
+                    wp.vec2i(k + first[0], k + first[1]),
+                    wp.array(pose, dtype=float),
+                    data.qpos,
+                    self._held,
+                    data.qvel,
+                    data.qacc_warmstart,
+                ],
+            )
+
+    def normal_forces(self, links: Sequence[str]) -> Array:
+        """Return the sum of the normal forces on each link [N], (n, n_links)."""
+        contact = self._data.contact
+        owners = geom_owners(self._engine.model)
+        owner = np.array([[each == link for link in links] for each in owners])
+        with wp.ScopedDevice(self._device):
+            found = wp.zeros((self._n, len(links)), dtype=float)
+            wp.launch(
+                sum_normal_forces,
+                dim=contact.worldid.shape[0],
+                inputs=[
+                    self._data.nacon,
+                    contact.worldid,
+                    contact.geom,
+                    contact.efc_address,
+                    self._data.efc.force,
+                    wp.array(owner.astype(np.int32), dtype=int),
+                    found,
+                ],
+            )
+        return _doubles(found)
+
+
+def _doubles(array: Any) -> Array:
+    """Return a copy of a device's array on the host."""
+    return np.asarray(array.numpy(), dtype=np.float64)

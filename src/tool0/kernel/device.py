@@ -1,0 +1,383 @@
+"""Controllers and drives of many robots on a Warp device, in single precision."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, final
+
+import numpy as np
+import warp as wp
+
+from tool0.control.config import Controller
+from tool0.control.law import IdleLaw, TrajectoryLaw
+from tool0.description.model import LinearOpening, ParallelGripper, RotaryOpening
+from tool0.errors import ConfigError
+from tool0.hardware.limits import DriveBounds, DriveLimits
+from tool0.hardware.robot_hardware import POSE_PERIOD, RobotHardware
+from tool0.kernel.motions import Array, Indices, Motions
+from tool0.kernel.warp_laws import (
+    Body,
+    Drive,
+    Spring,
+    balance,
+    restart,
+    run_drives,
+    run_laws,
+)
+
+NO_GRIP = (0.0, 0.0, 0.0)
+JOINT_EFFORT, PAD_FORCE = 1.0, 2.0
+"""Kinds of grips in ``run_drives``."""
+
+
+class DeviceState(NamedTuple):
+    """Arrays of the engine on the device, one row per robot.
+
+    Joints come first where an array has more columns.
+    """
+
+    steps: Any
+    """Since the reset, shape (n,)."""
+    position: Any
+    velocity: Any
+    motors: Any
+    """Efforts that the engine reads, one per motor."""
+
+
+@final
+class DeviceControl:
+    """The running controllers and the drives of n copies of one robot.
+
+    Every array that a caller passes or gets is in double precision.
+    """
+
+    def __init__(
+        self,
+        running: Mapping[str, tuple[Controller, Sequence[int]]],
+        hardware: RobotHardware,
+        grippers: Sequence[ParallelGripper],
+        state: DeviceState,
+        *,
+        position: Array,
+        motor_joints: Sequence[int],
+        period: float,
+        device: str,
+    ) -> None:
+        """Let every copy rest.
+
+        Args:
+            running: The running controllers by name, in load order, with their joints.
+            hardware: The drives.
+            grippers: What goals with limits move.
+            state: Of the engine.
+            position: Of the joints [rad | m], shape (n, n_joints).
+            motor_joints: The joint of each motor.
+            period: Length of a tick [s].
+            device: Name of Warp's device.
+
+        Raises:
+            ConfigError: If the device cannot run a controller or a drive.
+        """
+        laws = _laws(running, hardware)
+        self._state, self._device = state, device
+        self._dt, self._period = hardware.table.dt, period
+        n = len(position)
+        self._first: list[int] = []
+        """The number of the first joint of each running controller."""
+        joints: list[int] = []
+        for (_, its), law in zip(running.values(), laws, strict=True):
+            self._first.append(len(joints))
+            joints += its if law is not None else ()
+        self._joints = joints
+        wraps, gains, feed_forward = _constants(laws)
+        self._motions = Motions(position[:, joints], wraps)
+        self._is_uploaded = False
+        table = hardware.table
+        self._drives = [bounds.joint for bounds in table.bounds]
+        self._grips = np.zeros((n, len(self._drives), 3), dtype=np.float32)
+        compensated = [float(i in table.compensated) for i in self._drives]
+        n_joints, n_bodies = len(hardware.joint_names), len(table.dynamics.bodies)
+        pads = {gripper.joint: gripper for gripper in grippers}
+        names = hardware.joint_names
+        with wp.ScopedDevice(device):
+            self._joint_array = wp.array(joints, dtype=int)
+            self._wraps = wp.array([int(wrap) for wrap in wraps], dtype=int)
+            self._gains = wp.array(gains, dtype=float, ndim=2)
+            self._feed_forward = wp.array(feed_forward, dtype=float)
+            self._integrals = wp.zeros((n, len(joints)), dtype=float)
+            self._command = wp.zeros((n, n_joints), dtype=float)
+            self._effort = wp.zeros((n, n_joints), dtype=float)
+            self._loads = wp.zeros((n, n_joints), dtype=float)
+            self._before = wp.full((n, len(self._drives)), math.nan, dtype=float)
+            self._bodies = wp.array(_bodies(hardware), dtype=Body)
+            self._springs = wp.array(_springs(hardware), dtype=Spring)
+            self._drive_table = wp.array(
+                [
+                    _drive(bounds, pads.get(names[bounds.joint]))
+                    for bounds in table.bounds
+                ],
+                dtype=Drive,
+            )
+            self._compensates = wp.array(compensated, dtype=float)
+            motors = [motor_joints.index(i) for i in self._drives]
+            self._motor_of = wp.array(motors, dtype=int)
+            self._rotations = wp.zeros((n, n_bodies), dtype=wp.mat33)
+            self._positions = wp.zeros((n, n_bodies), dtype=wp.vec3)
+            self._moments = wp.zeros((n, n_bodies), dtype=wp.vec3)
+            self._grip_array = wp.zeros((n, len(self._drives)), dtype=wp.vec3)
+        self._gravity = table.dynamics.gravity
+        self._allocate()
+
+    @property
+    def effort(self) -> Array:
+        """The efforts applied in the last step [N·m | N], shape (n, n_joints)."""
+        return np.asarray(self._effort.numpy(), dtype=np.float64)
+
+    # ---- what a tick launches -------------------------------------------------------
+
+    def upload(self) -> bool:
+        """Bring what commands changed to the device; return whether arrays moved.
+
+        A recorded graph of launches then has to be recorded again.
+        """
+        if self._is_uploaded:
+            return False
+        has_moved = bool(self._until.shape != self._motions.until.shape)
+        if has_moved:
+            self._allocate()
+        motions = self._motions
+        self._until.assign(motions.until)
+        self._origin.assign(motions.origin)
+        self._coefficients.assign(motions.coefficients.astype(np.float32))
+        self._grip_array.assign(self._grips)
+        self._is_uploaded = True
+        return has_moved
+
+    def _allocate(self) -> None:
+        shape = self._motions.until.shape
+        with wp.ScopedDevice(self._device):
+            self._until = wp.zeros(shape, dtype=wp.float64)
+            self._origin = wp.zeros(shape, dtype=wp.float64)
+            self._coefficients = wp.zeros(shape, dtype=wp.vec4)
+
+    def launch_laws(self) -> None:
+        """Write the commands of a tick."""
+        state = self._state
+        wp.launch(
+            run_laws,
+            dim=self._integrals.shape,
+            inputs=[
+                state.steps,
+                self._dt,
+                self._period,
+                self._joint_array,
+                self._wraps,
+                self._gains,
+                self._feed_forward,
+                self._until,
+                self._origin,
+                self._coefficients,
+                state.position,
+                state.velocity,
+                self._integrals,
+                self._command,
+            ],
+            device=self._device,
+        )
+
+    def launch_drives(self) -> None:
+        """Write the efforts of the next step for the engine's motors."""
+        state = self._state
+        wp.launch(
+            balance,
+            dim=self._integrals.shape[0],
+            inputs=[
+                state.steps,
+                POSE_PERIOD,
+                self._gravity,
+                self._bodies,
+                self._springs,
+                state.position,
+                self._rotations,
+                self._positions,
+                self._moments,
+                self._loads,
+            ],
+            device=self._device,
+        )
+        wp.launch(
+            run_drives,
+            dim=self._before.shape,
+            inputs=[
+                self._drive_table,
+                self._compensates,
+                self._loads,
+                self._grip_array,
+                self._command,
+                state.position,
+                state.velocity,
+                self._before,
+                self._effort,
+                state.motors,
+                self._motor_of,
+            ],
+            device=self._device,
+        )
+
+    # ---- commands between ticks -----------------------------------------------------
+
+    def restart(self, rows: Indices, position: Array) -> None:
+        """Let copies rest at ``position`` of all joints, (len(rows), n_joints)."""
+        is_chosen = np.zeros(len(self._grips), dtype=np.int32)
+        is_chosen[rows] = 1
+        self._motions.rest(rows, position[:, self._joints])
+        self._grips[rows] = NO_GRIP
+        self._is_uploaded = False
+        wp.launch(
+            restart,
+            dim=len(is_chosen),
+            inputs=[
+                wp.array(is_chosen, dtype=int, device=self._device),
+                self._integrals,
+                self._command,
+                self._before,
+                self._effort,
+            ],
+            device=self._device,
+        )
+
+    def desired(self, rows: Indices, controller: int, joint: int, now: Array) -> Array:
+        """Return the desired positions of a controller's joint, by its number there."""
+        return self._motions.desired(rows, self._first[controller] + joint, now)[0]
+
+    def start(
+        self,
+        rows: Indices,
+        controller: int,
+        joints: Sequence[int],
+        *,
+        now: Array,
+        times: Array,
+        positions: Array,
+        velocities: Array | None,
+    ) -> int | None:
+        """Start motions as ``Motions.start``; limits of goals on the joints end."""
+        columns = [self._first[controller] + joint for joint in joints]
+        refused = self._motions.start(
+            rows,
+            columns,
+            now=now,
+            times=times,
+            positions=positions,
+            velocities=velocities,
+        )
+        if refused is not None:
+            return refused
+        for column in columns:
+            self._grips[rows, self._drives.index(self._joints[column])] = NO_GRIP
+        self._is_uploaded = False
+        return None
+
+    def set_drive_limits(
+        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
+    ) -> None:
+        """Limit the drive of a joint, by the engine's number, in each of the rows."""
+        drive = self._drives.index(joint)
+        if len(rows):
+            self._grips[rows, drive] = [_grip(each) for each in limits]
+            self._is_uploaded = False
+
+
+def _laws(
+    running: Mapping[str, tuple[Controller, Sequence[int]]], hardware: RobotHardware
+) -> list[TrajectoryLaw | None]:
+    """Return the law of each controller, None for an idle one; or raise ConfigError."""
+    laws: list[TrajectoryLaw | None] = []
+    for name, (controller, _) in running.items():
+        law = controller.law()
+        if isinstance(law, IdleLaw):
+            laws.append(None)
+        elif isinstance(law, TrajectoryLaw) and law.pid is not None:
+            laws.append(law)
+        else:
+            raise ConfigError(
+                f"controller '{name}' cannot run on a GPU; only JointTrajectory"
+                "Controllers with an effort interface can: use device='cpu'"
+            )
+    if hardware.setup.servos:
+        joints = [hardware.joint_names[i] for i, _ in hardware.setup.servos]
+        raise ConfigError(
+            f"the servos and brakes of {', '.join(joints)} cannot run on a GPU; only "
+            "joints with a running effort controller can: use device='cpu'"
+        )
+    return laws
+
+
+def _constants(
+    laws: Sequence[TrajectoryLaw | None],
+) -> tuple[list[bool], list[tuple[float, ...]], list[float]]:
+    """Return for each controlled joint whether errors wrap, gains and feed-forward."""
+    wraps: list[bool] = []
+    gains: list[tuple[float, ...]] = []
+    feed_forward: list[float] = []
+    for law in laws:
+        if law is not None and law.pid is not None:
+            rows = [tuple(map(float, row[1:])) for row in law.pid.rows]
+            wraps += [k in law.wrapping for k in range(len(rows))]
+            gains += rows
+            feed_forward += law.feed_forward or [0.0] * len(rows)
+    return wraps, gains, feed_forward
+
+
+def _bodies(hardware: RobotHardware) -> list[Any]:
+    table = hardware.table
+    found = []
+    for each, joint in zip(table.dynamics.bodies, table.to_model, strict=True):
+        body = Body()
+        body.parent, body.is_prismatic = each.parent, int(each.is_prismatic)
+        body.master, body.joint = table.to_model[each.master], joint
+        body.multiplier, body.mass = each.multiplier, each.mass
+        x, y, z, origin = np.reshape(each.placement, (4, 3)).tolist()
+        body.rotation = wp.mat33(*[v for row in zip(x, y, z, strict=True) for v in row])
+        body.position, body.center = wp.vec3(*origin), wp.vec3(*each.center)
+        found.append(body)
+    return found
+
+
+def _springs(hardware: RobotHardware) -> list[Any]:
+    table = hardware.table
+    found = []
+    for each in table.dynamics.springs:
+        spring = Spring()
+        spring.joint = table.to_model[each.joint]
+        spring.master = table.to_model[each.master]
+        spring.factor = each.multiplier * each.stiffness
+        spring.reference = each.reference
+        found.append(spring)
+    return found
+
+
+def _drive(bounds: DriveBounds, gripper: ParallelGripper | None) -> Any:
+    drive = Drive()
+    for name in ("joint", "effort", "velocity", "lower", "upper", "rotor", "ease"):
+        setattr(drive, name, getattr(bounds, name))
+    if bounds.soft is not None:
+        drive.is_soft, drive.k_velocity = 1, bounds.soft.k_velocity
+        drive.k_position = bounds.soft.k_position
+        drive.soft_lower = bounds.soft.soft_lower_limit
+        drive.soft_upper = bounds.soft.soft_upper_limit
+    match gripper and gripper.law:
+        case LinearOpening() as law:
+            drive.is_linear, drive.pad_slope = 1, law.pad_slope
+        case RotaryOpening() as law:
+            drive.pad_cos, drive.pad_sin = law.pad_cos, law.pad_sin
+    return drive
+
+
+def _grip(limits: DriveLimits) -> tuple[float, float, float]:
+    """Return the limits of a goal as ``run_drives`` reads them."""
+    speed = math.inf if limits.speed is None else limits.speed
+    if limits.force is not None:
+        return limits.force, speed, PAD_FORCE
+    return math.inf if limits.effort is None else limits.effort, speed, JOINT_EFFORT

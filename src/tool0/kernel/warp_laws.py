@@ -1,0 +1,274 @@
+"""The control law as Warp kernels: ``laws.c`` and ``drives.c`` for many robots at once.
+
+The order of operations is that of the C code, in single precision.  Time is in double
+precision, so that motions begin and end in the same tick.  Units are those of the C
+structs, and so are the names.  Arrays have one row per robot: shape (n, …).
+"""
+
+import math
+
+import warp as wp
+
+TURN = wp.constant(math.tau)
+
+
+@wp.struct
+class Body:
+    """``DriveBody``; ``master`` is a joint's number."""
+
+    parent: int
+    is_prismatic: int
+    master: int
+    joint: int
+    multiplier: float
+    mass: float
+    rotation: wp.mat33
+    position: wp.vec3
+    center: wp.vec3
+
+
+@wp.struct
+class Spring:
+    """``DriveSpring``, with the numbers of joints."""
+
+    joint: int
+    master: int
+    factor: float
+    """Multiplier times stiffness."""
+    reference: float
+
+
+@wp.struct
+class Drive:
+    """``DriveBounds``, with the pads that ``DriveGoal`` knows."""
+
+    joint: int
+    is_soft: int
+    is_linear: int
+    effort: float
+    velocity: float
+    lower: float
+    upper: float
+    rotor: float
+    ease: float
+    k_velocity: float
+    k_position: float
+    soft_lower: float
+    soft_upper: float
+    pad_cos: float
+    pad_sin: float
+    pad_slope: float
+
+
+@wp.kernel
+def run_laws(
+    steps: wp.array[int],
+    dt: wp.float64,
+    period: float,
+    joints: wp.array[int],
+    wraps: wp.array[int],
+    gains: wp.array2d[float],
+    feed_forward: wp.array[float],
+    until: wp.array3d[wp.float64],
+    origin: wp.array3d[wp.float64],
+    coefficients: wp.array3d[wp.vec4],
+    position: wp.array2d[float],
+    velocity: wp.array2d[float],
+    integrals: wp.array2d[float],
+    command: wp.array2d[float],
+) -> None:
+    """Write the command of a tick, for each robot and each controlled joint."""
+    robot, k = wp.tid()
+    time = wp.float64(steps[robot]) * dt
+    j = int(0)
+    while time >= until[robot, k, j]:  # that of the last piece is infinite
+        j += 1
+    t = wp.float32(time - origin[robot, k, j])
+    c = coefficients[robot, k, j]
+    i = joints[k]
+    error = c[0] + t * (c[1] + t * (c[2] + t * c[3])) - position[robot, i]
+    rate = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]) - velocity[robot, i]
+    if wraps[k] != 0:
+        error = error - TURN * wp.rint(error / TURN)
+    integral = integrals[robot, k] + period * error
+    term = gains[k, 1] * integral
+    clamped = wp.min(wp.max(term, gains[k, 3]), gains[k, 4])
+    if clamped != term and gains[k, 5] != 0.0:
+        integral = clamped / gains[k, 1]
+    integrals[robot, k] = integral
+    effort = gains[k, 0] * error + clamped + gains[k, 2] * rate
+    command[robot, i] = effort + feed_forward[k] * (rate + velocity[robot, i])
+
+
+@wp.kernel
+def balance(
+    steps: wp.array[int],
+    pose_period: int,
+    gravity: float,
+    bodies: wp.array[Body],
+    springs: wp.array[Spring],
+    position: wp.array2d[float],
+    rotations: wp.array2d[wp.mat33],
+    positions: wp.array2d[wp.vec3],
+    moments: wp.array2d[wp.vec3],
+    loads: wp.array2d[float],
+) -> None:
+    """Set loads to the efforts that balance gravity and springs, when they are due.
+
+    ``rotations``, ``positions`` and ``moments`` (mass last) are scratch, one per body.
+    """
+    robot = wp.tid()
+    if steps[robot] % pose_period != 0:
+        return
+    for i in range(bodies.shape[0]):
+        body = bodies[i]
+        R = body.rotation
+        p = body.position
+        if body.parent >= 0:
+            p = rotations[robot, body.parent] @ p + positions[robot, body.parent]
+            R = rotations[robot, body.parent] @ R
+        q = position[robot, body.joint]
+        if body.is_prismatic != 0:
+            p = p + q * wp.vec3(R[0, 2], R[1, 2], R[2, 2])
+        else:
+            c = wp.cos(q)
+            s = wp.sin(q)
+            R = R @ wp.mat33(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+        rotations[robot, i] = R
+        positions[robot, i] = p
+        center = R @ body.center + p
+        moments[robot, i] = body.mass * wp.vec3(center[0], center[1], 1.0)
+    for i in range(loads.shape[1]):
+        loads[robot, i] = 0.0
+    for k in range(bodies.shape[0]):
+        i = bodies.shape[0] - 1 - k
+        body = bodies[i]
+        R = rotations[robot, i]
+        p = positions[robot, i]
+        moment = moments[robot, i]
+        load = gravity * moment[2] * R[2, 2]
+        if body.is_prismatic == 0:
+            lever_x = moment[0] - moment[2] * p[0]
+            lever_y = moment[1] - moment[2] * p[1]
+            load = gravity * (R[0, 2] * lever_y - R[1, 2] * lever_x)
+        loads[robot, body.master] += body.multiplier * load
+        if body.parent >= 0:
+            moments[robot, body.parent] = moments[robot, body.parent] + moment
+    for k in range(springs.shape[0]):
+        spring = springs[k]
+        stretch = position[robot, spring.joint] - spring.reference
+        loads[robot, spring.master] += spring.factor * stretch
+
+
+@wp.func
+def soft_speed(drive: Drive, position: float, limit: float) -> wp.float32:
+    """Return the speed towards a soft limit that the position allows."""
+    speed = -drive.k_position * (position - limit)
+    return wp.clamp(speed, -drive.velocity, drive.velocity)
+
+
+@wp.kernel
+def run_drives(
+    drives: wp.array[Drive],
+    compensates: wp.array[float],
+    loads: wp.array2d[float],
+    grips: wp.array2d[wp.vec3],
+    command: wp.array2d[float],
+    position: wp.array2d[float],
+    velocity: wp.array2d[float],
+    before: wp.array2d[float],
+    effort: wp.array2d[float],
+    motors: wp.array2d[float],
+    motor_of: wp.array[int],
+) -> None:
+    """Write the effort of the next step, for each robot and each drive.
+
+    ``compensates`` is 1 for drives that carry their load, ``motor_of`` the number of a
+    drive's motor.  Of a goal, ``grips`` has force or effort, the speed of the pads, and
+    its kind: 0 for none, 1 for an effort of the joint, 2 for a force at the pads.
+    """
+    robot, k = wp.tid()
+    drive = drives[k]
+    i = drive.joint
+    gravity = compensates[k] * loads[robot, i]
+    q = position[robot, i]
+    qd = velocity[robot, i]
+    u = command[robot, i] + gravity
+    most = drive.effort
+    speed = drive.velocity
+    applied = effort[robot, i]
+    grip = grips[robot, k]
+    is_limited = grip[2] > 0.0
+    has_rotor = drive.rotor < wp.inf
+    if is_limited or has_rotor:
+        is_free = wp.abs(u) <= most
+        if is_limited or not is_free or wp.abs(qd) + wp.abs(u) / drive.rotor > speed:
+            if is_limited:
+                lever = 2.0 * wp.abs(drive.pad_slope)
+                if drive.is_linear == 0:
+                    lever = 2.0 * wp.abs(
+                        drive.pad_sin * wp.cos(q) - drive.pad_cos * wp.sin(q)
+                    )
+                force = grip[0]
+                if grip[2] > 1.5:
+                    force = force * lever
+                lowest = wp.min(gravity - force, applied + drive.ease)
+                highest = wp.max(gravity + force, applied - drive.ease)
+                u = wp.min(wp.max(u, lowest), highest)
+                if lever > 0.0:
+                    speed = wp.min(speed, grip[1] / lever)
+            u = wp.clamp(u, -most, most)
+            last = before[robot, k]
+            before[robot, k] = qd
+            if has_rotor:
+                held_back = float(0.0)
+                if not wp.isnan(last):
+                    held_back = applied - (qd - last) * drive.rotor
+                if u > gravity:
+                    room = (speed - qd) * drive.rotor + held_back
+                    u = wp.min(u, wp.max(room, wp.min(0.0, gravity)))
+                else:
+                    room = held_back - (speed + qd) * drive.rotor
+                    u = wp.max(u, wp.min(room, wp.max(0.0, gravity)))
+            elif (u > 0.0 and qd > speed) or (u <= 0.0 and qd < -speed):
+                u = 0.0
+        else:
+            before[robot, k] = wp.nan
+        speed = wp.inf
+    if u > 0.0:
+        if q > drive.upper or qd > speed:
+            u = 0.0
+        u = wp.min(u, most)
+    elif u < 0.0:
+        if q < drive.lower or qd < -speed:
+            u = 0.0
+        u = wp.max(u, -most)
+    if drive.is_soft != 0:
+        slowest = soft_speed(drive, q, drive.soft_lower)
+        fastest = soft_speed(drive, q, drive.soft_upper)
+        lower = wp.clamp(-drive.k_velocity * (qd - slowest), -most, most)
+        upper = wp.clamp(-drive.k_velocity * (qd - fastest), -most, most)
+        u = wp.min(wp.max(u, lower), upper)
+    effort[robot, i] = u
+    motors[robot, motor_of[k]] = u
+
+
+@wp.kernel
+def restart(
+    is_chosen: wp.array[int],
+    integrals: wp.array2d[float],
+    command: wp.array2d[float],
+    before: wp.array2d[float],
+    effort: wp.array2d[float],
+) -> None:
+    """Forget what laws and drives of the chosen robots remember."""
+    robot = wp.tid()
+    if is_chosen[robot] == 0:
+        return
+    for k in range(integrals.shape[1]):
+        integrals[robot, k] = 0.0
+    for k in range(before.shape[1]):
+        before[robot, k] = wp.nan
+    for i in range(command.shape[1]):
+        command[robot, i] = 0.0
+        effort[robot, i] = 0.0

@@ -1,0 +1,189 @@
+"""A batch on a device of MuJoCo Warp, beside one on the CPU."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from batch_rig import block_between
+from numpy.typing import NDArray
+from warp_rig import device_under_test, has_warp, needs_warp
+
+import tool0
+
+N = 4
+TICKS = 50
+POSITION, VELOCITY, EFFORT = 2e-6, 2e-4, 1e-2
+"""Largest differences while the arm moves freely [rad | m], [rad/s | m/s], [N·m | N].
+Single precision, and 1e-6 of 4000 N·m/rad."""
+
+SCENE = "table_and_cubes"
+BLOCKS = [block_between(tool0.Transform(), mass) for mass in (0.1, 0.2)]
+POSITIONS = "hardware_interface/PositionJointInterface"
+SERVOS = """
+arm_controller:
+  type: position_controllers/JointTrajectoryController
+  joints: [shoulder_pan_joint, shoulder_lift_joint, elbow_joint,
+           wrist_1_joint, wrist_2_joint, wrist_3_joint]
+gripper_controller:
+  type: position_controllers/JointTrajectoryController
+  joints: [finger_joint]
+"""
+Array = NDArray[np.float64]
+
+
+def test_an_unknown_device_is_refused() -> None:
+    with pytest.raises(tool0.ConfigError, match=r"unknown device 'gpu'; valid: 'cpu'"):
+        tool0.Batch(1, device="gpu")
+
+
+@pytest.mark.skipif(has_warp(), reason="MuJoCo Warp is installed")
+def test_a_gpu_needs_mujoco_warp() -> None:
+    match = r"'cuda' needs MuJoCo Warp, .*pip install 'tool0\[gpu\]'"
+    with pytest.raises(tool0.EngineUnavailableError, match=match):
+        tool0.Batch(1, device="cuda")
+
+
+@needs_warp
+def test_a_device_that_is_absent_is_refused() -> None:
+    match = r"no device 'cuda:99': Warp finds cpu.*NVIDIA's driver"
+    with pytest.raises(tool0.EngineUnavailableError, match=match):
+        tool0.Batch(1, device="cuda:99")
+
+
+@needs_warp
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        ({"threads": 2}, "threads are those of device='cpu'"),
+        ({"scene": BLOCKS}, "all copies have the same scene"),
+        (
+            {"control": tool0.ControlConfig(gripper_action=True)},
+            "controller 'gripper_controller' cannot run on a GPU",
+        ),
+    ],
+)
+def test_what_a_gpu_cannot_run_is_refused(
+    options: dict[str, object], match: str
+) -> None:
+    with pytest.raises(tool0.ConfigError, match=match):
+        tool0.Batch(2, device="warp:cpu", **options)  # type: ignore[arg-type]
+
+
+@needs_warp
+def test_servos_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "controllers.yaml"
+    path.write_text(SERVOS, encoding="utf-8")
+    with pytest.raises(tool0.ConfigError, match="'arm_controller' cannot run on a GPU"):
+        tool0.Batch(
+            2,
+            device="warp:cpu",
+            description=tool0.DescriptionConfig(transmission_hw_interface=POSITIONS),
+            control=tool0.ControlConfig(
+                controllers_file=path, controllers="arm_controller gripper_controller"
+            ),
+        )
+
+
+@needs_warp
+def test_brakes_are_refused() -> None:
+    with pytest.raises(tool0.ConfigError, match="brakes of finger_joint cannot run"):
+        tool0.Batch(
+            1,
+            device="warp:cpu",
+            control=tool0.ControlConfig(controllers="eff_joint_traj_controller"),
+        )
+
+
+@pytest.fixture(scope="module")
+def device() -> str:
+    return device_under_test()
+
+
+def test_moving_arms_agree_with_those_of_the_cpu(device: str) -> None:
+    with (
+        tool0.Batch(N, scene=SCENE) as host,
+        tool0.Batch(N, scene=SCENE, device=device) as other,
+    ):
+        columns = [host.joint_names.index(joint) for joint in host.arm_joints]
+        home = host.position[:, columns]
+        rng = np.random.default_rng(1)
+        for k in range(3):
+            q = home + rng.uniform(-0.1, 0.1, home.shape)
+            opening, force = rng.uniform(0.0, 0.08, N), rng.uniform(30.0, 100.0, N)
+            points = np.stack([home, q], axis=1)
+            start = home[0].tolist()
+            for batch in (host, other):
+                if k == 0:
+                    batch.command(q, duration=0.05)
+                elif k == 1:
+                    batch.follow(points, [0.02, 0.05], velocities=np.zeros_like(points))
+                else:
+                    pose = batch.position[0].copy()
+                    pose[columns[0]] = start[0] + 0.3
+                    batch.reset([1, 2], pose)
+                    batch.command(q, duration=0.05, which=[0, 1, 3])
+                batch.move_gripper(opening, force=force)
+                batch.step(TICKS)
+            np.testing.assert_array_equal(other.time, host.time)
+            np.testing.assert_allclose(other.position, host.position, atol=POSITION)
+            np.testing.assert_allclose(other.velocity, host.velocity, atol=VELOCITY)
+            np.testing.assert_allclose(other.effort, host.effort, atol=EFFORT)
+            np.testing.assert_allclose(other.opening(), host.opening(), atol=POSITION)
+            for mine, its in zip(other.tcp_pose(), host.tcp_pose(), strict=True):
+                np.testing.assert_allclose(mine, its, atol=POSITION)
+        assert np.ptp(host.position[:, columns], axis=0).min() > 0.01  # they moved
+        assert not other.diverged.any()
+
+
+def test_grips_agree_with_those_of_the_cpu(device: str) -> None:
+    with tool0.Batch(1) as batch:
+        x, y, z = batch.tcp_pose()[0][0].tolist()
+    scene = block_between(tool0.Transform(position=(x, y, z)), 0.2)
+    found = []
+    for name in ("cpu", device):
+        with tool0.Batch(2, scene=scene, device=name) as batch:
+            batch.move_gripper(0.0, force=[40.0, 80.0])
+            batch.run(0.7)
+            forces = batch.pad_forces(), batch.opening(), batch.object_position
+            found.append(forces)
+    (host, *its_host), (other, *its_other) = found
+    assert host.min(axis=1) == pytest.approx([40.0, 80.0], rel=0.1)  # it is held
+    np.testing.assert_allclose(other, host, rtol=0.02)
+    for mine, its in zip(its_other, its_host, strict=True):
+        np.testing.assert_allclose(mine, its, atol=2e-4)
+
+
+def test_a_copy_that_diverges_stands_still(device: str) -> None:
+    with tool0.Batch(3, scene=SCENE, device=device) as batch:
+        batch.step(2)
+        worlds = batch._copies._worlds  # type: ignore[attr-defined]
+        velocity = worlds.velocity.numpy()
+        velocity[1, 0] = np.nan
+        worlds.velocity.assign(velocity)
+        batch.step(5)
+        assert batch.diverged.tolist() == [False, True, False]
+        np.testing.assert_allclose(batch.time, [0.007, 0.002, 0.007])
+        assert np.isfinite(batch.position).all()
+        before = batch.position[1]
+        batch.step(3)
+        np.testing.assert_array_equal(batch.position[1], before)
+        batch.reset([1])
+        assert not batch.diverged.any()
+        batch.step(2)
+        np.testing.assert_allclose(batch.time, [0.012, 0.002, 0.012])
+
+
+def test_some_methods_need_the_cpu(device: str) -> None:
+    with tool0.Batch(1, scene=SCENE, device=device) as batch:
+        name = batch.object_names[0]
+        for method in (
+            lambda: batch.set_mass(name, 0.2),
+            lambda: batch.set_friction(name, 0.5),
+            lambda: batch.render(0, "overview"),
+        ):
+            with pytest.raises(
+                tool0.ControlError, match="works with device='cpu' only"
+            ):
+                method()
