@@ -200,7 +200,7 @@ def own_cluster(n_processors: int) -> Iterator[str]:
         ConfigError: If Ray was imported for clusters of several machines.
         TransportError: If it does not start.
     """
-    if "ray" in sys.modules and os.environ.get(_LOOPBACK) != "0":
+    if sys.modules.get("ray") is not None and os.environ.get(_LOOPBACK) != "0":
         raise ConfigError(
             "Ray was imported before: set the environment variable "
             f"{_LOOPBACK}=0 before that, or start this Ray first"
