@@ -35,9 +35,6 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
     signal.signal(signal.SIGHUP, lambda number, frame: None)
 
-# Ray reads it when the first test imports it: every Ray here listens to this machine.
-os.environ["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
-
 settings.register_profile(  # a busy machine is slow, and no test fails for it
     "tests", deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )

@@ -7,6 +7,7 @@ own, so whoever reaches a cluster can run programs on it.  A cluster is trusted.
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import os
 import secrets
 import signal
@@ -229,13 +230,19 @@ def _token() -> str:
 
 
 def _imported() -> Any:
-    try:
-        import ray
-    except ImportError:
-        raise ConfigError(
-            "Ray is not installed; run pip install 'tool0[ray]'"
-        ) from None
+    _require_ray()
+    import ray
+
     return ray
+
+
+def _require_ray() -> None:
+    """Raise ConfigError if Ray is not installed, without importing it.
+
+    A process that has imported it cannot start ``own_cluster`` any more.
+    """
+    if importlib.util.find_spec("ray") is None:
+        raise ConfigError("Ray is not installed; run pip install 'tool0[ray]'")
 
 
 def _reach(address: str) -> None:
@@ -246,7 +253,7 @@ def _reach(address: str) -> None:
             f"'{address}' is no address of a Ray cluster; write HOST:PORT, such as "
             "10.0.0.1:6379, or local"
         )
-    _imported()
+    _require_ray()
     try:
         socket.create_connection(
             (host.strip("[]"), int(port)), _CONNECT_TIMEOUT
