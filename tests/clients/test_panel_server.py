@@ -234,11 +234,15 @@ def test_a_stop_ends_the_setpoints_that_were_sent_before(
             goal = {"elbow_joint": 0.5 + k / 100}
             page.send("steer_joints", controller=ARM, positions=goal)
         assert page.request("command_trajectory", controller=ARM) is None
-        still = page.wait_for("status", lambda s: s["targets"]["elbow_joint"] > 1.4)
+        still = robot.snapshot.setpoints()["elbow_joint"].target
+        assert still > 1.4
         for _ in range(30):  # half a second: five intervals of a stream
             page.next("frame")
-        target = robot.snapshot.setpoints()["elbow_joint"].target
-        assert target == pytest.approx(still["targets"]["elbow_joint"], abs=0.01)
+        assert robot.snapshot.setpoints()["elbow_joint"].target == still
+        page.wait_for(
+            "status",
+            lambda s: s["targets"]["elbow_joint"] == pytest.approx(still, abs=1e-4),
+        )
 
 
 def test_a_page_commands_time_poses_and_controllers(
