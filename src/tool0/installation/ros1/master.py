@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import shutil
 import time
@@ -20,6 +21,8 @@ logger = logging.getLogger(__name__)
 
 ROSCORE_TIMEOUT = 20.0
 """[s] until our roscore answers; usually two."""
+UNREGISTER_TIMEOUT = 1.0
+"""For the master to forget our node [wall s]."""
 CALL_TIMEOUT = 3.0
 """Timeout of a call to the master [s]."""
 ROSCORE_GRACE = 5.0
@@ -93,7 +96,24 @@ class Master:
         return next((tuple(nodes) for name, nodes in publishers if name == topic), ())
 
     def unregister_all(self, uri: str) -> None:
-        """Remove what is registered for our node, which is reached at ``uri``."""
+        """Remove what is registered for our node, which is reached at ``uri``.
+
+        Until the master forgets the node: a thread of rospy's may still register.
+        """
+        end = time.monotonic() + UNREGISTER_TIMEOUT
+        self._unregister_once(uri)
+        while self._knows(self._node) and time.monotonic() < end:
+            self._unregister_once(uri)
+
+    def _knows(self, node: str) -> bool:
+        """Return whether a node is registered, even a dead one."""
+        try:
+            self.call("lookupNode", node)
+        except RosUnavailableError:
+            return False
+        return True
+
+    def _unregister_once(self, uri: str) -> None:
         publishers, subscribers, services = self.call("getSystemState")
         for topic, nodes in publishers:
             if self._node in nodes:
@@ -103,8 +123,9 @@ class Master:
                 self.call("unregisterSubscriber", topic, uri)
         for service, nodes in services:
             if self._node in nodes:
-                address = self.call("lookupService", service)
-                self.call("unregisterService", service, address)
+                with contextlib.suppress(RosUnavailableError):  # unregistered meanwhile
+                    address = self.call("lookupService", service)
+                    self.call("unregisterService", service, address)
 
 
 @contextmanager
