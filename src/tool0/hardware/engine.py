@@ -287,6 +287,9 @@ class NativeStepper(NamedTuple):
 
     step: int
     """Of a C function ``void step(const void *model, void *data)``."""
+    on_error: int
+    """Of the variable that has the C function ``void on_error(const char *message)``,
+    which the engine calls on an error; 0 if there is none."""
     model: int
     data: int
     position: int

@@ -1,6 +1,9 @@
 /* The tick of runtime/core.py, without Python: laws, drives, engine. */
 
 #include <math.h>
+#include <setjmp.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "export.h"
@@ -35,7 +38,40 @@ static int update(Robot *robot)
     return 1;
 }
 
-/* Execute one physics step; return RUN_EVENT, with nothing changed, on an event. */
+/* An error of the engine would end the process.  In the kernel it returns to the step, and
+   Python repeats that, so that the bindings of the engine raise the error. */
+static _Thread_local jmp_buf *stepping;
+static void (*other_handler)(const char *);
+
+static void return_to_step(const char *message)
+{
+    if (stepping)
+        longjmp(*stepping, 1);
+    if (other_handler) {
+        other_handler(message);
+        return;
+    }
+    fprintf(stderr, "%s\n", message);
+    exit(EXIT_FAILURE);
+}
+
+/* Step the engine; return 0 on its error. */
+static int step_engine(Robot *robot)
+{
+    jmp_buf here;
+    if (robot->on_error && *robot->on_error != return_to_step) {
+        other_handler = *robot->on_error;
+        *robot->on_error = return_to_step;
+    }
+    stepping = &here;
+    int is_error = setjmp(here);
+    if (!is_error)
+        robot->step(robot->model, robot->data);
+    stepping = NULL;
+    return !is_error;
+}
+
+/* Execute one physics step; on an event, return RUN_EVENT before it. */
 static int step(Robot *robot)
 {
     int n = robot->n_joints;
@@ -47,7 +83,8 @@ static int step(Robot *robot)
         return RUN_EVENT;
     for (int j = 0; j < robot->n_motors; j++)
         robot->motors[j] = robot->effort[robot->motor_joints[j]];
-    robot->step(robot->model, robot->data);
+    if (!step_engine(robot))
+        return RUN_EVENT;
     robot->steps++;
     return is_suspicious(robot->velocity, robot->n_velocities) ? RUN_CHECK : RUN_DONE;
 }

@@ -112,6 +112,7 @@ class RobotStruct(Structure):
         ("dt", c_double),
         ("period", c_double),
         ("step", c_size_t),
+        ("on_error", c_size_t),
         ("model", c_size_t),
         ("data", c_size_t),
         ("position", c_size_t),

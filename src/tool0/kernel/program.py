@@ -58,7 +58,8 @@ class RobotMemory:
         """Step this engine from now on."""
         self._motor_joints = np.array(stepper.motor_joints, dtype=np.int32)
         struct = self.struct
-        struct.step, struct.model = stepper.step, stepper.model
+        struct.step, struct.on_error = stepper.step, stepper.on_error
+        struct.model = stepper.model
         struct.data = stepper.data
         struct.position, struct.velocity = stepper.position, stepper.velocity
         struct.n_velocities, struct.motors = stepper.n_velocities, stepper.motors

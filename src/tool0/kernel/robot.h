@@ -24,6 +24,7 @@ typedef struct {
     int64_t steps;      /* since the time was 0 */
     double dt, period;  /* of a step and of a tick [s] */
     void (*step)(const void *model, void *data); /* mj_step */
+    void (**on_error)(const char *); /* what the engine calls on an error; may be null */
     const void *model;
     void *data;
     const double *position, *velocity; /* of the engine */

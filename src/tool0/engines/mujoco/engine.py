@@ -38,13 +38,21 @@ def _log_warning(message: str) -> None:
 
 
 @cache
-def mj_step_address() -> int | None:
-    """Return the address of MuJoCo's ``mj_step``; None if its library is not found."""
+def _library() -> ctypes.CDLL | None:
+    """Return MuJoCo's library, which is loaded already; None if it is not found."""
     folder = Path(mujoco.__file__).parent
     for path in sorted(folder.glob("libmujoco.*")):
-        with contextlib.suppress(OSError, AttributeError):
-            return ctypes.cast(ctypes.CDLL(str(path)).mj_step, ctypes.c_void_p).value
+        with contextlib.suppress(OSError):
+            return ctypes.CDLL(str(path))
     return None
+
+
+def _address(function: Any) -> int:
+    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
+
+
+def _variable(library: ctypes.CDLL, name: str) -> int:
+    return ctypes.addressof(ctypes.c_void_p.in_dll(library, name))
 
 
 @final
@@ -132,8 +140,8 @@ class MujocoEngine:
 
     def _stepper(self) -> NativeStepper | None:
         """Return how compiled code steps the current model and data."""
-        step = mj_step_address()
-        if step is None:
+        library = _library()
+        if library is None:
             return None
 
         def note_steps(steps: int, effort: list[float]) -> None:
@@ -141,7 +149,10 @@ class MujocoEngine:
 
         model, data = self.model, self.data
         return NativeStepper(
-            step=step,
+            step=_address(library.mj_step),
+            on_error=ctypes.addressof(
+                ctypes.c_void_p.in_dll(library, "mju_user_error")
+            ),
             model=model._address,
             data=data._address,
             position=data.qpos.ctypes.data,
