@@ -101,7 +101,7 @@ def test_an_address_for_other_machines_is_warned_of_and_needs_the_token() -> Non
     options = ("--panel-host", "0.0.0.0", "--panel-port", "0")
     with running("view", *options) as (program, url):
         assert "?token=" in url
-        with page_at(url.replace(gethostname(), "127.0.0.1")) as page:
+        with page_at(url.replace(gethostname(), "127.0.0.1", 1)) as page:
             assert page.request("reset") is None
         assert "anyone with its address and token" in end(program)
 
