@@ -345,7 +345,6 @@ class Core:
         ``at_least`` if that is larger, as for joints that were all commanded.
         """
         position, start = self._uncommanded(self.state.position), self._their_start
-        position, start = self._uncommanded(self.state.position), self._their_start
         if math.dist(position, start) <= at_least:  # no joint is further than all are
             return at_least
         largest: float = max(map(abs, map(sub, position, start)))
